@@ -1,0 +1,27 @@
+"""The command line: one file per command, registered here."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from origami_nlp.cli import verify
+from origami_nlp.errors import OrigamiError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="The stable states of an origami vertex: found, classified, shown.",
+)
+app.command("verify")(verify.verify)
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one line and exit code 2."""
+    try:
+        app()
+    except OrigamiError as error:
+        print(f"origami-nlp: {error}", file=sys.stderr)
+        sys.exit(2)

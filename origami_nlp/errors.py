@@ -1,0 +1,33 @@
+"""Every error a user can cause, one subclass per kind of bad input.
+
+Each message is one line that names the field, the value found, and the fix.  The command line turns
+an `OrigamiError` into that line and exit code 2; anything else is a bug of ours.
+"""
+
+
+class OrigamiError(ValueError):
+    """Base class: catch this to catch every complaint about input."""
+
+
+class AngleError(OrigamiError):
+    """An angle is not a finite number or a rational multiple of pi."""
+
+
+class VertexError(OrigamiError):
+    """The crease directions do not make a flat vertex."""
+
+
+class SceneError(OrigamiError):
+    """Stiffness, rest angles, symmetry or contact do not fit the vertex."""
+
+
+class SymmetryError(SceneError):
+    """The asked symmetry is not shared by geometry and mechanics."""
+
+
+class SceneFileError(OrigamiError):
+    """A scene file cannot be read, or has unknown or missing keys."""
+
+
+class OptionError(OrigamiError):
+    """A command-line or keyword option has a value it cannot take."""
