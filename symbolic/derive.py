@@ -1,19 +1,24 @@
 """The reduced compatibility conditions, solved from scratch.
 
-Every reduced condition of a symmetric vertex is one (or two) equations A cos t + B sin t = C in half a fold
-angle; `TrigEquation` holds one and knows its solutions.  Three families:
+Every reduced condition of a symmetric vertex is one (or two) equations A cos t + B sin t = C in
+half a fold angle; `TrigEquation` holds one and knows its solutions.  Three families:
 
-`reflection_form`  D_1, any even degree N: creases b_1 = e1 .. b_k = -e1 of half the vertex, k = N/2 + 1.
-`dihedral_form`    D_n, n >= 2: creases b_1 = e1 .. b_k of the wedge between neighbouring mirrors, the last at
-                   azimuth pi/n.  Solved for phi_1 from (elevation, inner folds), or for phi_1 (phi_k) from the
-                   other folds.
-`cyclic_form`      C_n: the creases b_1 .. b_m of one period 2 pi/n, solved for any one of them.
+`reflection_form`
+    D_1, any even degree N: creases b_1 = e1 .. b_k = -e1 of half the vertex, k = N/2 + 1.
+`dihedral_form`, `dihedral_fold_form`
+    D_n, n >= 2: creases b_1 = e1 .. b_k of the wedge between neighbouring mirrors, the last at
+    azimuth pi/n.  Solved for phi_1 from (elevation, inner folds), or for phi_1 (phi_k) from the
+    other folds.
+`cyclic_form`
+    C_n: the creases b_1 .. b_m of one period 2 pi/n, solved for any one of them.
 
-Conventions: creases counter-clockwise in the e1-e2 plane; H = Q(b_1, phi_1/2) Q(b_2, phi_2) .. Q(b_k, phi_k/2).
-Inner creases are given as azimuths (SymPy angles) or as ready (cos, sin) pairs of the azimuth; folds as fold
-angles or as ready pairs (cos phi/2, sin phi/2).  A ready pair lets a proof use free symbols with c^2 + s^2 = 1.
-The paper's families: degree 6 = `reflection_form` with 2 inner creases, degree 8 = `dihedral_form(2, ..)` with
-one inner crease, cone of degree N = `dihedral_form(N/2, ..)` with none (claims ``derive.*`` prove it).
+Conventions: creases counter-clockwise in the e1-e2 plane and
+H = Q(b_1, phi_1/2) Q(b_2, phi_2) .. Q(b_k, phi_k/2).  Inner creases are given as azimuths (SymPy
+angles) or as ready (cos, sin) pairs of the azimuth; folds as fold angles or as ready pairs
+(cos phi/2, sin phi/2).  A ready pair lets a proof use free symbols with c^2 + s^2 = 1.
+The paper's families: degree 6 = `reflection_form` with 2 inner creases, degree 8 =
+`dihedral_form(2, ..)` with one inner crease, cone of degree N = `dihedral_form(N/2, ..)` with none
+(claims ``derive.*`` prove it).
 """
 
 from __future__ import annotations
@@ -50,7 +55,7 @@ def as_fold(angle: Any) -> Pair:
 
 
 def inner_product(azimuths: Sequence[Any], folds: Sequence[Any]) -> Quaternion:
-    """Quaternion M = Q(b_2, phi_2) .. Q(b_{k-1}, phi_{k-1}) of the creases strictly inside the wedge."""
+    """M = Q(b_2, phi_2) .. Q(b_{k-1}, phi_{k-1}): the creases strictly inside the wedge."""
     if len(azimuths) != len(folds):
         raise ValueError(f"{len(azimuths)} inner creases but {len(folds)} fold angles")
     return product(
@@ -62,9 +67,10 @@ def inner_product(azimuths: Sequence[Any], folds: Sequence[Any]) -> Quaternion:
 class TrigEquation:
     """A cos t + B sin t = C, where t is HALF the unknown fold angle (phi = 2 t).
 
-    Solvable in real t exactly when A^2 + B^2 >= C^2 and not A = B = 0 != C.  With D = sqrt(A^2 + B^2 - C^2) the
-    two solutions, branch = +1 and -1, are t = atan2(B, A) + branch atan2(D, C); they meet where D = 0.
-    Where A = B = C = 0 every t solves it: the chart ends there (a whole family of states over one point).
+    Solvable in real t exactly when A^2 + B^2 >= C^2 and not A = B = 0 != C.  With D = sqrt(A^2 +
+    B^2 - C^2) the two solutions, branch = +1 and -1, are t = atan2(B, A) + branch atan2(D, C);
+    they meet where D = 0. Where A = B = C = 0 every t solves it: the chart ends there (a whole
+    family of states over one point).
     """
 
     A: Any
@@ -104,11 +110,12 @@ class TrigEquation:
 class ReflectionForm:
     """D_1 solved for both mirror creases: phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v).
 
-    With e1 as the imaginary unit the inner product is M = u + v j, u = m_w + i m_x, v = m_y + i m_z, and
-    h = u e^{i(phi_1-phi_k)/4} + v e^{i(phi_1+phi_k)/4} j.  H e2 = e2 means h_x = h_z = 0, that is
-    Im(u e^{i(phi_1-phi_k)/4}) = 0 = Im(v e^{i(phi_1+phi_k)/4}): two `TrigEquation`s with C = 0, always solvable.
-    Both fold angles come modulo 2 pi, with a common parity (`sheet`).  u = 0 (or v = 0) frees
-    phi_1 - phi_k (or phi_1 + phi_k): the book fold at phi_2 = .. = phi_{k-1} = 0 is v = 0.
+    With e1 as the imaginary unit the inner product is M = u + v j, u = m_w + i m_x and
+    v = m_y + i m_z, so H = u e^{i(phi_1-phi_k)/4} + v e^{i(phi_1+phi_k)/4} j.  H e2 = e2 means
+    h_x = h_z = 0, that is Im(u e^{i(phi_1-phi_k)/4}) = 0 = Im(v e^{i(phi_1+phi_k)/4}): two
+    `TrigEquation`s with C = 0, always solvable.  Both fold angles come modulo 2 pi, with a common
+    parity (`paper`).  u = 0 frees phi_1 - phi_k, v = 0 frees phi_1 + phi_k: the chart ends there.
+    The book fold at phi_2 = .. = phi_{k-1} = 0 is v = 0; u = 0 lays crease k on crease 1.
     """
 
     u: Pair
@@ -146,22 +153,24 @@ class ReflectionForm:
         """phi_k (bring it into [-pi, pi] by adding 2 pi z)."""
         return 2 * sp.atan2(*self.last)
 
-    def sheet(self, phi_first: Any, phi_last: Any) -> Any:
-        """Re^2 - Im^2 of u e^{i(phi_1-phi_k)/4}: positive on the sheet of paper q = +1, negative on q = -1.
+    @property
+    def paper(self) -> Any:
+        """Re(u v) Re(u conj v): positive where (phi_1, phi_k) in [-pi, pi]^2 lies on q = +1.
 
-        On solutions one of the two parts is zero, so this is +|u|^2 or -|u|^2.  Use it after wrapping: for some
-        inner folds the pair (phi_1, phi_k) in [-pi, pi]^2 closes F = I on q = -1 only, and no paper does that.
+        Where it is negative the two wrapped angles close F = I on q = -1 only: no sheet of paper
+        does that.  Proof: e^{i phi_1/2} = s_1 conj(u v)/|u v|, e^{i phi_k/2} = s_k u conj(v)/|u v|
+        with s = sign of the real parts, so (u e^{i(phi_1-phi_k)/4})^2 = s_1 s_k |u|^2, and q = +1
+        is the case of a real u e^{i(phi_1-phi_k)/4}.
         """
-        a, b = self.u
-        t = (phi_first - phi_last) / 2
-        return (a**2 - b**2) * sp.cos(t) - 2 * a * b * sp.sin(t)
+        return self.first[1] * self.last[1]
 
 
 def reflection_form(azimuths: Sequence[Any], folds: Sequence[Any]) -> ReflectionForm:
     """Solve D_1 for the mirror creases.
 
-    azimuths, folds: the inner creases 2 .. k-1 of the half between b_1 = e1 and b_k = -e1 (k - 2 each); the vertex
-    has degree N = 2 (k - 1).  Any number of inner creases, flat-foldable or not.
+    azimuths, folds: the inner creases 2 .. k-1 of the half between b_1 = e1 and b_k = -e1 (k - 2
+    each); the vertex has degree N = 2 (k - 1).  Any number of inner creases, flat-foldable or
+    not.
     """
     m = inner_product(azimuths, folds)
     return ReflectionForm((m.w, m.x), (m.y, m.z))
@@ -169,7 +178,7 @@ def reflection_form(azimuths: Sequence[Any], folds: Sequence[Any]) -> Reflection
 
 @dataclass(frozen=True)
 class DihedralForm:
-    """D_n in the chart (elevation, inner folds): `equation` for t = phi_1/2, then phi_k explicitly."""
+    """D_n in the chart (elevation, inner folds): `equation` gives t = phi_1/2, then phi_k."""
 
     equation: TrigEquation
     inner: Quaternion
@@ -177,7 +186,8 @@ class DihedralForm:
     mirror: Pair
 
     def last(self, cos_t: Any, sin_t: Any) -> Pair:
-        """(sin, cos) of phi_k/2, once cos and sin of t = phi_1/2 are known: phi_k = 2 atan2(sin, cos).
+        """(sin, cos) of phi_k/2, once cos and sin of t = phi_1/2 are known: phi_k = 2 atan2(sin,
+        cos).
 
         Q(b_k, phi_k/2) n_k = H'^T n_k with H' = Q(e2, v) Q(b_1, t) M.
         """
@@ -204,11 +214,13 @@ def as_mirror(n: Any) -> Pair:
 def dihedral_form(
     n: Any, azimuths: Sequence[Any], folds: Sequence[Any], elevation: Any
 ) -> DihedralForm:
-    """Solve D_n (n >= 2) for phi_1 and phi_k from the elevation v of crease 1 and the inner folds.
+    """Solve D_n (n >= 2) for phi_1 and phi_k from the elevation v of crease 1 and the inner
+    folds.
 
-    n: the integer, or the pair (cos pi/n, sin pi/n).  elevation: v, or the pair (cos v, sin v); positive v
-    LOWERS the mirror creases, c_1 = Q(e2, v) e1 = (cos v, 0, -sin v), so that the vertex pops up (paper's sign).
-    The condition is c_k . n_k = 0 (the paper's eq:rotation-reflection-condition cleared of its denominators).
+    n: the integer, or the pair (cos pi/n, sin pi/n).  elevation: v, or the pair (cos v, sin v);
+    positive v LOWERS the mirror creases, c_1 = Q(e2, v) e1 = (cos v, 0, -sin v), so that the
+    vertex pops up (paper's sign). The condition is c_k . n_k = 0 (the paper's
+    eq:rotation-reflection-condition cleared of its denominators).
     """
     mirror = as_mirror(n)
     elev = elevation if isinstance(elevation, tuple) else (sp.cos(elevation), sp.sin(elevation))
@@ -225,8 +237,8 @@ def dihedral_fold_form(
 ) -> TrigEquation:
     """D_n with fold angles only: n_1 . H n_k = n_1 . n_k solved for one mirror crease.
 
-    unknown "first": t = phi_1/2 from the inner folds and other = phi_k; "last": t = phi_k/2 from other = phi_1.
-    other: the fold angle, or the pair (cos phi/2, sin phi/2).
+    unknown "first": t = phi_1/2 from the inner folds and other = phi_k; "last": t = phi_k/2 from
+    other = phi_1. other: the fold angle, or the pair (cos phi/2, sin phi/2).
     """
     mirror = as_mirror(n)
     c, s = as_fold(other)
@@ -247,8 +259,8 @@ def cyclic_form(
 ) -> TrigEquation:
     """C_n: T = Q(b_1, phi_1) .. Q(b_m, phi_m) Q(e3, 2 pi/n) has quaternion scalar part cos(pi/n).
 
-    azimuths: all m creases of one period; folds: their fold angles, the entry `unknown` is ignored and solved for,
-    t = phi_unknown/2.
+    azimuths: all m creases of one period; folds: their fold angles, the entry `unknown` is
+    ignored and solved for, t = phi_unknown/2.
     """
     mirror = as_mirror(n)
     crease = planar(as_direction(azimuths[unknown]))

@@ -1,9 +1,11 @@
 """Exact rotations: unit quaternions and vectors whose entries are SymPy expressions.
 
-A rotation by angle ``a`` about the unit vector ``b`` is the quaternion ``(cos a/2, sin a/2 b)``; products
-compose like matrices (the right factor acts first).  A fold of angle phi at a crease is given by the pair
-``(cos phi/2, sin phi/2)``: `half_pair` makes it from trigonometric functions, `rational_pair` from
-t = tan(phi/4), and the proofs use free symbols bound by c^2 + s^2 = 1 (`symbolic.identities`).
+A rotation by angle ``a`` about the unit vector ``b`` is the quaternion ``(cos a/2, sin a/2 b)``;
+products compose like matrices (the right factor acts first).  A fold of angle phi at a crease is
+given by the pair
+``(cos phi/2, sin phi/2)``: `half_pair` makes it from trigonometric functions, `rational_pair`
+from t = tan(phi/4), and the proofs use free symbols bound by c^2 + s^2 = 1
+(`symbolic.identities`).
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ def reflect(normal: Sequence[Any], a: Sequence[Any]) -> Vector:
 
 @dataclass(frozen=True)
 class Quaternion:
-    """w + x i + y j + z k with symbolic (or numeric) entries; unit by construction, never renormalised."""
+    """w + x i + y j + z k, entries symbolic or numeric; unit by construction, not renormalised."""
 
     w: Any
     x: Any

@@ -1,0 +1,195 @@
+"""Trigonometric identities decided exactly, as polynomials on a product of unit circles.
+
+An expression in cos and sin of integer combinations of given angles is turned into a polynomial in
+pairs (c, s) of one `Circle` per angle.  The polynomials c^2 + s^2 - 1 of distinct circles have
+coprime leading terms, so they are a Groebner basis of the ideal they generate, and that ideal is
+the full vanishing ideal of the real torus: the normal form (`reduce`) is zero exactly when the
+identity holds for all real angles.  No call to `simplify` takes part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import product as cartesian
+from typing import Any
+
+import sympy as sp
+
+from symbolic.rotations import Pair, rational_pair
+
+
+@dataclass(frozen=True)
+class Circle:
+    """One angle variable: `unit` is the angle whose cosine and sine are the generators c and s.
+
+    Give phi/2 as unit where half fold angles occur.  `tangents` are the values of tan(unit/2) tried
+    in the search for counterexamples, in this order.
+    """
+
+    unit: Any
+    c: sp.Symbol
+    s: sp.Symbol
+    tangents: tuple[Any, ...] = field(
+        default=tuple(
+            sp.Rational(f.numerator, f.denominator)
+            for f in (Fraction(1, 2), Fraction(1, 3), Fraction(-1, 4), Fraction(2, 5), Fraction(-3))
+        )
+    )
+
+    @property
+    def pair(self) -> Pair:
+        """The generators (c, s)."""
+        return (self.c, self.s)
+
+    @property
+    def relation(self) -> sp.Expr:
+        """c^2 + s^2 - 1."""
+        return self.c**2 + self.s**2 - 1
+
+
+def circle(unit: Any, name: str, tangents: Sequence[Any] | None = None) -> Circle:
+    """A `Circle` with generators ``c_name`` and ``s_name``."""
+    c, s = sp.symbols(f"c_{name} s_{name}", real=True)
+    if tangents is None:
+        return Circle(unit, c, s)
+    return Circle(unit, c, s, tuple(sp.sympify(t) for t in tangents))
+
+
+def _power(pair: Pair, n: int) -> Pair:
+    """(cos n a, sin n a) from (cos a, sin a), n any integer."""
+    c, s = pair if n >= 0 else (pair[0], -pair[1])
+    x, y = sp.Integer(1), sp.Integer(0)
+    for _ in range(abs(n)):
+        x, y = x * c - y * s, x * s + y * c
+    return (sp.expand(x), sp.expand(y))
+
+
+def _trig_pair(angle: Any, circles: Sequence[Circle]) -> Pair:
+    """(cos, sin) of an integer combination of the units plus a constant, as polynomials."""
+    rest = sp.expand(angle)
+    x, y = sp.Integer(1), sp.Integer(0)
+    for circ in circles:
+        symbol = next(iter(sp.sympify(circ.unit).free_symbols))
+        n = rest.coeff(symbol) / sp.sympify(circ.unit).coeff(symbol)
+        if n != int(n):
+            raise ValueError(f"{angle} is not an integer multiple of {circ.unit}")
+        rest = sp.expand(rest - n * circ.unit)
+        a, b = _power(circ.pair, int(n))
+        x, y = x * a - y * b, x * b + y * a
+    if rest.free_symbols:
+        raise ValueError(f"{angle} contains an angle without a circle: {rest}")
+    a, b = sp.cos(rest), sp.sin(rest)
+    return (sp.expand(x * a - y * b), sp.expand(x * b + y * a))
+
+
+def to_circles(expr: Any, circles: Sequence[Circle]) -> sp.Expr:
+    """Replace every cos, sin, tan and cot of the circles' angles by the generators."""
+    expr = sp.sympify(expr)
+    return expr.replace(
+        lambda e: isinstance(e, (sp.cos, sp.sin, sp.tan, sp.cot)),
+        lambda e: _function(e, circles),
+    )
+
+
+def _function(e: Any, circles: Sequence[Circle]) -> Any:
+    x, y = _trig_pair(e.args[0], circles)
+    if isinstance(e, sp.cos):
+        return x
+    if isinstance(e, sp.sin):
+        return y
+    return y / x if isinstance(e, sp.tan) else x / y
+
+
+def reduce(expr: Any, circles: Sequence[Circle]) -> sp.Poly:
+    """Normal form of a polynomial: every s^n becomes (1 - c^2)^(n // 2) s^(n % 2).
+
+    This is the remainder of `sympy.reduced` by the relations in an order with s > c, done in one
+    pass.  Coefficients may contain further symbols (stiffnesses, signs) and algebraic numbers.
+    """
+    gens = [g for circ in circles for g in circ.pair]
+    poly = sp.Poly(sp.expand(expr), *gens)
+    out = sp.Poly(0, *gens)
+    lift: dict[tuple[int, int], sp.Poly] = {}
+    for powers, coefficient in poly.terms():
+        low = list(powers)
+        factor = sp.Poly(1, *gens)
+        for i, circ in enumerate(circles):
+            half, low[2 * i + 1] = divmod(powers[2 * i + 1], 2)
+            if half:
+                key = (i, half)
+                if key not in lift:
+                    lift[key] = sp.Poly((1 - circ.c**2) ** half, *gens)
+                factor = factor * lift[key]
+        out = out + factor * sp.Poly({tuple(low): coefficient}, *gens)
+    return out
+
+
+def vanishes(expr: Any, circles: Sequence[Circle]) -> bool:
+    """Whether the expression is zero for all values of the angles (exact).
+
+    A rational function is brought over one denominator first; the identity is then meant wherever
+    the denominator does not vanish.
+    """
+    numerator, _ = sp.fraction(sp.together(to_circles(expr, circles)))
+    poly = reduce(numerator, circles)
+    return all(sp.expand(c) == 0 or _algebraic_zero(c) for c in poly.coeffs())
+
+
+def _algebraic_zero(coefficient: Any) -> bool:
+    """Exact zero test of a coefficient: radicals by minimal polynomial, symbols by expansion."""
+    coefficient = sp.radsimp(sp.expand(coefficient))
+    if coefficient == 0:
+        return True
+    if coefficient.free_symbols:
+        return False
+    x = sp.Symbol("x")
+    return bool(sp.minimal_polynomial(coefficient, x) == x)
+
+
+def rational_points(circles: Sequence[Circle]) -> Iterator[dict[sp.Symbol, Any]]:
+    """Exact points of the torus: rational (c, s) on every circle, the simplest first."""
+    for tangents in cartesian(*(circ.tangents for circ in circles)):
+        point: dict[sp.Symbol, Any] = {}
+        for circ, t in zip(circles, tangents, strict=True):
+            point[circ.c], point[circ.s] = rational_pair(t)
+        yield point
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """An exact point where an expression that should vanish does not."""
+
+    tangents: Mapping[str, Any]
+    value: Any
+
+    def __str__(self) -> str:
+        """Text for the evidence column."""
+        where = ", ".join(f"tan({unit}/2) = {t}" for unit, t in self.tangents.items())
+        number = sp.N(self.value, 15)
+        return f"at {where} the two sides differ by {number}" + (
+            f" = {self.value}" if len(str(self.value)) < 30 else ""
+        )
+
+
+def counterexample(
+    expr: Any, circles: Sequence[Circle], fixed: Mapping[Any, Any] | None = None
+) -> Counterexample | None:
+    """First rational point of the torus where `expr` is not zero; None if there is none.
+
+    fixed: exact values for the symbols that are not angles.
+    """
+    poly = to_circles(expr, circles).subs(dict(fixed or {}))
+    for tangents in cartesian(*(circ.tangents for circ in circles)):
+        point: dict[Any, Any] = {}
+        for circ, t in zip(circles, tangents, strict=True):
+            point[circ.c], point[circ.s] = rational_pair(t)
+        value = sp.nsimplify(poly.subs(point)) if poly.free_symbols else poly
+        if value.has(sp.zoo, sp.nan, sp.oo):
+            continue
+        value = sp.radsimp(sp.expand(value))
+        if value != 0 and abs(sp.N(value, 50)) > sp.Rational(1, 10**40):
+            names = {str(c.unit): t for c, t in zip(circles, tangents, strict=True)}
+            return Counterexample(names, value)
+    return None
