@@ -158,7 +158,8 @@ def _dihedral3() -> Family:
     d = sp.Symbol("D", real=True)  # branch * sqrt(existence); differentiated by the chain rule
     a1, a2, fold, elev = ((sp.cos(a), sp.sin(a)) for a in (alpha1, alpha2, phi2 / 2, v))
     g, e, p, p_last, q, q_last = dihedral_pieces(c, s, a1, a2, fold, elev, d)
-    kappa = sp.sqrt(g * (2 * c + g))
+    sf, both = fold[1], a1[1] * a2[1]
+    kappa = 2 * sp.Abs(sf) * sp.sqrt(both * (c + both * sf**2))  # sqrt(g (2 c + g)), no sqrt(2)
     existence = (s * sp.sin(v) - kappa) * (s * sp.sin(v) + kappa)
     square = s**2 * sp.sin(v) ** 2 - g * (2 * c + g)
     variables = [v, phi2]

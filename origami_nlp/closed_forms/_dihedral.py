@@ -23,12 +23,23 @@ from origami_nlp.closed_forms._chart import (
 )
 from origami_nlp.errors import AngleError, OptionError
 
+NEAR_FOLD = 1e-3  # below this D^2 its cancellation costs more than three digits
+
 
 def mirror_pair(n: int) -> tuple[float, float]:
     """(cos pi/n, sin pi/n), exact for n = 2 (the flat state needs cos = 0 exactly)."""
     if int(n) != n or n < 2:
         raise OptionError(f"n must be an integer >= 2 (mirrors of D_n), not {n!r}")
     return (0.0, 1.0) if n == 2 else (float(np.cos(np.pi / n)), float(np.sin(np.pi / n)))
+
+
+def _evaluate(n: int, alpha1: Any, v: Any, phi2: Any, sign: Any, dtype: Any) -> dict[str, Any]:
+    """Flat outputs of the generated function, computed in `dtype`."""
+    alpha1, v, phi2, sign = (np.asarray(a, dtype=dtype) for a in (alpha1, v, phi2, sign))
+    wedge = np.arctan2(dtype(0), dtype(-1)) / n  # pi/n in the working precision
+    c, s = (dtype(0), dtype(1)) if n == 2 else (np.cos(wedge), np.sin(wedge))
+    outputs = _dihedral3_numpy.dihedral3(c, s, alpha1, wedge - alpha1, v, phi2, sign)
+    return dict(zip(_dihedral3_numpy.OUTPUTS, outputs, strict=True))
 
 
 def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> ChartPoint:
@@ -45,21 +56,30 @@ def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> Chart
     own_side: cos v >= 0 and c_3 . b_3 >= 0, needed of an embedded state (not of closure).  For
         n = 2 and v > 0 this is branch -1, for v < 0 branch +1.
 
-    Accuracy: 1e-14 (|phi| + sum |d phi/d x| |x|); towards D = 0 the derivatives grow like 1/D.
+    Accuracy of values: 1e-14 (|phi| + sum |d phi/d x| |x|).  On D = 0 the derivatives are infinite
+    and D^2 is a difference of two rounded numbers, so points with D^2 < 1e-3 are evaluated in
+    extended precision: 1e-12 relative down to |D^2| = 1e-12 where the platform's long double has
+    64 bits of mantissa; with a plain double, next to c_1 = c_3 (alpha_1 = alpha_2, phi_2 = pi) and
+    where a fold angle passes through zero only the first bound holds.
     Raises AngleError for a sector angle outside the wedge, OptionError for n or branch.
     """
-    c, s = mirror_pair(n)
+    s = mirror_pair(n)[1]
     first = np.asarray(alpha1, dtype=float)
     if np.any(first <= 0) or np.any(first >= np.pi / n):
         raise AngleError(f"alpha1 must lie strictly between 0 and pi/{n}")
     sign = np.asarray(branch, dtype=float)
     if np.any(np.abs(sign) != 1):
         raise OptionError("branch must be +1 or -1")
-    second = np.pi / n - first
     v, fold = np.asarray(elevation, dtype=float), np.asarray(phi2, dtype=float)
     with np.errstate(all="ignore"):
-        outputs = _dihedral3_numpy.dihedral3(c, s, first, second, v, fold, sign)
-        flat = dict(zip(_dihedral3_numpy.OUTPUTS, outputs, strict=True))
+        flat = _evaluate(n, first, v, fold, sign, np.float64)
+        near = np.abs(flat["existence"]) < NEAR_FOLD
+        if np.any(near):
+            a, b, c, d = (x[near] for x in np.broadcast_arrays(first, v, fold, sign))
+            fine = _evaluate(n, a, b, c, d, np.longdouble)
+            for name, values in fine.items():
+                flat[name] = np.broadcast_to(flat[name], near.shape).copy()
+                flat[name][near] = values
         value, d1, d2 = stack_jets(flat, ["phi1", "phi3"], ["elevation", "phi2"])
         elev = (s * np.sin(v)) ** 2
         existence = np.asarray(flat["existence"])

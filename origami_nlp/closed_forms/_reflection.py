@@ -5,8 +5,10 @@ one family of sector angles, and not its sheet).  Here phi_1 = -2 arg(u v), phi_
 with u = m_w + i m_x, v = m_y + i m_z and M the quaternion of the creases strictly between the
 mirror creases; see `symbolic.generate_forms`.
 
-Accuracy: 1e-14 (|phi| + sum |d phi/d x| |x|) in values, also next to singular points; where phi_1
-passes through zero between larger angles no formula in doubles has a small relative error.
+Accuracy of values: 1e-14 (|phi| + sum |d phi/d x| |x|) everywhere, so 1e-12 relative next to the
+book fold.  The relative error alone cannot stay small where phi_1 itself passes through zero, nor
+within 1e-2 of the points where creases 1 and 4 coincide (u = 0 there, and rounding of a fold angle
+in its last bit turns arg u by eps/|u|).
 """
 
 from __future__ import annotations
@@ -61,9 +63,7 @@ def degree6(alpha1: Any, alpha2: Any, phi2: Any, phi3: Any) -> ChartPoint:
         raise AngleError("alpha1 + alpha2 must be less than pi: the mirror crease 4 is at pi")
     arguments = [np.asarray(a, dtype=float) for a in (alpha1, alpha2, phi2, phi3)]
     with np.errstate(all="ignore"):
-        flat = dict(
-            zip(_degree6_numpy.OUTPUTS, _degree6_numpy.degree6(*arguments), strict=True)
-        )
+        flat = dict(zip(_degree6_numpy.OUTPUTS, _degree6_numpy.degree6(*arguments), strict=True))
         jets = stack_jets(flat, ["phi_first", "phi_last"], ["phi2", "phi3"])
     reason = _reflection_reason(flat, not_finite(*arguments))
     return finish(jets, reason, np.asarray(flat["margin"]), np.ones(reason.shape, dtype=bool))

@@ -1,0 +1,161 @@
+"""The generated modules are up to date, load no SymPy, refuse bad input, and agree with CasADi."""
+
+import subprocess
+import sys
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from origami_nlp.closed_forms import (
+    Reason,
+    casadi_forms,
+    cone_contact_elevation,
+    cone_elevation_range,
+    cone_fold_angles,
+    cone_partial_angles,
+    cone_roots,
+    degree6,
+    reflection,
+    wedge3,
+)
+from origami_nlp.errors import OrigamiError
+from symbolic.generate import main, modules
+
+
+def test_generated_modules_are_up_to_date():
+    for path, text in modules().items():
+        assert path.read_text(encoding="utf-8") == text, f"run python -m symbolic.generate: {path}"
+
+
+def test_check_option_finds_a_stale_module(monkeypatch, tmp_path):
+    import symbolic.generate as generate
+
+    monkeypatch.setattr(generate, "TARGET", tmp_path)
+    assert main(["--check"]) == 1
+    assert main([]) == 0
+    assert main(["--check"]) == 0
+    victim = next(tmp_path.glob("*.py"))
+    victim.write_text(victim.read_text().replace("2", "3", 1))
+    assert main(["--check"]) == 1
+
+
+def test_import_loads_neither_sympy_nor_casadi():
+    code = (
+        "import sys, origami_nlp.closed_forms;"
+        "print([m for m in ('sympy', 'casadi', 'matplotlib') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_casadi_degree6_equals_numpy():
+    x = ca.SX.sym("x", 2)
+    form = casadi_forms.degree6(0.7, 0.9, x[0], x[1])
+    second = [form.second[k][i][j] for k in (0, 1) for i in (0, 1) for j in (0, 1)]
+    first = [form.first[k][i] for k in (0, 1) for i in (0, 1)]
+    f = ca.Function("f", [x], [ca.vertcat(*form.value, *first, *second, form.margin)])
+    own = ca.Function("own", [x], [ca.jacobian(ca.vertcat(*form.value), x)])
+    for at in ([0.3, -0.8], [-2.0, 0.5]):
+        point = degree6(0.7, 0.9, *at)
+        flat = [point.value, point.first, point.second, point.existence]
+        wanted = np.concatenate([np.ravel(p) for p in flat])
+        got = np.asarray(f(at)).ravel()
+        assert np.allclose(got[:2], wanted[:2], rtol=1e-14, atol=0) or not point.ok
+        assert np.allclose(got, np.where(np.isnan(wanted), got, wanted), rtol=1e-13, atol=1e-14)
+        if point.ok:
+            assert np.allclose(np.asarray(own(at)), point.first, rtol=1e-12, atol=1e-13)
+
+
+def test_casadi_reflection_wedge_and_cone_equal_numpy():
+    x = ca.SX.sym("x", 2)
+    half = casadi_forms.reflection([0.7, 1.6], [x[0], x[1]])
+    wedge = casadi_forms.wedge3(2, 0.7, x[0], x[1], -1.0)
+    cone = casadi_forms.cone_roots(8, x[0])
+    value = [*half.value, *wedge.value, *cone.value, cone.first[0][0], cone.second[1][0][0]]
+    f = ca.Function("f", [x], [ca.vertcat(*value)])
+    at = [0.9, 0.5]
+    roots = cone_roots(8, at[0])
+    wanted = [
+        *reflection([0.7, 1.6], at).value,
+        *wedge3(2, 0.7, *at, -1).value,
+        *roots.value,
+        roots.first[0],
+        roots.second[1],
+    ]
+    assert not np.any(np.isnan(wanted))
+    assert np.allclose(np.asarray(f(at)).ravel(), wanted, rtol=1e-13, atol=0)
+
+
+def test_singular_points_are_flagged_not_guessed():
+    book = degree6(0.7, 0.9, 0.0, 0.0)
+    assert book.reason == Reason.SINGULAR
+    assert np.all(np.isnan(book.value)) and np.all(np.isnan(book.first))
+    flat8 = wedge3(2, 0.7, 0.0, 0.0, -1)
+    assert flat8.reason == Reason.SINGULAR
+    flat12 = wedge3(3, 0.5, 0.0, 0.0, -1)
+    assert flat12.reason == Reason.FOLD
+    assert np.abs(flat12.value).max() < 1e-15
+    assert np.all(np.isnan(flat12.first))
+    assert degree6(0.7, 0.9, np.nan, 0.1).reason == Reason.NOT_FINITE
+
+
+def test_second_singular_point_of_degree6_creases_1_and_4_coincide():
+    """Regular triangle of sector angles: at cos phi = -1/(1 + ..) crease 4 lies on crease 1."""
+    a = np.pi / 3  # spherical triangle with sides pi/3: cos(angle) = cos a / (1 + cos a) = 1/3
+    phi = np.pi - np.arccos(1 / 3)
+    for sign in (1, -1):
+        point = degree6(a, a, sign * phi, sign * phi)
+        assert point.reason == Reason.SINGULAR or np.abs(point.first).max() > 1e12
+    beside = degree6(a, a, phi + 1e-3, phi + 1e-3)
+    assert beside.reason != Reason.SINGULAR
+
+
+def test_folded_flat_states_sit_on_the_boundary():
+    """phi_2 = phi_3 = pi with (pi/4, pi/2, pi/4): both mirror creases at +-pi or 0, not refused."""
+    point = degree6(np.pi / 4, np.pi / 4, np.pi, -np.pi)
+    assert point.reason == Reason.OK
+    assert np.allclose(np.abs(np.sin(point.value)), 0, atol=1e-12)
+
+
+def test_reason_of_missing_states():
+    assert wedge3(2, np.pi / 4, 0.1, 2.0, -1).reason == Reason.NO_SOLUTION
+    assert wedge3(2, np.pi / 4, 0.1, 2.0, -1).existence < 0
+    assert np.isnan(wedge3(2, np.pi / 4, 0.1, 2.0, -1).value).all()
+
+
+def test_cone_contact():
+    assert cone_contact_elevation(6) == pytest.approx(np.pi / 6, rel=1e-15)
+    assert cone_contact_elevation(12) == pytest.approx(np.pi / 3, rel=1e-15)
+    for degree in (6, 8, 10, 12, 1000):
+        v = cone_contact_elevation(degree)
+        assert cone_partial_angles(degree, v).value[1] == pytest.approx(-np.pi / 2, rel=1e-13)
+        assert cone_partial_angles(degree, -v).value[0] == pytest.approx(np.pi / 2, rel=1e-13)
+        assert cone_partial_angles(degree, v).value[0] < np.pi / 2
+    v = cone_contact_elevation(6)
+    assert cone_elevation_range(6, [1, 1, 1]) == (-v, np.pi / 2)
+    assert cone_elevation_range(6, [1, 1, -1]) == (-v, np.pi / 2)
+    assert cone_elevation_range(8, [1, -1, 1, -1]) == (-np.pi / 2, np.pi / 2)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: degree6(-0.1, 1.0, 0.1, 0.2),
+        lambda: degree6(2.0, 1.5, 0.1, 0.2),
+        lambda: reflection([1.0, 0.5], [0.1, 0.2]),
+        lambda: reflection([], []),
+        lambda: reflection([1.0], [0.1, 0.2]),
+        lambda: wedge3(1, 0.5, 0.1, 0.2, 1),
+        lambda: wedge3(2, 2.0, 0.1, 0.2, 1),
+        lambda: wedge3(2, 0.5, 0.1, 0.2, 0),
+        lambda: cone_roots(7, 0.1),
+        lambda: cone_roots(4, 0.1),
+        lambda: cone_roots(6, 4.0),
+        lambda: cone_fold_angles(6, 0.1, [1, 1]),
+        lambda: cone_fold_angles(6, 0.1, [1, 1, 0]),
+    ],
+)
+def test_bad_input_is_refused(call):
+    with pytest.raises(OrigamiError):
+        call()
