@@ -21,34 +21,34 @@ OUTPUTS = (
 
 def cone(alpha, elevation):
     """Cone of degree N (alpha = 2 pi/N): both partial fold angles and their sum."""
-    t0 = (1/2)*elevation
+    t0 = (1 / 2) * elevation
     t1 = sin(t0)
     t2 = sin(alpha) + 1
     t3 = cos(alpha)
-    t4 = t3/t2
+    t4 = t3 / t2
     t5 = cos(t0)
     t6 = sin(elevation)
     t7 = tan(alpha)
-    t8 = t6*t7
+    t8 = t6 * t7
     t9 = t5**2
     t10 = t1**2
-    t11 = t3**2/t2**2
-    t12 = t10*t11 + t9
-    t13 = t10 + t11*t9
+    t11 = t3**2 / t2**2
+    t12 = t10 * t11 + t9
+    t13 = t10 + t11 * t9
     t14 = cos(elevation)
-    t15 = t6**2*t7**2 + 1
-    t16 = 2/t15
-    t17 = t1*t5
-    t18 = -t11*t17 + t17
-    shallow = 2*arctan2(t1*t4, t5)
-    steep = -2*arctan2(t1, t4*t5)
-    mixed = -2*arctan(t8)
-    shallow_d_elevation = t4/t12
-    steep_d_elevation = -t4/t13
-    mixed_d_elevation = -t14*t16*t7
-    shallow_d_elevation_d_elevation = t18*t4/t12**2
-    steep_d_elevation_d_elevation = t18*t4/t13**2
-    mixed_d_elevation_d_elevation = 4*t14**2*t6*t7**3/t15**2 + t16*t8
+    t15 = t6**2 * t7**2 + 1
+    t16 = 2 / t15
+    t17 = t1 * t5
+    t18 = -t11 * t17 + t17
+    shallow = 2 * arctan2(t1 * t4, t5)
+    steep = -2 * arctan2(t1, t4 * t5)
+    mixed = -2 * arctan(t8)
+    shallow_d_elevation = t4 / t12
+    steep_d_elevation = -t4 / t13
+    mixed_d_elevation = -t14 * t16 * t7
+    shallow_d_elevation_d_elevation = t18 * t4 / t12**2
+    steep_d_elevation_d_elevation = t18 * t4 / t13**2
+    mixed_d_elevation_d_elevation = 4 * t14**2 * t6 * t7**3 / t15**2 + t16 * t8
     return (
         shallow,
         steep,

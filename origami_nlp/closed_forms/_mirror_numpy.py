@@ -45,33 +45,33 @@ OUTPUTS = (
 
 def mirror(mw, mx, my, mz):
     """D_1, any even degree: the mirror creases from the quaternion M of the inner creases."""
-    t0 = mw*my
-    t1 = (2*((t0) >= 0) - 1)
-    t2 = mw*mz
-    t3 = mx*my
-    t4 = mx*mz
+    t0 = mw * my
+    t1 = 2 * ((t0) >= 0) - 1
+    t2 = mw * mz
+    t3 = mx * my
+    t4 = mx * mz
     t5 = mx**2
     t6 = mw**2 + t5
-    t7 = 1/t6
-    t8 = 2*t7
-    t9 = mx*t8
-    t10 = mw*t8
+    t7 = 1 / t6
+    t8 = 2 * t7
+    t9 = mx * t8
+    t10 = mw * t8
     t11 = mz**2
     t12 = my**2 + t11
-    t13 = 1/t12
-    t14 = 2*t13
-    t15 = mz*t14
-    t16 = -my*t14
-    t17 = 4/t6**2
-    t18 = mw*mx*t17
+    t13 = 1 / t12
+    t14 = 2 * t13
+    t15 = mz * t14
+    t16 = -my * t14
+    t17 = 4 / t6**2
+    t18 = mw * mx * t17
     t19 = -t18
-    t20 = t17*t5 - 2*t7
-    t21 = 4/t12**2
-    t22 = my*mz*t21
+    t20 = t17 * t5 - 2 * t7
+    t21 = 4 / t12**2
+    t22 = my * mz * t21
     t23 = -t22
-    t24 = -t11*t21 + 2*t13
-    phi_first = 2*arctan2(t1*(-t2 - t3), t1*(t0 - t4))
-    phi_last = 2*arctan2(t1*(-t2 + t3), t1*(t0 + t4))
+    t24 = -t11 * t21 + 2 * t13
+    phi_first = 2 * arctan2(t1 * (-t2 - t3), t1 * (t0 - t4))
+    phi_last = 2 * arctan2(t1 * (-t2 + t3), t1 * (t0 + t4))
     phi_first_d_mw = t9
     phi_first_d_mx = -t10
     phi_first_d_my = t15

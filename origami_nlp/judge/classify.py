@@ -1,0 +1,226 @@
+"""What a polished state is: which kind of minimum, with which certificate, or why it is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.judge.branch import BranchJudgement, judge_branch
+from origami_nlp.judge.nearby import is_admissible, leads_somewhere, project, search_spheres
+from origami_nlp.model.embedding import examine
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.active import Contacts, Row, closed_contacts
+from origami_nlp.solve.starts import broken_gap
+
+Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
+
+
+@dataclass(frozen=True)
+class ContactForce:
+    """One closed contact of a state and what it carries.
+
+    type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    creases, facets: who touches, 1-based, all images under the symmetry included for creases at a fold limit; a facet pair
+        names its two facets (and their touching crease in `text`).
+    multiplier: moment [N m per rad of opening, in the scene's units] at each single contact; where contacts are dependent,
+        the entry of the multiplier vector of smallest norm.
+    multiplier_range: smallest and largest value over the set of multipliers; inf where unbounded.
+    text: the contact in words.
+    """
+
+    type: str
+    creases: tuple[int, ...]
+    facets: tuple[int, ...]
+    multiplier: float
+    multiplier_range: tuple[float, float]
+    text: str
+
+
+@dataclass(frozen=True)
+class Classification:
+    """The decision on a state.
+
+    verdict: ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
+    kind: for minima, see `Kind`; else None.
+    reason: the certificate of a minimum, or why it is none.
+    local_dimension: dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a
+        handle, 0 if isolated.
+    contacts: closed contacts with their multipliers.
+    eigenvalues: of the reduced Hessian (tangential stiffness), scene's units.
+    stationarity: residual of the best multipliers (scaled energy).
+    descent: for a saddle, a unit direction of descent [n] in the model's variables.
+    """
+
+    verdict: str
+    kind: Kind | None
+    reason: str
+    local_dimension: int
+    contacts: tuple[ContactForce, ...] = ()
+    eigenvalues: tuple[float, ...] = ()
+    stationarity: float = math.nan
+    descent: np.ndarray | None = None
+
+
+def classify(model: Model, x: np.ndarray) -> Classification:
+    """Classify a polished, closed state x [n] of the model."""
+
+    def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
+        return Classification(verdict, None, why, 0, descent=descent)
+
+    if not model.on_sheet(x):
+        return reject("not admissible", "closes with q = -1: not a sheet of paper")
+    if model.scene.contact == "full":
+        embedding = examine(model.scene.vertex, model.expand(x))
+        if not embedding.admissible:
+            return reject("not admissible", embedding.reason)
+    local = model.local(x)
+    broken = broken_gap(model, local.gaps)
+    if broken is not None:
+        what = model.gap_name(model.structure.gaps[broken])
+        return reject(
+            "not admissible",
+            f"beyond the contact '{what}': its layers have no order with the symmetry of the scene",
+        )
+    contacts = closed_contacts(model, x, local.gaps)
+    choices = contacts.combinations()
+    if choices is None:
+        return reject("undecided", "too many ways in which touching facets can be kept apart")
+    judged = [judge_branch(model, x, rows, local) for rows in choices]
+    real = [
+        b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
+    ]
+    # branches that lead nowhere are only points; where all do, and none is certified isolated, look closer
+    isolated = not real and all(b.cone_dimension == 0 for b in judged)
+    decisive = real or judged
+    dimension = max((b.cone_dimension for b in real), default=0)
+    verdicts = {b.verdict for b in decisive}
+    if "saddle" in verdicts or "not stationary" in verdicts:
+        worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
+        d = worst.direction
+        length = 0.0 if d is None else float(np.linalg.norm(d))
+        return reject(worst.verdict, worst.certificate, d / length if length > 0 else None)  # type: ignore[operator]
+    certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
+    if "undecided" in verdicts or (not real and not isolated):
+        return _by_search(model, x, contacts, judged)
+    return Classification(
+        "minimum",
+        _kind(decisive),
+        certificate + (_of_branches(len(decisive)) if len(decisive) > 1 else ""),
+        dimension,
+        _forces(model, decisive[0], contacts),
+        tuple((model.scale * decisive[0].eigenvalues).tolist()),
+        decisive[0].multipliers.residual,
+    )
+
+
+def _of_branches(count: int) -> str:
+    return f" (on each of the {count} pieces of the feasible set that meet here)"
+
+
+def _kind(branches: list[BranchJudgement]) -> Kind:
+    if any(not b.regular or not b.multipliers.unique or b.held for b in branches):
+        return "degenerate"
+    if all(not b.rows for b in branches):
+        return "interior"
+    loaded = all((b.multipliers.smallest > 1e-9).all() for b in branches)
+    return "contact-pinned" if loaded else "contact-touching"
+
+
+def _follow_descent(
+    model: Model, x: np.ndarray, judged: list[BranchJudgement]
+) -> Classification | None:
+    """Step along the linearised descent directions; an admissible lower state settles the matter."""
+    for b in judged:
+        if b.direction is None or not np.abs(b.direction).max() > 0:
+            continue
+        d = b.direction / np.linalg.norm(b.direction)
+        for step in (1e-2, 1e-3, 1e-4):
+            y, residual = project(model, x + step * d, b.held)
+            change = model.energy(y) - model.energy(x)
+            if (
+                residual <= 1e-11
+                and np.linalg.norm(y - x) < 3 * step
+                and change < -1e-3 * step * model.scale * abs(float(b.direction @ d))
+                and is_admissible(model, y)
+            ):
+                why = f"an admissible state {step:g} rad away is lower by {-change:.2e}"
+                return Classification("not stationary", None, why, 0, descent=d)
+    return None
+
+
+def _by_search(
+    model: Model, x: np.ndarray, contacts: Contacts, judged: list[BranchJudgement]
+) -> Classification:
+    """Decide a singular state by searching small spheres around it."""
+    lower = _follow_descent(model, x, judged)
+    if lower is not None:
+        return lower
+    rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
+    found = search_spheres(model, x, rows)
+    noise = 1e-12 * max(model.energy(x), model.scale)
+    where = f"small spheres, radii 1e-1 to {found.radius:g}, {found.admissible} admissible states"
+    if found.state is not None and found.lowest < -noise:
+        return Classification(
+            "not stationary",
+            None,
+            f"{where}: a neighbour is lower by {-found.lowest:.2e}",
+            found.dimension,
+        )
+    if found.state is None:
+        reason = "isolated: no admissible neighbour found on small spheres, radii 1e-1 to 1e-3"
+    else:
+        reason = f"{where}, none lower (a search, not a proof)"
+    return Classification(
+        "minimum",
+        "degenerate",
+        reason,
+        found.dimension,
+        _forces(model, judged[0], contacts),
+        tuple((model.scale * judged[0].eigenvalues).tolist()),
+        judged[0].multipliers.residual,
+    )
+
+
+def _forces(model: Model, branch: BranchJudgement, contacts: Contacts) -> tuple[ContactForce, ...]:
+    """Turn rows and multipliers into contacts with moments."""
+    out = []
+    also: dict[Row, list[str]] = {}
+    for row, same in contacts.implied:
+        also.setdefault(same, []).append(model.gap_name(model.structure.gaps[row.index]))
+    m = branch.multipliers
+    stationary = m.residual <= 1e-8 * (1 + float(np.abs(m.smallest).max(initial=0)))
+    for r, row in enumerate(branch.rows):
+        creases: tuple[int, ...] = ()
+        facets: tuple[int, ...] = ()
+        if row.kind == "limit":
+            kind, weight = "fold-limit", int(model.multiplicity[row.index])
+            creases = model.creases_of(row.index)
+            text = f"phi = {'+' if row.side > 0 else '-'}pi at crease{'s' * (len(creases) > 1)} "
+            text += ", ".join(map(str, creases))
+        else:
+            gap = model.structure.gaps[row.index]
+            kind, weight, text = gap.type, gap.weight, model.gap_name(gap)
+            if gap.pair is not None:
+                facets = tuple(model.facet_of_ray(i) for i in gap.pair)
+            elif model.scene.group.rays[gap.rays[0]].crease is not None:
+                creases = (model.crease_of_ray(gap.rays[0]),)
+            else:
+                facets = (model.facet_of_ray(gap.rays[0]),)
+        if row in also:
+            text += " (so " + ", ".join(sorted(set(also[row]))) + ")"
+        unit = model.scale / weight
+        values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
+        out.append(
+            ContactForce(
+                kind,
+                creases,
+                facets,
+                float(values[0] * unit),
+                (float(values[1] * unit), float(values[2] * unit)),
+                text,
+            )
+        )
+    return tuple(out)

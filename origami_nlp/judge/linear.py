@@ -1,0 +1,53 @@
+"""Small linear and convex quadratic programmes, solved by HiGHS through CasADi."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+
+@lru_cache(maxsize=128)
+def _solver(n: int, m: int, quadratic: bool) -> ca.Function:
+    sparsity = {
+        "h": ca.Sparsity.diag(n) if quadratic else ca.Sparsity(n, n),
+        "a": ca.Sparsity.dense(m, n),
+    }
+    highs = {
+        "output_flag": False,
+        "primal_feasibility_tolerance": 1e-10,
+        "dual_feasibility_tolerance": 1e-10,
+    }
+    options = {"print_time": False, "error_on_fail": False, "highs": highs}
+    return ca.conic("small", "highs", sparsity, options)
+
+
+def minimise(
+    cost: np.ndarray,
+    rows: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    x_lower: np.ndarray | float,
+    x_upper: np.ndarray | float,
+    *,
+    squares: bool = False,
+) -> np.ndarray | None:
+    """Minimise cost . x (plus |x|^2 / 2 with `squares`) over lower <= rows x <= upper and bounds on x.
+
+    Returns the minimiser [n], or None where there is none.
+    """
+    m, n = rows.shape
+    solver = _solver(n, m, squares)
+    out = solver(
+        h=ca.DM.eye(n) if squares else ca.DM(n, n),
+        g=cost,
+        a=rows,
+        lba=lower,
+        uba=upper,
+        lbx=x_lower,
+        ubx=x_upper,
+    )
+    if not solver.stats()["success"]:
+        return None
+    return np.asarray(out["x"]).ravel()

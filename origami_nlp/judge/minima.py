@@ -1,0 +1,217 @@
+"""The main job: every stable state of a scene, classified, with the record of the search."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.classify import Classification, ContactForce, Kind, classify
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.search import Answer, Record, add_state, run_one, run_starts
+from origami_nlp.solve.starts import flat_foldings
+from origami_nlp.solve.stopping import enough, expected_undiscovered
+from origami_nlp.state.scene import Scene
+
+FEWEST_STARTS = 64
+MOST_STARTS = 1000
+"""Default cap on starts; the report says when the search stopped there."""
+Progress = Callable[[int, int, float], None]
+"""Called as progress(starts, minima found, expected undiscovered answers)."""
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """A local minimum of the energy among admissible states of the modelled symmetry.
+
+    energy: [the scene's units, J for N m/rad].  fold_angles: all N, [rad].
+    kind, local_dimension, certificate, contacts: see `judge.classify.Classification`.
+    closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the stationarity residual, with the
+    stiffness scaled to one and relative to the torques that balance.
+    polished: whether Newton reached rounding (else the residuals are IPOPT's).
+    hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
+    loaded contacts closed, per unit length in the space of all N fold angles.
+    """
+
+    energy: float
+    fold_angles: tuple[float, ...]
+    kind: Kind
+    local_dimension: int
+    closure_residual: float
+    kkt_residual: float
+    polished: bool
+    hits: int
+    contacts: tuple[ContactForce, ...]
+    certificate: str
+    hessian_eigenvalues: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SearchReport:
+    """What the search did.
+
+    starts, solves: random starts, and IPOPT solves (a start that makes facets cross is solved again with planes).
+    statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end state is.
+    expected_undiscovered: Boender and Rinnooy Kan's estimate over all distinct answers.
+    stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the reason and hits.
+    """
+
+    starts: int
+    feasible_starts: int
+    solves: int
+    statuses: dict[str, int]
+    outcomes: dict[str, int]
+    expected_undiscovered: float
+    stopped_by: str
+    seconds: float
+    seed: int
+    rejected: tuple[Rejected, ...] = field(default=(), repr=False)
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A state that solves ended at and that is no minimum: verdict, reason, fold angles, energy, hits."""
+
+    verdict: str
+    reason: str
+    fold_angles: tuple[float, ...]
+    energy: float
+    hits: int
+
+
+@dataclass(frozen=True)
+class MinimaResult:
+    """Scene, model, minima in order of energy, and the record of the search."""
+
+    scene: Scene
+    model: Model = field(repr=False)
+    minima: tuple[Minimum, ...]
+    search: SearchReport
+
+    def __repr__(self) -> str:
+        from origami_nlp.tell.table import as_text  # tables are told, not judged
+
+        return as_text(self)
+
+    def _repr_html_(self) -> str:
+        from origami_nlp.tell.html import as_html
+
+        return as_html(self)
+
+
+def find_minima(
+    scene: Scene,
+    *,
+    seed: int = 0,
+    max_starts: int = MOST_STARTS,
+    progress: Progress | None = None,
+) -> MinimaResult:
+    """Find and classify every stable state of `scene` that has its symmetry.
+
+    Parameters
+    ----------
+    seed
+        Of the random starts; the same seed gives the same answer.
+    max_starts
+        Cap on random starts, for scenes where the stopping rule asks for more.
+    progress
+        Called after each start.
+
+    Raises
+    ------
+    OptionError
+        If `seed` or `max_starts` is not a natural number.
+    """
+    for name, value, least in (("seed", seed, 0), ("max_starts", max_starts, 1)):
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            raise OptionError(f"{name} = {value!r} must be a whole number, at least {least}")
+    begin = time.perf_counter()
+    model = scene.model()
+    record = Record()
+    verdicts: dict[int, Classification] = {}
+    found = 0
+    stopped_by = "cap"
+    if model.freedom <= 0:
+        # a vertex that cannot fold within its symmetry: the flat state is all there is
+        _judge_new(model, run_one(model, np.zeros(model.size), record), verdicts, record)
+        stopped_by = "rule"
+    else:
+        for state in flat_foldings(model):
+            _judge_new(model, add_state(model, state, record), verdicts, record)
+        stream = run_starts(model, seed, record)
+        while record.starts < max_starts:
+            new = next(stream)
+            _judge_new(model, new, verdicts, record)
+            found = sum(v.verdict == "minimum" for v in verdicts.values())
+            missing = expected_undiscovered(record.converged, len(record.answers))
+            if progress:
+                progress(record.starts, found, missing)
+            if record.starts >= FEWEST_STARTS and enough(record.converged, len(record.answers)):
+                stopped_by = "rule"
+                break
+    minima, rejected, outcomes = [], [], Counter[str]()
+    for answer in [*record.listed, *record.answers]:
+        what = verdicts[id(answer)]
+        outcomes[what.verdict] += answer.hits
+        phi = tuple(model.expand(answer.polished.x).tolist())
+        energy = model.energy(answer.polished.x)
+        if what.verdict != "minimum":
+            rejected.append(Rejected(what.verdict, what.reason, phi, energy, answer.hits))
+            continue
+        assert what.kind is not None
+        p = answer.polished
+        minima.append(
+            Minimum(
+                energy,
+                phi,
+                what.kind,
+                what.local_dimension,
+                p.closure_residual,
+                what.stationarity if math.isnan(p.kkt_residual) else p.kkt_residual,
+                p.converged,
+                answer.hits,
+                what.contacts,
+                what.reason,
+                what.eigenvalues,
+            )
+        )
+    # ties (mirror images of one another) in a fixed order
+    minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
+    rejected.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
+    report = SearchReport(
+        starts=record.starts,
+        feasible_starts=record.feasible_starts,
+        solves=record.solves,
+        statuses=dict(record.statuses),
+        outcomes=dict(outcomes),
+        expected_undiscovered=expected_undiscovered(record.converged, len(record.answers)),
+        stopped_by=stopped_by,
+        seconds=time.perf_counter() - begin,
+        seed=seed,
+        rejected=tuple(rejected),
+    )
+    return MinimaResult(scene, model, tuple(minima), report)
+
+
+def _judge_new(
+    model: Model, new: Answer | None, verdicts: dict[int, Classification], record: Record
+) -> None:
+    """Classify a new answer; from a saddle, go down both sides once."""
+    pending = [new] if new else []
+    while pending:
+        answer = pending.pop()
+        what = classify(model, answer.polished.x)
+        verdicts[id(answer)] = what
+        if what.descent is not None and answer.hits:
+            for sign in (1.0, -1.0):
+                start = answer.polished.x + sign * 0.05 * what.descent
+                below = run_one(
+                    model, np.clip(start, -model.bound, model.bound), record, count=False
+                )
+                if below:
+                    pending.append(below)

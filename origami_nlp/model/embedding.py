@@ -1,0 +1,133 @@
+"""Does a folded vertex close, and may its facets be where they are?
+
+A folded vertex is a closed spherical polygon with vertices c_i.  It is admissible when it is weakly simple: no two
+arcs cross, and where arcs lie on top of each other some order of the layers lets the paper avoid itself, with every
+closed crease (phi = +-pi) turning to its own side.  Weakly simple polygons are the limits of simple ones, so this also
+rejects states that pass a pairwise test only because touching facets have no order there.
+
+Written with NumPy from the fold angles alone, independent of the CasADi model.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.model import quaternion as quat
+from origami_nlp.model.layers import LayerProblem, layer_problem
+from origami_nlp.state.vertex import Vertex
+
+SNAP = 1e-7
+"""Distance on the unit sphere below which two features are taken to touch [rad]."""
+
+
+@dataclass(frozen=True)
+class Embedding:
+    """What is wrong with a state as a piece of paper, if anything.
+
+    admissible: whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not cross.
+    reason: why not, in words; empty when admissible.
+    closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to close).
+    touching: whether non-adjacent parts touch (then layers were ordered).
+    layers: the layer problem of a touching state, else None.
+    """
+
+    admissible: bool
+    reason: str
+    closure_residual: float
+    touching: bool
+    layers: LayerProblem | None = None
+
+
+def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fold a vertex with its last facet held fixed (paper, eq. fold-map).
+
+    Parameters
+    ----------
+    fold_angles
+        Shape [..., N].
+
+    Returns
+    -------
+    creases
+        Deformed unit creases c_i = F_{i-1} b_i, shape [..., N, 3].
+    q
+        Product of all folds as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    half = phi / 2
+    q = tuple(np.full(phi.shape[:-1], v, dtype=float) for v in quat.IDENTITY)
+    creases = []
+    for i, b in enumerate(vertex.creases):
+        creases.append(np.stack(quat.rotate(q, b), axis=-1))
+        q = quat.multiply(q, quat.fold(np.cos(half[..., i]), np.sin(half[..., i]), b))
+    return np.stack(creases, axis=-2), np.stack(q, axis=-1)
+
+
+def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return how deep two arcs cross, 0 where they do not.
+
+    Parameters
+    ----------
+    first, second
+        Ends of the arcs (each shorter than pi), shape [..., 2, 3].
+
+    Returns
+    -------
+    depth
+        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape [...].
+    """
+    a, b = first[..., 0, :], first[..., 1, :]
+    c, d = second[..., 0, :], second[..., 1, :]
+    n1, n2 = np.cross(a, b), np.cross(c, d)
+    n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), 1e-300)
+    n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), 1e-300)
+    s = np.stack(
+        [
+            np.einsum("...i,...i", n1, c),
+            -np.einsum("...i,...i", n1, d),
+            -np.einsum("...i,...i", n2, a),
+            np.einsum("...i,...i", n2, b),
+        ],
+        axis=-1,
+    )
+    # all of one sign: the ends alternate around a common point (mixed signs: they miss, or meet antipodally)
+    return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
+
+
+def examine(vertex: Vertex, fold_angles: np.ndarray, *, tolerance: float = SNAP) -> Embedding:
+    """Tell whether a state of a vertex is admissible with full contact, and why not if not."""
+    phi = np.asarray(fold_angles, dtype=float)
+    creases, q = fold_vertex(vertex, phi)
+    residual = float(np.linalg.norm(q[1:]))
+
+    def bad(reason: str) -> Embedding:
+        return Embedding(False, reason, residual, False)
+
+    if residual > tolerance:
+        return bad(f"does not close: |vec q| = {residual:.1e}")
+    if q[0] < 0:
+        return bad("closes with q = -1: not a sheet of paper")
+    over = np.abs(phi) - math.pi
+    if over.max() > tolerance:
+        i = int(over.argmax()) + 1
+        return bad(f"adjacent facets cross at crease {i}: |phi| exceeds pi by {over.max():.1e}")
+    n = len(phi)
+    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
+    i, j = np.triu_indices(n, 2)
+    keep = ~((i == 0) & (j == n - 1))
+    i, j = i[keep], j[keep]
+    depth = crossing_depth(arcs[i], arcs[j])
+    if depth.size and depth.max() > tolerance:
+        m = int(depth.argmax())
+        return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")
+    problem = layer_problem(creases, phi, tolerance)
+    if problem is None:
+        return Embedding(True, "", residual, False)
+    if not problem.solvable():
+        return Embedding(
+            False, "touching facets have no layer order without crossing", residual, True, problem
+        )
+    return Embedding(True, "", residual, True, problem)

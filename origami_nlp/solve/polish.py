@@ -1,0 +1,180 @@
+"""Newton on the KKT system: from IPOPT's answer to rounding, with the active set made definite.
+
+IPOPT parks weakly active contacts at O(sqrt(mu)) and cannot say whether they are closed.  The polish guesses the active set,
+solves the equality-constrained KKT system by Newton, and repairs the guess (a contact that would open the wrong way
+is added, one that pulls is dropped) until it is consistent.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.active import Row, gap_weights, row_values
+from origami_nlp.solve.ipopt import Solve
+
+MOST_STEPS = 12
+MOST_REPAIRS = 8
+LONGEST_STEP = 0.5
+"""A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
+
+
+@dataclass(frozen=True)
+class Polished:
+    """A state after the polish.
+
+    x: fold angles [n].  rows: active contacts held.  closure_residual, kkt_residual: largest entry of loop closure,
+    and of stationarity, contacts and sign conditions (energy divided by the mean stiffness).
+    converged: whether Newton reached rounding; if not, x is IPOPT's answer or the nearest closed state.
+    """
+
+    x: np.ndarray
+    rows: tuple[Row, ...]
+    closure_residual: float
+    kkt_residual: float
+    converged: bool
+
+
+def polish(model: Model, answer: Solve) -> Polished:
+    """Polish one answer of IPOPT."""
+    rows = guess_active(model, answer)
+    best: Polished | None = None
+    seen: set[tuple[Row, ...]] = set()
+    for _ in range(MOST_REPAIRS):
+        key = tuple(sorted(rows))
+        if key in seen:
+            break
+        seen.add(key)
+        result, multipliers = newton(model, answer.x, key)
+        if result is None:
+            rows = key[:-1] if best is None and key else ()
+            continue
+        if best is None or result.kkt_residual < best.kkt_residual:
+            best = result
+        violated = _violated(model, result.x, key)
+        if violated:
+            rows = tuple(dict.fromkeys((*key, *violated)))
+            continue
+        if len(multipliers) and multipliers.min() < -1e-10 * max(1.0, np.abs(multipliers).max()):
+            drop = int(multipliers.argmin())
+            rows = key[:drop] + key[drop + 1 :]
+            continue
+        return result
+    if best is not None and best.kkt_residual <= 1e-9:
+        return best
+    return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
+
+
+def guess_active(model: Model, answer: Solve) -> tuple[Row, ...]:
+    """Guess the closed contacts: slack smaller than force, or both tiny."""
+    x = answer.x
+    rows: list[Row] = []
+    if model.structure.limits:
+        for v in range(model.size):
+            slack, force = math.pi - abs(x[v]), abs(answer.pull[v])
+            if slack <= 1e-6 or (slack <= 1e-2 and force > slack):
+                rows.append(Row("limit", v, 1 if x[v] > 0 else -1))
+    if not model.structure.gaps:
+        return tuple(rows)
+    local = model.local(x)
+    limited = {row.index for row in rows}
+    for index, gap in enumerate(model.structure.gaps):
+        value = local.gaps[index]
+        if gap.type != "facet-pair":
+            if value <= 1e-5:
+                rows.append(Row("gap", index, 1))
+            continue
+        assert gap.pair is not None
+        if answer.pair_force.get(gap.pair, 0.0) <= 1e-5 or abs(value) > 1e-3:
+            continue
+        k, j = gap.rays
+        side = _side(model.rays(x), k, j, gap.pair)
+        near = {m for m in (j - 1, j, j + 1, j + 2)}
+        if side and not (k in near and limited):
+            rows.append(Row("gap", index, side))
+    return tuple(rows)
+
+
+def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
+    """Return the side of facet j on which the facet that ends at ray k lies; 0 if k is off the facet."""
+    n = len(rays)
+    a, b, c = rays[j], rays[(j + 1) % n], rays[k]
+    normal = np.cross(a, b)
+    if np.cross(a, c) @ normal < -1e-3 or np.cross(c, b) @ normal < -1e-3:
+        return 0
+    start = pair[0] if pair[1] == j else pair[1]
+    other = rays[(start + 1) % n] if k == start else rays[start]
+    height = other @ normal
+    return 0 if abs(height) < 1e-6 else int(math.copysign(1, height))
+
+
+def newton(
+    model: Model, start: np.ndarray, rows: tuple[Row, ...]
+) -> tuple[Polished | None, np.ndarray]:
+    """Solve stationarity, closure and `rows` = 0 by Newton (least squares where they are dependent).
+
+    Returns the state, or None if the steps leave the neighbourhood, and the multipliers of `rows`.
+    """
+    x = np.array(start, dtype=float)
+    for row in rows:  # limits are exact from the first step on
+        if row.kind == "limit":
+            x[row.index] = row.side * math.pi
+    held = np.array([row.index for row in rows if row.kind == "limit"], dtype=int)
+    n, r = model.size, len(rows)
+    best: tuple[float, np.ndarray, float, np.ndarray] | None = None
+    for _ in range(MOST_STEPS):
+        local = model.local(x)
+        values, gradients = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+        jacobian = np.vstack([local.closure_jacobian, gradients])
+        multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=1e-10)[0]
+        m = len(local.closure)
+        stationarity = local.gradient - jacobian.T @ multipliers
+        # relative to the size of the terms that cancel
+        size = 1.0 + np.abs(local.gradient).max()
+        kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
+        closure = float(np.abs(local.closure).max())
+        merit = max(kkt, closure)
+        if best is None or merit < best[0]:
+            best = (merit, x.copy(), closure, multipliers[m:])
+            best_kkt = kkt
+        elif merit < 1e-11:
+            break
+        if merit <= 1e-16:
+            break
+        hessian = model.hessian(x, -multipliers[:m], -gap_weights(model, rows, multipliers[m:]))
+        system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((m + r, m + r))]])
+        right = -np.concatenate([stationarity, local.closure, values])
+        step = np.linalg.lstsq(system, right, rcond=1e-11)[0][:n]
+        length = float(np.linalg.norm(step))
+        if not np.isfinite(length) or length > LONGEST_STEP:
+            return None, np.zeros(0)
+        x = x + step
+        for row in rows:
+            if row.kind == "limit":
+                x[row.index] = row.side * math.pi
+        if length <= 1e-17 or len(held) == n:
+            pass
+    assert best is not None
+    merit, x, closure, row_multipliers = best
+    converged = merit <= 1e-11
+    if not converged and merit > 1e-6:
+        return None, np.zeros(0)
+    return Polished(x, rows, closure, best_kkt, converged), row_multipliers
+
+
+def _violated(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> list[Row]:
+    """Return contacts outside `rows` that the state violates."""
+    out: list[Row] = []
+    if model.structure.limits:
+        for v in range(model.size):
+            if abs(x[v]) > math.pi + 1e-12:
+                out.append(Row("limit", v, 1 if x[v] > 0 else -1))
+    if model.structure.gaps:
+        gaps = model.local(x).gaps
+        for index, gap in enumerate(model.structure.gaps):
+            if gap.type != "facet-pair" and gaps[index] < -1e-12:
+                out.append(Row("gap", index, 1))
+    return [row for row in out if row not in rows]

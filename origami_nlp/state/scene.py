@@ -1,0 +1,138 @@
+"""A scene: a vertex, its torsional springs, the symmetry to keep and the contact to respect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+
+from origami_nlp.errors import SceneError
+from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.symmetry import Symmetry, find_symmetry
+from origami_nlp.state.vertex import Vertex
+
+if TYPE_CHECKING:
+    from origami_nlp.model.nlp import Model
+
+Contact = Literal["full", "fold-limits", "none"]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything the user states.
+
+    Parameters
+    ----------
+    vertex
+        The crease pattern.
+    stiffness
+        Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad].
+    rest_angles
+        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or strings.
+    symmetry
+        ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and
+        mechanics share.  States keep this symmetry.
+    contact
+        ``"full"`` (facets never cross), ``"fold-limits"`` (adjacent facets only: |phi| <= pi) or
+        ``"none"``.
+    mirror
+        For ``"D<n>"`` only: a crease (1-based) that lies on a mirror, where the vertex has several
+        sets of mirrors to choose from.  Default: the mirror through the crease of lowest number.
+    name
+        A title for tables and figures.
+
+    Raises
+    ------
+    SceneError
+        If a value does not fit; the message names the field, the value and the fix.
+    """
+
+    vertex: Vertex
+    stiffness: tuple[float, ...]
+    rest_angles: tuple[float, ...]
+    symmetry: str = "auto"
+    contact: Contact = "full"
+    mirror: int | None = None
+    name: str | None = None
+    group: Symmetry = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.vertex, Vertex):
+            raise SceneError(f"vertex = {self.vertex!r} must be a Vertex")
+        n = self.vertex.degree
+        stiffness = _numbers(self.stiffness, "stiffness", n)
+        for i, k in enumerate(stiffness, start=1):
+            if not (math.isfinite(k) and k > 0):
+                raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
+        rest = parse_angles(self.rest_angles, "rest_angles")
+        _same_length(rest, "rest_angles", n)
+        for i, a in enumerate(rest, start=1):
+            if abs(a) > math.pi * (1 + 1e-15):
+                raise SceneError(
+                    f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
+                    "valley positive"
+                )
+        if self.contact not in get_args(Contact):
+            raise SceneError(
+                f"contact = {self.contact!r} is unknown: use one of {', '.join(get_args(Contact))}"
+            )
+        if self.name is not None and not isinstance(self.name, str):
+            raise SceneError(f"name = {self.name!r} must be text")
+        object.__setattr__(self, "stiffness", stiffness)
+        object.__setattr__(self, "rest_angles", rest)
+        group = find_symmetry(self.vertex, stiffness, rest, self.symmetry, self.mirror)
+        object.__setattr__(self, "group", group)
+
+    @property
+    def degree(self) -> int:
+        """Number of creases N."""
+        return self.vertex.degree
+
+    def energy(self, fold_angles: object) -> np.ndarray | float:
+        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy) of states [..., N]."""
+        phi = np.asarray(fold_angles, dtype=float)
+        k, rest = np.array(self.stiffness), np.array(self.rest_angles)
+        energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
+        return float(energy) if energy.ndim == 0 else energy
+
+    def model(self) -> Model:
+        """Pose the scene as a nonlinear programme; print the result to see what is modelled."""
+        from origami_nlp.model.nlp import Model  # CasADi loads only when a model is asked for
+
+        return Model(self)
+
+    def __repr__(self) -> str:
+        k = ", ".join(f"{v:.6g}" for v in self.stiffness)
+        rest = ", ".join(format_angle(a) for a in self.rest_angles)
+        title = f"{self.name}: " if self.name else ""
+        return (
+            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
+        )
+
+
+def _same_length(values: Sequence[float], name: str, degree: int) -> None:
+    if len(values) != degree:
+        raise SceneError(
+            f"{name} has {len(values)} entries, but the vertex has {degree} creases: give one each"
+        )
+
+
+def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
+    """Read `degree` floats, or complain about field `name`."""
+    wrong = SceneError(f"{name} must be a list of numbers, one for each crease")
+    if isinstance(values, str | bytes):
+        raise wrong
+    try:
+        items = list(values)  # type: ignore[call-overload]
+    except TypeError:
+        raise wrong from None
+    for i, v in enumerate(items, start=1):
+        if isinstance(v, bool | str | bytes) or not np.isscalar(v):
+            raise SceneError(f"{name}[{i}] = {v!r} is not a number")
+    numbers = tuple(float(v) for v in items)
+    _same_length(numbers, name, degree)
+    return numbers
