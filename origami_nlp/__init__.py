@@ -1,7 +1,7 @@
 """origami_nlp: the stable states of an origami vertex, found and proved.
 
-The public face: state a `Scene`, then `find_minima(scene)`.  CasADi, matplotlib and SymPy load only when something
-asks for them, so that this import stays fast.
+The public face: state a `Scene`, then `find_minima(scene)`.  CasADi, matplotlib and SymPy load only
+when something asks for them, so that this import stays fast.
 """
 
 from __future__ import annotations

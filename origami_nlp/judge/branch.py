@@ -3,9 +3,11 @@
 Certificates, strongest first (numbers as in the report):
 1. regular interior: reduced Hessian positive definite;
 2. regular contact: multipliers positive, Hessian positive definite on the critical cone;
-3. sharp: grad U . d > 0 for every d != 0 in the linearised feasible cone, which contains the tangent cone, so that no
+3. sharp: grad U . d > 0 for every d != 0 in the linearised feasible cone, which contains the
+tangent cone, so that no
    constraint qualification is needed;
-4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient without constraint
+4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient
+without constraint
    qualification as well.
 """
 
@@ -38,10 +40,13 @@ class BranchJudgement:
     verdict, certificate: the decision and its reason in words.
     level: number of the certificate (module docstring), 0 for none.
     rows, multipliers: closed contacts of the piece and the set of their multipliers.
-    regular: whether closure has full rank.  eigenvalues: of the Hessian of the Lagrangian on the subspace that keeps the
+    regular: whether closure has full rank.  eigenvalues: of the Hessian of the Lagrangian on the
+    subspace that keeps the
         loaded contacts closed, in the metric of all N fold angles, scaled energy.
-    direction: a direction of descent of the linearised problem, or of negative curvature, if one was found.
-    cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its relative interior [n].
+    direction: a direction of descent of the linearised problem, or of negative curvature, if one
+    was found.
+    cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its
+    relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
     """
 
@@ -152,8 +157,8 @@ def cone(
 ) -> tuple[int, np.ndarray | None, tuple[Row, ...]]:
     """Describe the cone {y: rows y >= 0}, rows [r, t].
 
-    Returns its dimension, a direction in its relative interior (None for a point), and the rows that it
-    holds at zero.
+    Returns its dimension, a direction in its relative interior (None for a point), and the rows
+    that it holds at zero.
     """
     r, t = rows.shape
     if t == 0:

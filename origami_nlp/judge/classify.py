@@ -23,9 +23,11 @@ class ContactForce:
     """One closed contact of a state and what it carries.
 
     type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
-    creases, facets: who touches, 1-based, all images under the symmetry included for creases at a fold limit; a facet pair
+    creases, facets: who touches, 1-based, all images under the symmetry included for creases at a
+    fold limit; a facet pair
         names its two facets (and their touching crease in `text`).
-    multiplier: moment [N m per rad of opening, in the scene's units] at each single contact; where contacts are dependent,
+    multiplier: moment [N m per rad of opening, in the scene's units] at each single contact; where
+    contacts are dependent,
         the entry of the multiplier vector of smallest norm.
     multiplier_range: smallest and largest value over the set of multipliers; inf where unbounded.
     text: the contact in words.
@@ -46,7 +48,8 @@ class Classification:
     verdict: ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
     kind: for minima, see `Kind`; else None.
     reason: the certificate of a minimum, or why it is none.
-    local_dimension: dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a
+    local_dimension: dimension of the feasible set at the state: the model's degrees of freedom
+    where it is full, 1 on a
         handle, 0 if isolated.
     contacts: closed contacts with their multipliers.
     eigenvalues: of the reduced Hessian (tangential stiffness), scene's units.

@@ -33,7 +33,8 @@ def minimise(
     *,
     squares: bool = False,
 ) -> np.ndarray | None:
-    """Minimise cost . x (plus |x|^2 / 2 with `squares`) over lower <= rows x <= upper and bounds on x.
+    """Minimise cost . x (plus |x|^2 / 2 with `squares`) over lower <= rows x <= upper and bounds on
+    x.
 
     Returns the minimiser [n], or None where there is none.
     """

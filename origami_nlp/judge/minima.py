@@ -31,10 +31,12 @@ class Minimum:
 
     energy: [the scene's units, J for N m/rad].  fold_angles: all N, [rad].
     kind, local_dimension, certificate, contacts: see `judge.classify.Classification`.
-    closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the stationarity residual, with the
-    stiffness scaled to one and relative to the torques that balance.
+    closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the
+    stationarity residual, with the stiffness scaled to one and relative to the torques that
+    balance.
     polished: whether Newton reached rounding (else the residuals are IPOPT's).
-    hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
+    hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing,
+    not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
     loaded contacts closed, per unit length in the space of all N fold angles.
     """
 
@@ -55,10 +57,13 @@ class Minimum:
 class SearchReport:
     """What the search did.
 
-    starts, solves: random starts, and IPOPT solves (a start that makes facets cross is solved again with planes).
-    statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end state is.
+    starts, solves: random starts, and IPOPT solves (a start that makes facets cross is solved again
+    with planes).
+    statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end
+    state is.
     expected_undiscovered: Boender and Rinnooy Kan's estimate over all distinct answers.
-    stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the reason and hits.
+    stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
+    reason and hits.
     """
 
     starts: int

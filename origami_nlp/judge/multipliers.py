@@ -1,9 +1,10 @@
 """The set of contact multipliers of a state: unique, a polyhedron, or empty.
 
-At a stationary state grad U = J' lam + A' mu with mu >= 0, where J is the Jacobian of loop closure and A holds the
-gradients of the closed contacts.  Projected on the kernel Z of J this is B mu = c with B = Z' A', c = Z' grad U: closure
-multipliers, which are arbitrary where J loses rank, drop out.  Where contacts are dependent the set is a polyhedron;
-we report its point of smallest norm and the range of each multiplier, never a solver's raw number.
+At a stationary state grad U = J' lam + A' mu with mu >= 0, where J is the Jacobian of loop closure
+and A holds the gradients of the closed contacts.  Projected on the kernel Z of J this is B mu = c
+with B = Z' A', c = Z' grad U: closure multipliers, which are arbitrary where J loses rank, drop
+out.  Where contacts are dependent the set is a polyhedron; we report its point of smallest norm and
+the range of each multiplier, never a solver's raw number.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import numpy as np
 from origami_nlp.judge.linear import minimise
 
 LARGEST = 1e6
-"""Bound on multipliers (energy divided by mean stiffness) inside the linear programmes; unbounded directions of
+"""Bound on multipliers (energy divided by mean stiffness) inside the linear programmes; unbounded
+directions of
 the set are found separately."""
 
 

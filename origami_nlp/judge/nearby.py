@@ -66,8 +66,9 @@ def leads_somewhere(
 class Search:
     """Outcome of a search on small spheres.
 
-    lowest: lowest energy change found, in the scene's units.  state: where, or None where no admissible neighbour
-    was found.  admissible: how many neighbours were admissible.  radius: smallest radius with any.
+    lowest: lowest energy change found, in the scene's units.  state: where, or None where no
+    admissible neighbour was found.  admissible: how many neighbours were admissible.  radius:
+    smallest radius with any.
     dimension: largest dimension of the strata on which they lie.
     """
 
@@ -79,7 +80,8 @@ class Search:
 
 
 def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int = 0) -> Search:
-    """Look for admissible states at small distances from x, on every stratum of its closed contacts.
+    """Look for admissible states at small distances from x, on every stratum of its closed
+    contacts.
 
     Used only where first and second order do not decide.  Stops at the first lower neighbour.
     """

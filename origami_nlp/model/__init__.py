@@ -1,0 +1,1 @@
+"""The scene as a nonlinear programme: closure, contact and energy in CasADi; geometry of folded states."""

@@ -1,12 +1,13 @@
 """Loop closure of the modelled piece, and where its rays go, as CasADi expressions.
 
-All forms use half-angle sines and cosines only.  Conventions of the folded piece: ray 1 stays at e1, and a
-mirror that runs through ray 1 stays the e1-e3 plane.
+All forms use half-angle sines and cosines only.  Conventions of the folded piece: ray 1 stays at
+e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
 
 - D_n wedge: H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray must make the
-  angle pi/n with the first one (paper, eq. reflection-condition for n = 1 and rotation-reflection-condition).
-  With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n, 0): n = 1 asks H e2 = e2, that is
-  h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k = -cos(pi/n) (one equation).
+  angle pi/n with the first one (paper, eq. reflection-condition for n = 1 and
+  rotation-reflection-condition). With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n,
+  0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k =
+  -cos(pi/n) (one equation).
 - C_n period, n >= 2: T = q Q(e3, 2 pi/n) is a rotation by 2 pi/n: its scalar part is cos(pi/n) (one equation).
 - no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
   paper, and `is_sheet` tells.

@@ -1,9 +1,10 @@
 """Does a folded vertex close, and may its facets be where they are?
 
-A folded vertex is a closed spherical polygon with vertices c_i.  It is admissible when it is weakly simple: no two
-arcs cross, and where arcs lie on top of each other some order of the layers lets the paper avoid itself, with every
-closed crease (phi = +-pi) turning to its own side.  Weakly simple polygons are the limits of simple ones, so this also
-rejects states that pass a pairwise test only because touching facets have no order there.
+A folded vertex is a closed spherical polygon with vertices c_i.  It is admissible when it is weakly
+simple: no two arcs cross, and where arcs lie on top of each other some order of the layers lets the
+paper avoid itself, with every closed crease (phi = +-pi) turning to its own side.  Weakly simple
+polygons are the limits of simple ones, so this also rejects states that pass a pairwise test only
+because touching facets have no order there.
 
 Written with NumPy from the fold angles alone, independent of the CasADi model.
 """
@@ -27,9 +28,11 @@ SNAP = 1e-7
 class Embedding:
     """What is wrong with a state as a piece of paper, if anything.
 
-    admissible: whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not cross.
+    admissible: whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not
+    cross.
     reason: why not, in words; empty when admissible.
-    closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to close).
+    closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to
+    close).
     touching: whether non-adjacent parts touch (then layers were ordered).
     layers: the layer problem of a touching state, else None.
     """
@@ -77,7 +80,8 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     Returns
     -------
     depth
-        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape [...].
+        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape
+        [...].
     """
     a, b = first[..., 0, :], first[..., 1, :]
     c, d = second[..., 0, :], second[..., 1, :]

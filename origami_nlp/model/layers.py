@@ -1,11 +1,12 @@
 """Order of touching layers: is a degenerate closed spherical polygon the limit of simple ones?
 
-Arcs that lie on top of each other run through common segments between nodes (polygon vertices, merged where they
-coincide).  The polygon is weakly simple exactly when the strands in each segment can be ordered from left to right
-such that at every node no two passages interleave (Chang, Erickson and Xu, "Detecting weakly simple polygons").  A
-crease folded to phi = +pi turns to the left seen from outside, to -pi to the right, which fixes the order of its two
-strands.  The unknowns are booleans "strand a is left of strand b"; each pair of passages at a node, and each three
-strands of a segment (an order is transitive), allow a table of values.
+Arcs that lie on top of each other run through common segments between nodes (polygon vertices,
+merged where they coincide).  The polygon is weakly simple exactly when the strands in each segment
+can be ordered from left to right such that at every node no two passages interleave (Chang,
+Erickson and Xu, "Detecting weakly simple polygons").  A crease folded to phi = +pi turns to the
+left seen from outside, to -pi to the right, which fixes the order of its two strands.  The unknowns
+are booleans "strand a is left of strand b"; each pair of passages at a node, and each three strands
+of a segment (an order is transitive), allow a table of values.
 """
 
 from __future__ import annotations

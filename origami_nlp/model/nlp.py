@@ -33,8 +33,8 @@ class Local:
 class Model:
     """The nonlinear programme of a scene; printing it says what is modelled and what is not.
 
-    Energies inside the programme are divided by `scale`, a power of two near the weighted mean stiffness, so
-    that results scale exactly with the stiffness.
+    Energies inside the programme are divided by `scale`, a power of two near the weighted mean
+    stiffness, so that results scale exactly with the stiffness.
 
     Attributes
     ----------
@@ -45,7 +45,8 @@ class Model:
     left_out
         What was not modelled, and why.
     parameters
-        Values of the programme's parameters: sector angles, weighted stiffness / scale, rest angles.
+        Values of the programme's parameters: sector angles, weighted stiffness / scale, rest
+        angles.
     """
 
     def __init__(self, scene: Scene) -> None:

@@ -1,7 +1,9 @@
-"""Unit quaternions (w, x, y, z) and 3-vectors over any scalars: CasADi, NumPy arrays, mpmath, SymPy.
+"""Unit quaternions (w, x, y, z) and 3-vectors over any scalars: CasADi, NumPy arrays, mpmath,
+SymPy.
 
-A fold by phi about the unit crease b is the quaternion (cos phi/2, sin phi/2 b).  Products of folds stay
-polynomial in half-angle sines and cosines: no logarithm, no branch cut (design: loop closure as q = +1).
+A fold by phi about the unit crease b is the quaternion (cos phi/2, sin phi/2 b).  Products of folds
+stay polynomial in half-angle sines and cosines: no logarithm, no branch cut (design: loop closure
+as q = +1).
 """
 
 from __future__ import annotations

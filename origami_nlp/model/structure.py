@@ -1,7 +1,7 @@
 """What two scenes must share to be solved by the same compiled functions, and those functions.
 
-A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.  Sector angles,
-stiffness and rest angles are parameters, so one solver serves a whole sweep.
+A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.
+Sector angles, stiffness and rest angles are parameters, so one solver serves a whole sweep.
 """
 
 from __future__ import annotations

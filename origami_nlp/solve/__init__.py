@@ -1,0 +1,1 @@
+"""Starts, IPOPT, Newton polish and the multi-start search."""

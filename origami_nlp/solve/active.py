@@ -1,9 +1,10 @@
 """Which contacts are closed at a state, as rows of inequalities with a definite sign.
 
-Fold limits, mirrors and the axis are one row each.  Two facets that touch are kept apart by either of two pieces of geometry:
-the other facet stays on one side of the plane of the first, or the first on one side of the plane of the second (two
-arcs do not cross exactly when one of these holds).  Each is a `Branch`: the rows it closes at this state.  Where only one
-branch is possible, the feasible set near the state is smooth; where two are, it is their union.
+Fold limits, mirrors and the axis are one row each.  Two facets that touch are kept apart by either
+of two pieces of geometry: the other facet stays on one side of the plane of the first, or the first
+on one side of the plane of the second (two arcs do not cross exactly when one of these holds).
+Each is a `Branch`: the rows it closes at this state.  Where only one branch is possible, the
+feasible set near the state is smooth; where two are, it is their union.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ class Contacts:
     """Closed contacts at a state.
 
     base: rows that always hold.  branches: for each touching facet pair its possible sets of rows.
-    implied: rows that only describe a base row again (crease k lies on a facet because the crease between
+    implied: rows that only describe a base row again (crease k lies on a facet because the crease
+    between
         them is folded flat), with that base row.
     """
 
@@ -125,7 +127,8 @@ def _pair_branches(
 ) -> set[tuple[Row, ...]]:
     """Return the ways in which a pair of facets is kept apart; () means strictly apart.
 
-    `indices` are the pair's four gaps: both ends of the first facet off the second, then the reverse.
+    `indices` are the pair's four gaps: both ends of the first facet off the second, then the
+    reverse.
     """
     structure = model.structure
     options: set[tuple[Row, ...]] = set()
@@ -178,8 +181,8 @@ def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -
 def _limit_that_says_the_same(model: Model, x: np.ndarray, row: Row, base: list[Row]) -> Row | None:
     """Return the fold limit that makes a ray-on-facet row redundant, if there is one.
 
-    Ray k lies on facet j because both belong to the two facets at a crease m folded to +-pi.  The opening of
-    the two contacts is then the same angle.
+    Ray k lies on facet j because both belong to the two facets at a crease m folded to +-pi.  The
+    opening of the two contacts is then the same angle.
     """
     k, j = model.structure.gaps[row.index].rays
     n = len(model.structure.has_crease) if model.structure.kind == "D" else model.scene.degree

@@ -33,8 +33,9 @@ Pairs = tuple[tuple[int, int], ...]
 class Solve:
     """What IPOPT answered.
 
-    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure, bounds and
-    inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy), for the active-set guess.
+    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
+    bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
+    for the active-set guess.
     pair_force: for each facet pair with a plane, the largest multiplier of its rows.
     """
 
@@ -129,7 +130,8 @@ def solve(model: Model, start: np.ndarray, pairs: Pairs = ()) -> Solve:
 
 
 def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
-    """Return the unit normal that best separates two facets, among the planes through two of their rays.
+    """Return the unit normal that best separates two facets, among the planes through two of their
+    rays.
 
     If they cross there is none; the best of these planes is still where IPOPT starts.
     """

@@ -1,8 +1,9 @@
 """Newton on the KKT system: from IPOPT's answer to rounding, with the active set made definite.
 
-IPOPT parks weakly active contacts at O(sqrt(mu)) and cannot say whether they are closed.  The polish guesses the active set,
-solves the equality-constrained KKT system by Newton, and repairs the guess (a contact that would open the wrong way
-is added, one that pulls is dropped) until it is consistent.
+IPOPT parks weakly active contacts at O(sqrt(mu)) and cannot say whether they are closed.  The
+polish guesses the active set, solves the equality-constrained KKT system by Newton, and repairs the
+guess (a contact that would open the wrong way is added, one that pulls is dropped) until it is
+consistent.
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ LONGEST_STEP = 0.5
 class Polished:
     """A state after the polish.
 
-    x: fold angles [n].  rows: active contacts held.  closure_residual, kkt_residual: largest entry of loop closure,
-    and of stationarity, contacts and sign conditions (energy divided by the mean stiffness).
-    converged: whether Newton reached rounding; if not, x is IPOPT's answer or the nearest closed state.
+    x: fold angles [n].  rows: active contacts held.  closure_residual, kkt_residual: largest entry
+    of loop closure, and of stationarity, contacts and sign conditions (energy divided by the mean
+    stiffness).
+    converged: whether Newton reached rounding; if not, x is IPOPT's answer or the nearest closed
+    state.
     """
 
     x: np.ndarray
@@ -114,7 +117,8 @@ def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
 def newton(
     model: Model, start: np.ndarray, rows: tuple[Row, ...]
 ) -> tuple[Polished | None, np.ndarray]:
-    """Solve stationarity, closure and `rows` = 0 by Newton (least squares where they are dependent).
+    """Solve stationarity, closure and `rows` = 0 by Newton (least squares where they are
+    dependent).
 
     Returns the state, or None if the steps leave the neighbourhood, and the multipliers of `rows`.
     """

@@ -31,7 +31,8 @@ class Answer:
 class Record:
     """Everything a search did, failures included.
 
-    answers: distinct states that solves ended at.  listed: flat foldings that no solve ended at.  statuses: IPOPT's return statuses, counted over all solves.  starts, feasible_starts: starts
+    answers: distinct states that solves ended at.  listed: flat foldings that no solve ended at.
+    statuses: IPOPT's return statuses, counted over all solves.  starts, feasible_starts: starts
     drawn, and those that satisfied every constraint.  converged: starts that ended at an answer.
     """
 

@@ -1,9 +1,10 @@
 """Starting states spread over the feasible set, the same for the same seed.
 
-Uniform random fold angles are projected onto loop closure by Gauss-Newton, all at once; those that leave the fold limits,
-the sheet or the contact set are kept only when too few feasible ones are found.  Every fourth start lies on a fold limit,
-each limit in turn, so that sets that exist only at phi = +-pi (the paper's 1-handles) are searched as well.  States whose fold
-angles are all 0 or +-pi may be isolated points that no descent can find: `flat_foldings` lists them all.
+Uniform random fold angles are projected onto loop closure by Gauss-Newton, all at once; those that
+leave the fold limits, the sheet or the contact set are kept only when too few feasible ones are
+found.  Every fourth start lies on a fold limit, each limit in turn, so that sets that exist only at
+phi = +-pi (the paper's 1-handles) are searched as well.  States whose fold angles are all 0 or +-pi
+may be isolated points that no descent can find: `flat_foldings` lists them all.
 """
 
 from __future__ import annotations
@@ -126,7 +127,8 @@ MOST_FLAT_VARIABLES = 9
 def flat_foldings(model: Model) -> list[np.ndarray]:
     """Return every state of the model whose fold angles are 0 or +-pi and that closes on the sheet.
 
-    Candidates only: layers are not ordered here.  Empty without fold limits, or for too many variables.
+    Candidates only: layers are not ordered here.  Empty without fold limits, or for too many
+    variables.
     """
     n = model.size
     if not model.structure.limits or n > MOST_FLAT_VARIABLES:

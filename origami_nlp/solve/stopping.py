@@ -1,9 +1,9 @@
 """When is there no more to find?  The Bayesian rule of Boender and Rinnooy Kan.
 
-With n local searches from random starts that found w distinct answers, and every number and size of basins equally likely
-beforehand, the expected number of answers not yet seen is w (w + 1) / (n - w - 2) (Boender and Rinnooy Kan, "Bayesian
-stopping rules for multistart global optimization methods", Math. Programming 37, 1987).  The search stops when this falls
-to one half.
+With n local searches from random starts that found w distinct answers, and every number and size of
+basins equally likely beforehand, the expected number of answers not yet seen is w (w + 1) / (n - w
+- 2) (Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods",
+Math. Programming 37, 1987).  The search stops when this falls to one half.
 """
 
 from __future__ import annotations

@@ -1,0 +1,1 @@
+"""What the user states: vertex, springs, symmetry, contact, and the files and families they come from."""

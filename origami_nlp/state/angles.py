@@ -1,4 +1,5 @@
-"""Angles as users write them: numbers in radians, or rational multiples of pi such as ``"-3*pi/4"``.
+"""Angles as users write them: numbers in radians, or rational multiples of pi such as
+``"-3*pi/4"``.
 
 The parser is a single regular expression: user text is data and is never evaluated.
 """

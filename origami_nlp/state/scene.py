@@ -31,7 +31,8 @@ class Scene:
     stiffness
         Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad].
     rest_angles
-        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or strings.
+        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or
+        strings.
     symmetry
         ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and
         mechanics share.  States keep this symmetry.

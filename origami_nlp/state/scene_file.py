@@ -1,4 +1,5 @@
-"""Scenes as TOML files: read with every mistake named, written so that reading gives the same scene.
+"""Scenes as TOML files: read with every mistake named, written so that reading gives the same
+scene.
 
 The file is data: text angles go through `state.angles.parse_angle`, nothing is evaluated.
 """

@@ -1,8 +1,9 @@
-"""Which rotations and mirrors of the flat sheet map creases, stiffness and rest angles to themselves.
+"""Which rotations and mirrors of the flat sheet map creases, stiffness and rest angles to
+themselves.
 
-The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From a
-group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge between
-two neighbouring mirrors, whose rays may be creases or run through the middle of a facet.
+The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From
+a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
+between two neighbouring mirrors, whose rays may be creases or run through the middle of a facet.
 """
 
 from __future__ import annotations
