@@ -24,9 +24,7 @@ class Correction:
 
 
 def refuted(evidence: str, method: str, correction: Correction | None) -> Verdict:
-    """Verdict on a statement with a counterexample; without a correction only the mutation tests
-    and statements whose negation is the correction use it.
-    """  # noqa: D205
+    """Verdict on a statement with a counterexample; the correction is proved on the spot."""
     if correction is None:
         return Verdict("refuted", method, evidence)
     proved = correction.proof()
@@ -76,7 +74,7 @@ def by_cases(
 
 
 def as_convention(verdict: Verdict, reading: str, correction: Correction) -> Verdict:
-    """Turn a refutation into `convention`: true under `reading`, which contradicts another place."""
+    """Turn a refutation into `convention`: true under a `reading` that contradicts another place."""
     if verdict.verdict != "refuted":
         return verdict
     return Verdict(

@@ -166,7 +166,7 @@ class Counterexample:
 
     def __str__(self) -> str:
         """Text for the evidence column."""
-        where = ", ".join(f"tan({unit}/2) = {t}" for unit, t in self.tangents.items())
+        where = ", ".join(f"tan({angle}) = {t}" for angle, t in self.tangents.items())
         number = sp.N(self.value, 15)
         return f"at {where} the two sides differ by {number}" + (
             f" = {self.value}" if len(str(self.value)) < 30 else ""
@@ -181,6 +181,7 @@ def counterexample(
     fixed: exact values for the symbols that are not angles.
     """
     poly = to_circles(expr, circles).subs(dict(fixed or {}))
+    circles = [circ for circ in circles if poly.free_symbols & {circ.c, circ.s}]
     for tangents in cartesian(*(circ.tangents for circ in circles)):
         point: dict[Any, Any] = {}
         for circ, t in zip(circles, tangents, strict=True):
@@ -190,6 +191,6 @@ def counterexample(
             continue
         value = sp.radsimp(sp.expand(value))
         if value != 0 and abs(sp.N(value, 50)) > sp.Rational(1, 10**40):
-            names = {str(c.unit): t for c, t in zip(circles, tangents, strict=True)}
+            names = {str(c.unit / 2): t for c, t in zip(circles, tangents, strict=True)}
             return Counterexample(names, value)
     return None
