@@ -6,7 +6,11 @@ import sys
 
 import typer
 
-from origami_nlp.cli import verify
+from origami_nlp.cli.demo import demo
+from origami_nlp.cli.example import example
+from origami_nlp.cli.minima import minima
+from origami_nlp.cli.model import model
+from origami_nlp.cli.verify import verify
 from origami_nlp.errors import OrigamiError
 
 app = typer.Typer(
@@ -15,7 +19,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-app.command("verify")(verify.verify)
+for command in (demo, minima, model, example, verify):
+    app.command(command.__name__)(command)
 
 
 def main() -> None:

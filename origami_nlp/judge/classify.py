@@ -10,9 +10,10 @@ import numpy as np
 
 from origami_nlp.judge.branch import BranchJudgement, judge_branch
 from origami_nlp.judge.nearby import is_admissible, leads_somewhere, project, search_spheres
+from origami_nlp.model.contact import Gap
 from origami_nlp.model.embedding import examine
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Contacts, Row, closed_contacts
+from origami_nlp.solve.active import CLOSED, Contacts, Row, closed_contacts
 from origami_nlp.solve.starts import broken_gap
 
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -89,8 +90,11 @@ def classify(model: Model, x: np.ndarray) -> Classification:
         )
     contacts = closed_contacts(model, x, local.gaps)
     choices = contacts.combinations()
+    # Too many pieces meet: judge the larger set that ignores facet pairs.  A minimum of it is one of ours;
+    # anything else is decided by looking at neighbours.
+    relaxed = choices is None
     if choices is None:
-        return reject("undecided", "too many ways in which touching facets can be kept apart")
+        choices = [contacts.base]
     judged = [judge_branch(model, x, rows, local) for rows in choices]
     real = [
         b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
@@ -100,12 +104,16 @@ def classify(model: Model, x: np.ndarray) -> Classification:
     decisive = real or judged
     dimension = max((b.cone_dimension for b in real), default=0)
     verdicts = {b.verdict for b in decisive}
+    if relaxed and verdicts != {"minimum"}:
+        return _by_search(model, x, contacts, judged)
     if "saddle" in verdicts or "not stationary" in verdicts:
         worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
         d = worst.direction
         length = 0.0 if d is None else float(np.linalg.norm(d))
         return reject(worst.verdict, worst.certificate, d / length if length > 0 else None)  # type: ignore[operator]
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
+    if 0 < dimension < model.freedom:
+        certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     if "undecided" in verdicts or (not real and not isolated):
         return _by_search(model, x, contacts, judged)
     return Classification(
@@ -113,10 +121,23 @@ def classify(model: Model, x: np.ndarray) -> Classification:
         _kind(decisive),
         certificate + (_of_branches(len(decisive)) if len(decisive) > 1 else ""),
         dimension,
-        _forces(model, decisive[0], contacts),
+        _forces(model, x, decisive[0], contacts),
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         decisive[0].multipliers.residual,
     )
+
+
+def _held_words(model: Model, branches: list[BranchJudgement]) -> str:
+    """Name the contacts that every neighbouring state keeps closed."""
+    held = set.intersection(*(set(b.held) for b in branches))
+    words = []
+    for row in sorted(held):
+        if row.kind == "limit":
+            creases = ", ".join(map(str, model.creases_of(row.index)))
+            words.append(f"phi_{{{creases}}} = {'+' if row.side > 0 else '-'}pi")
+        else:
+            words.append(model.gap_name(model.structure.gaps[row.index]))
+    return " and ".join(words) or "their contacts"
 
 
 def _of_branches(count: int) -> str:
@@ -181,13 +202,27 @@ def _by_search(
         "degenerate",
         reason,
         found.dimension,
-        _forces(model, judged[0], contacts),
+        _forces(model, x, judged[0], contacts),
         tuple((model.scale * judged[0].eigenvalues).tolist()),
         judged[0].multipliers.residual,
     )
 
 
-def _forces(model: Model, branch: BranchJudgement, contacts: Contacts) -> tuple[ContactForce, ...]:
+def _where_rays_meet(model: Model, x: np.ndarray, gap: Gap) -> str | None:
+    """Name a facet-pair contact by its two creases where they lie on each other."""
+    rays = model.rays(x)
+    k, j = gap.rays
+    for end in (j, (j + 1) % len(rays)):
+        has = model.structure.has_crease
+        if np.linalg.norm(rays[k] - rays[end]) <= CLOSED and has[k % len(has)] and has[end % len(has)]:
+            first, second = sorted((model.crease_of_ray(k), model.crease_of_ray(end)))
+            return f"creases {first} and {second} on each other"
+    return None
+
+
+def _forces(
+    model: Model, x: np.ndarray, branch: BranchJudgement, contacts: Contacts
+) -> tuple[ContactForce, ...]:
     """Turn rows and multipliers into contacts with moments."""
     out = []
     also: dict[Row, list[str]] = {}
@@ -207,6 +242,7 @@ def _forces(model: Model, branch: BranchJudgement, contacts: Contacts) -> tuple[
             gap = model.structure.gaps[row.index]
             kind, weight, text = gap.type, gap.weight, model.gap_name(gap)
             if gap.pair is not None:
+                text = _where_rays_meet(model, x, gap) or text
                 facets = tuple(model.facet_of_ray(i) for i in gap.pair)
             elif model.scene.group.rays[gap.rays[0]].crease is not None:
                 creases = (model.crease_of_ray(gap.rays[0]),)

@@ -12,10 +12,12 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from origami_nlp.model.nlp import Model
+from origami_nlp.model.structure import Structure
 
 CLOSED = 1e-8
 """Gap [rad] below which a contact of a polished state counts as closed."""
@@ -49,12 +51,22 @@ class Contacts:
     implied: tuple[tuple[Row, Row], ...]
 
     def combinations(self, most: int = 256) -> list[tuple[Row, ...]] | None:
-        """Return every choice of branches as one set of rows, or None if there are more than `most`."""
+        """Return every choice of branches as one set of rows, or None if there are more than `most`.
+
+        A choice whose rows include those of another describes a part of it and is left out.
+        """
         if math.prod(len(b) for b in self.branches) > most:
             return None
-        return [
+        choices = [
             tuple(dict.fromkeys((*self.base, *itertools.chain.from_iterable(choice))))
             for choice in itertools.product(*self.branches)
+        ]
+        sets = [frozenset(choice) for choice in choices]
+        return [
+            choice
+            for k, choice in enumerate(choices)
+            if not any(other < sets[k] for other in sets)
+            and not any(sets[m] == sets[k] for m in range(k))
         ]
 
 
@@ -122,6 +134,13 @@ def closed_contacts(
     return Contacts(tuple(base), tuple(branches), tuple(dict.fromkeys(implied)))
 
 
+@lru_cache(maxsize=64)
+def same_gap(structure: Structure) -> tuple[int, ...]:
+    """For each gap, the first one with the same rays: crease k on facet j belongs to two facet pairs."""
+    first: dict[tuple[str, tuple[int, ...]], int] = {}
+    return tuple(first.setdefault((g.type, g.rays), i) for i, g in enumerate(structure.gaps))
+
+
 def _pair_branches(
     model: Model, rays: np.ndarray, gaps: np.ndarray, indices: list[int], tolerance: float
 ) -> set[tuple[Row, ...]]:
@@ -131,6 +150,7 @@ def _pair_branches(
     reverse.
     """
     structure = model.structure
+    same = same_gap(structure)
     options: set[tuple[Row, ...]] = set()
     for ends in (indices[:2], indices[2:]):
         values = gaps[ends]
@@ -145,7 +165,7 @@ def _pair_branches(
                 if abs(value) <= tolerance
                 and _on_arc(rays, structure.gaps[e].rays[0], j, tolerance)
             ]
-            options.add(tuple(Row("gap", e, side) for e in touching))
+            options.add(tuple(Row("gap", same[e], side) for e in touching))
     if not options:  # crossing within the tolerance of the caller: nothing to say here
         return {()}
     if any(not o for o in options):

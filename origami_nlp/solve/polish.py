@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Row, gap_weights, row_values
+from origami_nlp.solve.active import Row, gap_weights, row_values, same_gap
 from origami_nlp.solve.ipopt import Solve
 
 MOST_STEPS = 12
@@ -84,6 +84,7 @@ def guess_active(model: Model, answer: Solve) -> tuple[Row, ...]:
         return tuple(rows)
     local = model.local(x)
     limited = {row.index for row in rows}
+    same = same_gap(model.structure)
     for index, gap in enumerate(model.structure.gaps):
         value = local.gaps[index]
         if gap.type != "facet-pair":
@@ -97,8 +98,8 @@ def guess_active(model: Model, answer: Solve) -> tuple[Row, ...]:
         side = _side(model.rays(x), k, j, gap.pair)
         near = {m for m in (j - 1, j, j + 1, j + 2)}
         if side and not (k in near and limited):
-            rows.append(Row("gap", index, side))
-    return tuple(rows)
+            rows.append(Row("gap", same[index], side))
+    return tuple(dict.fromkeys(rows))
 
 
 def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
@@ -163,7 +164,7 @@ def newton(
             pass
     assert best is not None
     merit, x, closure, row_multipliers = best
-    converged = merit <= 1e-11
+    converged = bool(merit <= 1e-11)
     if not converged and merit > 1e-6:
         return None, np.zeros(0)
     return Polished(x, rows, closure, best_kkt, converged), row_multipliers

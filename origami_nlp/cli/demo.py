@@ -1,0 +1,48 @@
+"""`origami-nlp demo`: the main job on the paper's 18 panels, with a table, figures and JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from origami_nlp.errors import OptionError
+from origami_nlp.state import examples
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("origami_demo"),
+    seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
+) -> None:
+    """Find all symmetric stable states of the paper's degree-6 and degree-8 vertices."""
+    from rich.console import Console
+
+    from origami_nlp.cli.minima import progress_bar
+    from origami_nlp.judge.minima import find_minima
+    from origami_nlp.tell.figure import draw_minima
+    from origami_nlp.tell.json_file import result_to_dict, write_json
+    from origami_nlp.tell.table import print_result, summary_table
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OptionError(f"--out = {str(out)!r}: {error.strerror}") from None
+    console = Console()
+    results = []
+    for scene in examples.panels():
+        with progress_bar(scene.name or "") as report:
+            results.append(find_minima(scene, seed=seed, progress=report))
+    shown = [
+        results[[r.scene.name for r in results].index(scene.name)]
+        for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
+    ]
+    for result in shown:
+        print_result(result, console)
+        console.print()
+    title = f"all panels of the paper, {sum(r.search.seconds for r in results):.1f} s in total"
+    console.print(summary_table(results, title))
+    write_json([result_to_dict(r) for r in results], out / "minima.json")
+    for name, result in zip(("degree6", "degree8"), shown, strict=True):
+        draw_minima(result, out / f"{name}.png")
+    console.print(f"written: {out}/minima.json, {out}/degree6.png, {out}/degree8.png")

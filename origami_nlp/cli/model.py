@@ -1,0 +1,13 @@
+"""`origami-nlp model`: print what a scene's nonlinear programme models, and what it leaves out."""
+
+from __future__ import annotations
+
+from origami_nlp.cli.minima import SceneFile
+from origami_nlp.state.scene_file import read_scene
+
+
+def model(scene: SceneFile) -> None:
+    """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
+    stated = read_scene(scene)
+    print(stated)
+    print(stated.model())

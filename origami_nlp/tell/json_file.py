@@ -1,0 +1,186 @@
+"""Results as JSON, schema ``origami-nlp/minima/1``: written whole or not at all, and read back.
+
+Indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.  A multiplier range that
+never ends, or a residual that does not apply, is null.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.classify import ContactForce
+from origami_nlp.judge.minima import MinimaResult, Minimum, Rejected, SearchReport
+from origami_nlp.state.scene_file import scene_from_dict, scene_to_dict
+
+SCHEMA = "origami-nlp/minima/1"
+
+
+def result_to_dict(result: MinimaResult) -> dict[str, Any]:
+    """Return a result as plain JSON data."""
+    model, search = result.model, result.search
+    return {
+        "schema": SCHEMA,
+        "scene": scene_to_dict(result.scene),
+        "model": {
+            "variables": model.size,
+            "equalities": model.equation_count,
+            "inequalities": model.inequality_count,
+            "contact_pairs": [list(pair) for pair in model.contact_pairs],
+            "left_out": [{"what": item.what, "why": item.why} for item in model.left_out],
+        },
+        "search": {
+            "starts": search.starts,
+            "feasible_starts": search.feasible_starts,
+            "solves": search.solves,
+            "statuses": search.statuses,
+            "outcomes": search.outcomes,
+            "expected_undiscovered": _finite(search.expected_undiscovered),
+            "stopped_by": search.stopped_by,
+            "seconds": search.seconds,
+            "seed": search.seed,
+            "rejected": [
+                {
+                    "verdict": r.verdict,
+                    "reason": r.reason,
+                    "fold_angles": list(r.fold_angles),
+                    "energy": r.energy,
+                    "hits": r.hits,
+                }
+                for r in search.rejected
+            ],
+        },
+        "minima": [_minimum_to_dict(m) for m in result.minima],
+    }
+
+
+def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
+    return {
+        "energy": m.energy,
+        "fold_angles": list(m.fold_angles),
+        "kind": m.kind,
+        "local_dimension": m.local_dimension,
+        "closure_residual": m.closure_residual,
+        "kkt_residual": _finite(m.kkt_residual),
+        "polished": m.polished,
+        "hits": m.hits,
+        "contacts": [
+            {
+                "type": c.type,
+                **({"creases": list(c.creases)} if c.creases else {"facets": list(c.facets)}),
+                "multiplier": c.multiplier,
+                "multiplier_range": [_finite(v) for v in c.multiplier_range],
+                "text": c.text,
+            }
+            for c in m.contacts
+        ],
+        "certificate": m.certificate,
+        "hessian_eigenvalues": list(m.hessian_eigenvalues),
+    }
+
+
+def result_from_dict(data: dict[str, Any]) -> MinimaResult:
+    """Rebuild a result from `result_to_dict` (the model is posed anew from the scene).
+
+    Raises
+    ------
+    OptionError
+        If `data` is not of this schema.
+    """
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise OptionError(f"not a result of schema {SCHEMA}")
+    scene = scene_from_dict(data["scene"])
+    search = dict(data["search"])
+    rejected = tuple(
+        Rejected(r["verdict"], r["reason"], tuple(r["fold_angles"]), r["energy"], r["hits"])
+        for r in search.pop("rejected")
+    )
+    search["expected_undiscovered"] = _number(search["expected_undiscovered"], math.inf)
+    minima = []
+    for m in data["minima"]:
+        contacts = tuple(
+            ContactForce(
+                c["type"],
+                tuple(c.get("creases", ())),
+                tuple(c.get("facets", ())),
+                c["multiplier"],
+                (c["multiplier_range"][0], _number(c["multiplier_range"][1], math.inf)),
+                c["text"],
+            )
+            for c in m["contacts"]
+        )
+        minima.append(
+            Minimum(
+                m["energy"],
+                tuple(m["fold_angles"]),
+                m["kind"],
+                m["local_dimension"],
+                m["closure_residual"],
+                _number(m["kkt_residual"], math.nan),
+                m["polished"],
+                m["hits"],
+                contacts,
+                m["certificate"],
+                tuple(m["hessian_eigenvalues"]),
+            )
+        )
+    return MinimaResult(
+        scene, scene.model(), tuple(minima), SearchReport(**search, rejected=rejected)
+    )
+
+
+def write_json(data: Any, target: str | Path) -> None:
+    """Write JSON to a file, whole or not at all, or to standard output for ``"-"``."""
+    text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+    if str(target) == "-":
+        sys.stdout.write(text)
+        return
+    write_whole(target, text.encode())
+
+
+def write_whole(target: str | Path, content: bytes) -> None:
+    """Write a file by way of a temporary one beside it, so that no reader sees half of it."""
+    check_writable(target, "file")
+    path = Path(target)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def check_writable(target: str | Path | None, option: str) -> None:
+    """Complain early, before long work, about a file that could not be written.
+
+    Raises
+    ------
+    OptionError
+        If the folder does not exist or the target is a folder.
+    """
+    if target is None or str(target) == "-":
+        return
+    path = Path(target)
+    if path.is_dir():
+        raise OptionError(f"{option} = {str(target)!r} is a folder: give a file name")
+    if not path.parent.is_dir():
+        raise OptionError(f"{option} = {str(target)!r}: folder {str(path.parent)!r} does not exist")
+    if not os.access(path.parent, os.W_OK):
+        raise OptionError(f"{option} = {str(target)!r}: folder {str(path.parent)!r} is read-only")
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _number(value: float | None, missing: float) -> float:
+    return missing if value is None else float(value)

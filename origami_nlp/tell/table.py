@@ -1,0 +1,146 @@
+"""Results as tables for a terminal (rich) and as plain text."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+if TYPE_CHECKING:
+    from origami_nlp.judge.classify import ContactForce
+    from origami_nlp.judge.minima import MinimaResult
+
+KIND_STYLE = {
+    "interior": "green",
+    "contact-pinned": "yellow",
+    "contact-touching": "cyan",
+    "degenerate": "magenta",
+}
+
+
+def freedom_words(dimension: int, full: int) -> str:
+    """Say what the local dimension of the feasible set means."""
+    if dimension == full:
+        return f"{dimension}"
+    return {0: "0 isolated", 1: "1 handle"}.get(dimension, f"{dimension} of {full}")
+
+
+def contact_words(contact: ContactForce) -> str:
+    """Describe one contact with its moment, or the range of it."""
+    low, high = contact.multiplier_range
+    if math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300):
+        return f"{contact.text}: moment {contact.multiplier:.4g} N m"
+    top = "inf" if math.isinf(high) else f"{high:.4g}"
+    return f"{contact.text}: moment {contact.multiplier:.4g} N m (any of {low:.4g} to {top})"
+
+
+def minima_table(result: MinimaResult) -> Table:
+    """Return one row a minimum: energy, kind, local dimension, residuals, hits."""
+    scene = result.scene
+    count = len(result.minima)
+    title = (
+        f"{scene.name or scene.vertex!r}\n{count} stable state{'s' * (count != 1)}, "
+        f"symmetry {scene.group.name}, contact {scene.contact}"
+    )
+    table = Table(title=Text(title), title_justify="left")
+    for head in ("#", "energy [J]", "kind", "dimension", "closure", "KKT", "hits"):
+        left = head in ("kind", "dimension")
+        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
+    for number, m in enumerate(result.minima, start=1):
+        table.add_row(
+            str(number),
+            f"{m.energy:.9g}",
+            Text(m.kind, style=KIND_STYLE[m.kind]),
+            freedom_words(m.local_dimension, result.model.freedom),
+            f"{m.closure_residual:.0e}",
+            f"{m.kkt_residual:.0e}" + ("" if m.polished else " (IPOPT)"),
+            str(m.hits),
+        )
+    return table
+
+
+def state_lines(result: MinimaResult) -> list[str]:
+    """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
+    lines = []
+    for number, m in enumerate(result.minima, start=1):
+        angles = " ".join(f"{a:8.3f}" for a in np.degrees(m.fold_angles) + 0.0)
+        lines.append(f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}")
+        for c in m.contacts:
+            lines.append(f"   contact {contact_words(c)}")
+        lines.append(f"   {m.certificate}")
+    return lines
+
+
+def search_lines(result: MinimaResult) -> list[str]:
+    """Say in a few lines how the search went, failures included."""
+    s = result.search
+    lines = [
+        f"{s.starts} starts ({s.feasible_starts} feasible), {s.solves} IPOPT solves, "
+        f"{s.seconds:.2f} s, seed {s.seed}; expected undiscovered answers "
+        f"{s.expected_undiscovered:.2g}"
+        + ("" if s.stopped_by == "rule" else "; stopped at the cap on starts"),
+        "IPOPT: " + ", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())),
+        "converged starts ended at: "
+        + ", ".join(f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count),
+    ]
+    reasons: dict[tuple[str, str], int] = {}
+    for r in s.rejected:
+        if r.hits:
+            key = (r.verdict, r.reason)
+            reasons[key] = reasons.get(key, 0) + 1
+    lines += [
+        f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
+        for (verdict, reason), count in sorted(reasons.items())
+    ]
+    return lines
+
+
+def print_result(result: MinimaResult, console: Console) -> None:
+    """Print the table, the states and the record of the search."""
+    console.print(minima_table(result))
+    for line in state_lines(result):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    for line in search_lines(result):
+        console.print(line, style="dim", highlight=False, markup=False, soft_wrap=True)
+
+
+def as_text(result: MinimaResult) -> str:
+    """Return the table and the record of the search as plain text."""
+    console = Console(file=io.StringIO(), width=110, color_system=None)
+    print_result(result, console)
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue().rstrip()
+
+
+def summary_table(results: Sequence[MinimaResult], title: str) -> Table:
+    """Return one row a scene: counts by kind, starts, worst residuals and seconds."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("scene")
+    for head in ("minima", "interior", "pinned", "touching", "degenerate", "handles"):
+        table.add_column(head, justify="right")
+    for head in ("starts", "failed", "closure", "KKT", "seconds"):
+        table.add_column(head, justify="right")
+    for r in results:
+        kinds = [m.kind for m in r.minima]
+        failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
+        table.add_row(
+            r.scene.name or repr(r.scene.vertex),
+            str(len(kinds)),
+            *(
+                str(kinds.count(k))
+                for k in ("interior", "contact-pinned", "contact-touching", "degenerate")
+            ),
+            str(sum(m.local_dimension < r.model.freedom for m in r.minima)),
+            str(r.search.starts),
+            str(failed),
+            f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
+            f"{max((m.kkt_residual for m in r.minima), default=0):.0e}",
+            f"{r.search.seconds:.2f}",
+        )
+    return table
