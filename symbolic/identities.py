@@ -186,7 +186,7 @@ def counterexample(
         point: dict[Any, Any] = {}
         for circ, t in zip(circles, tangents, strict=True):
             point[circ.c], point[circ.s] = rational_pair(t)
-        value = sp.nsimplify(poly.subs(point)) if poly.free_symbols else poly
+        value = poly.subs(point)
         if value.has(sp.zoo, sp.nan, sp.oo):
             continue
         value = sp.radsimp(sp.expand(value))

@@ -1,0 +1,303 @@
+"""Section 3.1: the admissible space of the degree-6 vertex, its handles, and the Morse claim."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from symbolic.claim import Claim, Verdict
+from symbolic.claims.section3_degree6 import half_form
+from symbolic.decide import Correction, by_cases, refuted
+from symbolic.flat_folding import is_flat_foldable
+from symbolic.identities import circle, vanishes
+from symbolic.rotations import E1, about, rational_pair, scale
+from symbolic.states import degree6
+from symbolic.symbols import ALPHA, HALF2, HALF3
+
+_HALF = sp.Rational(1, 2)
+Segment = tuple[str, Any, Any, Any]
+"""(fixed fold angle, its value, lower end, upper end of the other) in units of pi."""
+
+FIRST_HANDLE: tuple[Segment, ...] = (
+    ("phi_2", -1, _HALF, 1),
+    ("phi_3", 1, -1, -_HALF),
+)
+SECOND_HANDLE: tuple[Segment, ...] = (
+    ("phi_2", 1, -_HALF, -1),
+    ("phi_3", -1, -_HALF, 1),
+)
+SECOND_HANDLE_RIGHT: tuple[Segment, ...] = (
+    ("phi_2", 1, -1, -_HALF),
+    ("phi_3", -1, _HALF, 1),
+)
+
+
+def _negated(handle: tuple[Segment, ...]) -> tuple[Segment, ...]:
+    return tuple((name, -v, -hi, -lo) for name, v, lo, hi in handle)
+
+
+def _endpoint_is_right_angle() -> bool:
+    """At alpha = pi/3 the sheet criterion Re(uv) Re(u conj v) factors; its sign is that of cos.
+
+    Re(uv) ~ c_3 (2 s_2 c_2 c_3 + 2 (c_2^2 - s_2^2) s_3) and the same with 2 and 3 exchanged, with
+    positive factors; on phi_3 -> -pi (c_3 -> 0+, s_3 = -1) the product has the sign of
+    cos(phi_2) for 0 < phi_2 < pi.
+    """
+    form = half_form()
+    third = {ALPHA.c: _HALF, ALPHA.s: sp.sqrt(3) / 2}
+    first, last = (sp.expand(e[1].subs(third)) for e in (form.first, form.last))
+    (c2, s2), (c3, s3) = HALF2.pair, HALF3.pair
+    b1 = 2 * s2 * c2 * c3 + 2 * (c2**2 - s2**2) * s3
+    b4 = 2 * s3 * c3 * c2 + 2 * (c3**2 - s3**2) * s2
+    k = sp.sqrt(3) / 4
+    factors = vanishes(first - k * c3 * b1, [HALF2, HALF3]) and vanishes(
+        last - k * c2 * b4, [HALF2, HALF3]
+    )
+    edge = {c3: 0, s3: -1}
+    on_edge1 = sp.expand(b1.subs(edge) + 2 * (c2**2 - s2**2))  # b1 = -2 cos(phi_2)
+    on_edge4 = sp.expand(b4.subs(edge) + 2 * s2)  # b4 = -2 sin(phi_2/2) < 0
+    return factors and on_edge1 == 0 and on_edge4 == 0
+
+
+def _check_handles(statement: tuple[tuple[Segment, ...], tuple[Segment, ...]]) -> Verdict:
+    """Intervals must be non-empty, and the two handles exchanged by turning the vertex over."""
+    first, second = statement
+    correction = Correction(
+        r"\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
+        lambda: (
+            set(_negated(FIRST_HANDLE)) == set(SECOND_HANDLE_RIGHT) and _endpoint_is_right_angle()
+        ),
+        "the image of the first handle under (phi_2, phi_3) -> -(phi_2, phi_3); the ends are "
+        "exactly pi/2, where the sheet criterion Re(uv) Re(u conj v) changes sign next to the edge.",
+    )
+    for handle in statement:
+        for name, value, lo, hi in handle:
+            if not lo < hi:
+                extra = ""
+                if set(_negated(first)) != set(second):
+                    extra = (
+                        "  Turning the vertex over, phi -> -phi, maps admissible states to "
+                        "admissible states and the first handle to {pi} x [-pi, -pi/2) u (pi/2, "
+                        "pi] x {-pi}, not to the printed second one, whose last interval starts "
+                        "at -pi/2."
+                    )
+                return refuted(
+                    f"The interval of the segment {name} = {value} pi runs from {lo} pi to {hi} "
+                    f"pi: empty as printed.{extra}",
+                    "exact",
+                    correction,
+                )
+    return by_cases(
+        [
+            ("the handles are images of each other", set(_negated(first)) == set(second)),
+            ("ends at pi/2", _endpoint_is_right_angle()),
+            (
+                "ends as derived",
+                {abs(x) for h in statement for s in h for x in s[2:]} == {_HALF, 1},
+            ),
+            ("first handle as derived", set(first) == set(FIRST_HANDLE)),
+        ],
+        "Odd symmetry of the admissible space and the sign of the sheet criterion at the edge.",
+        "exact",
+    )
+
+
+def _check_flat_point(statement: str) -> Verdict:
+    """Dimension of the set of states over (phi_2, phi_3) = (0, 0)."""
+    form = half_form()
+    origin = {HALF2.c: 1, HALF2.s: 0, HALF3.c: 1, HALF3.s: 0}
+    v = [sp.expand(e.subs(origin)) for e in form.v]
+    u = [sp.expand(e.subs(origin)) for e in form.u]
+    free = v == [0, 0] and u == [1, 0]
+    t = circle(sp.Symbol("t", real=True) / 2, "t")
+    book = about(E1, t.pair) * about(scale(-1, E1), t.pair)
+    closes = all(vanishes(g, [t]) for g in (book.w - 1, *book.vector))
+    # the other chart end: u = 0 at tan^2(phi_2/2) = tan^2(phi_3/2) = 1/cos(alpha_2)
+    c2a = 1 - 2 * ALPHA.c**2  # cos(pi - 2 alpha)
+    same = {HALF3.c: HALF2.c, HALF3.s: HALF2.s}
+    other_end = [sp.expand(e.subs(same)) for e in form.u]
+    second = vanishes(other_end[0] - (HALF2.c**2 - HALF2.s**2 * c2a), [ALPHA, HALF2]) and vanishes(
+        other_end[1], [ALPHA, HALF2]
+    )
+    if statement == "segment":
+        return by_cases([("free", free), ("closes", closes)], "book fold", "exact")
+    if not (free and closes):
+        return Verdict("unproved", "exact", "the fibre was not identified")
+    return refuted(
+        "Over (phi_2, phi_3) = (0, 0) the inner product is 1, v = 0, and the equation for "
+        "phi_1 + phi_4 loses all coefficients: phi_1 = phi_4 = t closes for every t in [-pi, pi] "
+        "(book fold, flat only at t = 0).  What joins the two regions there is a segment of "
+        "states, not a point.",
+        "exact",
+        Correction(
+            r"(\phi_2,\phi_3)=(0,0):\ \{\phi_1=\phi_4=t,\ t\in[-\pi,\pi]\};\quad "
+            r"\alpha_1>\tfrac{\pi}{4}:\ \tan^2\tfrac{\phi_2}{2}=\tan^2\tfrac{\phi_3}{2}"
+            r"=-1/\cos 2\alpha_1,\ \phi_2=\phi_3:\ \phi_1-\phi_4\ \text{free}",
+            lambda: free and closes and second,
+            "Q(e1, t/2) Q(-e1, t/2) = 1 for all t.  The chart has a second such point for alpha_1 "
+            "> pi/4: phi_2 = phi_3 with tan^2(phi_2/2) = -1/cos(2 alpha_1) gives u = 0, crease 4 "
+            "lies on crease 1 and phi_1 - phi_4 is free.",
+        ),
+    )
+
+
+def _check_corner_points(statement: tuple[Any, ...]) -> Verdict:
+    """Flat-folded corner states (-pi, pi), (pi, -pi): a layer order exists for some phi_1, phi_4."""
+
+    def corner(part: Any) -> bool:
+        return all(
+            any(is_flat_foldable(part, f"{a}{p}{q}{b}{q}{p}") for a in "MV" for b in "MV")
+            for p, q in (("M", "V"), ("V", "M"))
+        )
+
+    return by_cases(
+        [
+            (
+                f"alpha_1 = {part} pi: corner states {'exist' if yes else 'do not exist'}",
+                corner(part) == yes,
+            )
+            for part, yes in statement
+        ],
+        "Folded flat with phi_2 = -phi_3 = -+pi the vertex has a layer order for alpha_1 = 5 pi/12 "
+        "(and pi/3), none for pi/4: the two corners belong to the admissible space only from pi/3 "
+        "on.",
+        "exact crimping algorithm",
+    )
+
+
+def degenerate_example() -> dict[str, Any]:
+    """Stiffness and torques for which a D_1 degree-6 equilibrium has a singular Hessian, exactly."""
+    t_alpha, t2, t3 = _HALF, sp.Rational(1, 3), -sp.Rational(1, 4)
+    x, y = sp.symbols("phi_2 phi_3", real=True)
+    form = half_form()
+    ca, sa = rational_pair(t_alpha)
+    trig = {
+        ALPHA.c: ca,
+        ALPHA.s: sa,
+        HALF2.c: sp.cos(x / 2),
+        HALF2.s: sp.sin(x / 2),
+        HALF3.c: sp.cos(y / 2),
+        HALF3.s: sp.sin(y / 2),
+    }
+    (c2, s2), (c3, s3) = rational_pair(t2), rational_pair(t3)
+    at = {sp.cos(x / 2): c2, sp.sin(x / 2): s2, sp.cos(y / 2): c3, sp.sin(y / 2): s3}
+
+    def jet(pair: Any) -> tuple[sp.Matrix, sp.Matrix]:
+        """Exact gradient and Hessian of 2 atan2(Y, X)."""
+        num, den = (sp.sympify(e).subs(trig) for e in pair)
+        r2 = num**2 + den**2
+        grad = [2 * (den * sp.diff(num, v) - num * sp.diff(den, v)) / r2 for v in (x, y)]
+        hess = [[sp.diff(g, v) for v in (x, y)] for g in grad]
+        return (
+            sp.Matrix([sp.expand(g.subs(at)) for g in grad]),
+            sp.Matrix([[sp.expand(h.subs(at)) for h in row] for row in hess]),
+        )
+
+    (g1, h1), (g4, h4) = jet(form.first), jet(form.last)
+    k2 = sp.Symbol("k_2")
+    sizes = [sp.Rational(n, 10) for n in (-20, -10, -5, 5, 10, 20)]
+    for tau1 in sizes:
+        for tau4 in sizes:
+            hessian = g1 * g1.T + g4 * g4.T + tau1 * h1 + tau4 * h4 + sp.diag(2 * k2, 2)
+            roots = [r for r in sp.roots(sp.Poly(hessian.det(), k2)) if r.is_rational and r > 0]
+            if roots:
+                return {
+                    "k2": roots[0],
+                    "tau": (tau1, tau4),
+                    "hessian": hessian.subs(k2, roots[0]),
+                    "rank": degree6(t_alpha, t2, t3).crease_matrix().rank(),
+                }
+
+    raise AssertionError("no degenerate example found")
+
+
+def _milnor_identity() -> bool:
+    """Hessian of half the squared distance equals the Jacobian of the end-point map.
+
+    Manifold as a graph x(u) = (u_1, u_2, f(u)) with normal n = (-f_1, -f_2, 1): at the point
+    x + v n the Hessian is x_i . x_j - v n . x_ij, and x_j . d_i(x + v n) is the same matrix.
+    """
+    u = sp.symbols("u_1 u_2", real=True)
+    v = sp.Symbol("v", real=True)
+    f = sp.Function("f")(*u)
+    x = sp.Matrix([*u, f])
+    n = sp.Matrix([-sp.diff(f, u[0]), -sp.diff(f, u[1]), 1])
+    gaps = []
+    for a in u:
+        for b in u:
+            hessian = sp.diff(x, a).dot(sp.diff(x, b)) - v * n.dot(sp.diff(x, a, b))
+            gaps.append(sp.expand(sp.diff(x + v * n, a).dot(sp.diff(x, b)) - hessian))
+        gaps.append(sp.expand(n.dot(sp.diff(x, a))))
+    return all(g == 0 for g in gaps)
+
+
+def _check_morse(statement: str) -> Verdict:
+    """Exhibit a degenerate critical point at a regular state with positive stiffness."""
+    if statement == "almost all rest angles":
+        return by_cases([("end-point map", _milnor_identity())], "Sard", "exact")
+    data = degenerate_example()
+    singular = sp.expand(data["hessian"].det()) == 0
+    if not (singular and data["k2"] > 0 and data["rank"] == 3):
+        return Verdict("unproved", "exact example", "the degenerate example does not apply")
+    return refuted(
+        "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = -1/4 (regular): "
+        f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
+        f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
+        "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "
+        "manifold.",
+        "exact example",
+        Correction(
+            r"\text{on the regular part, for almost every }\phi^0\ "
+            r"(k_i>0\text{ fixed}),\ U\text{ is a Morse function}",
+            _milnor_identity,
+            "in the coordinates sqrt(k_i) phi_i the energy is half a squared distance to the rest "
+            "point; its Hessian at a critical point equals the Jacobian of the end-point map "
+            "x + v n, so degenerate rest points are critical values: measure zero (Sard).",
+        ),
+    )
+
+
+CLAIMS: list[Claim] = [
+    Claim(
+        "s3.flat-point",
+        "sec. 3.1, two regions connected by a point",
+        "The regions are connected by a point, the flat state",
+        "point",
+        r"\text{two regions connected by a point at the flat state }(0,0)",
+        _check_flat_point,
+    ),
+    Claim(
+        "s3.handles",
+        "sec. 3.1, 1-handles",
+        "Ranges of the two 1-handles at alpha_1 = pi/3",
+        (FIRST_HANDLE, SECOND_HANDLE),
+        r"\{\pi\}\times(\approx-\tfrac{\pi}{2},-\pi]\cup(\approx-\tfrac{\pi}{2},\pi]"
+        r"\times\{-\pi\}",
+        _check_handles,
+        damaged=(
+            (SECOND_HANDLE_RIGHT, SECOND_HANDLE_RIGHT),
+            (FIRST_HANDLE, (SECOND_HANDLE_RIGHT[0], ("phi_3", -1, -_HALF, 1))),
+        ),
+    ),
+    Claim(
+        "s3.corner-points",
+        "sec. 3.1, connected at (-pi, pi) and (pi, -pi)",
+        "The corner states exist for 5 pi/12 and not for pi/4",
+        ((sp.Rational(5, 12), True), (sp.Rational(1, 4), False)),
+        r"(\mp\pi,\pm\pi)\text{ admissible for }\alpha_1=5\pi/12,\ \text{not for }\pi/4",
+        _check_corner_points,
+        damaged=(
+            ((sp.Rational(5, 12), False), (sp.Rational(1, 4), False)),
+            ((sp.Rational(5, 12), True), (sp.Rational(1, 4), True)),
+        ),
+    ),
+    Claim(
+        "s3.morse",
+        "sec. 3.1, 'is a Morse function'",
+        "The energy is a Morse function",
+        "always",
+        r"U\text{ is a Morse function}",
+        _check_morse,
+    ),
+]
