@@ -186,7 +186,7 @@ def counterexample(
         point: dict[Any, Any] = {}
         for circ, t in zip(circles, tangents, strict=True):
             point[circ.c], point[circ.s] = rational_pair(t)
-        value = poly.subs(point)
+        value = poly.xreplace(point)
         if value.has(sp.zoo, sp.nan, sp.oo):
             continue
         value = sp.radsimp(sp.expand(value))

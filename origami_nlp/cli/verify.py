@@ -1,6 +1,140 @@
 """`origami-nlp verify`: prove or refute every claim of the paper."""
 
+from __future__ import annotations
 
-def verify() -> None:
-    """Prove or refute every claim of the source paper."""
-    raise SystemExit("not built yet")
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from origami_nlp.errors import OptionError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from symbolic.catalogue import Result
+    from symbolic.claim import Claim
+
+COLOURS = {"proved": "green", "refuted": "red", "convention": "yellow", "unproved": "bold red"}
+
+
+def verify(
+    json: Annotated[Path | None, typer.Option(help="Write the JSON report here.")] = None,
+    markdown: Annotated[Path | None, typer.Option(help="Write the Markdown report here.")] = None,
+    latex: Annotated[Path | None, typer.Option(help="Write LaTeX snippets here.")] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="Decide this claim only (repeatable).", metavar="ID")
+    ] = None,
+) -> None:
+    """Prove or refute every claim of the source paper.
+
+    Prints one line per claim.  Exit code 0: every claim is decided (proved, or its corrected
+    statement proved); 1: some claim is not; 2: an option has a value it cannot take.
+    """
+    from rich.console import Console
+
+    from symbolic import report
+    from symbolic.catalogue import claim_by_id, claims
+
+    for option, path in (("--json", json), ("--markdown", markdown), ("--latex", latex)):
+        _check_writable(option, path)
+    chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)
+    results = _run(chosen, console)
+    _print(results, console)
+    for path, text in (
+        (json, report.as_json),
+        (markdown, report.as_markdown),
+        (latex, report.as_latex),
+    ):
+        if path is not None:
+            path.write_text(text(results), encoding="utf-8")
+    if not all(r.verdict.decided for r in results):
+        raise typer.Exit(1)
+
+
+def _check_writable(option: str, path: Path | None) -> None:
+    """Refuse a file that cannot be written before any work is done."""
+    if path is None:
+        return
+    folder = path.parent
+    if path.is_dir():
+        raise OptionError(f"{option}: {path} is a directory; give a file name")
+    if not folder.is_dir():
+        raise OptionError(f"{option}: the directory {folder} does not exist; create it first")
+    target = path if path.exists() else folder
+    if not os.access(target, os.W_OK):
+        raise OptionError(f"{option}: no permission to write {path}; choose another place")
+
+
+def _run(chosen: Sequence[Claim], console: Console) -> list[Result]:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    from symbolic.catalogue import decide_all
+
+    columns = (
+        TextColumn("deciding"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[last]}"),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("claims", total=len(chosen), last="")
+        return decide_all(chosen, progress=lambda claim: bar.update(task, advance=1, last=claim.id))
+
+
+def _print(results: Sequence[Result], console: Console) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
+    from symbolic.report import summary
+
+    table = Table(box=None, pad_edge=False, expand=True)
+    for name in ("claim", "verdict", "what", "method", "s"):
+        # the id, the verdict and the time are never cut; the two texts share what is left
+        free = name in ("what", "method")
+        table.add_column(
+            name,
+            no_wrap=True,
+            overflow="ellipsis",
+            justify="right" if name == "s" else "left",
+            ratio={"what": 3, "method": 2}.get(name),
+            min_width=None if free else max(len(name), *(len(_cell(r, name)) for r in results)),
+        )
+    for r in results:
+        colour = COLOURS[r.verdict.verdict]
+        table.add_row(
+            _cell(r, "claim"),
+            f"[{colour}]{_cell(r, 'verdict')}[/]",
+            escape(r.claim.title),
+            escape(r.verdict.method),
+            _cell(r, "s"),
+        )
+    console.print(table)
+    count = summary(results)
+    console.print(
+        f"{count['total']} claims: {count['proved']} proved, {count['refuted']} refuted, "
+        f"{count['convention']} convention, {count['unproved']} unproved; "
+        f"{count['decided']} decided"
+    )
+    for r in results if len(results) <= 3 else ():
+        console.print(f"\n{r.claim.id} ({r.claim.where})", markup=False)
+        console.print(f"  printed    {r.claim.statement_latex}", markup=False)
+        console.print(f"  evidence   {r.verdict.evidence}", markup=False)
+        if r.verdict.corrected_latex is not None:
+            console.print(f"  corrected  {r.verdict.corrected_latex}", markup=False)
+
+
+def _cell(r: Result, column: str) -> str:
+    """Text of one of the columns that are shown in full."""
+    if column == "claim":
+        return r.claim.id
+    if column == "s":
+        return f"{r.verdict.seconds:.2f}"
+    if r.verdict.decided or r.verdict.verdict == "unproved":
+        return r.verdict.verdict
+    return f"{r.verdict.verdict} (correction unproved)"
