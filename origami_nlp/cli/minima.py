@@ -35,10 +35,11 @@ def minima(
 
     check_figure(figure)
     stated = read_scene(scene)
-    from origami_nlp.judge.minima import find_minima
+    from origami_nlp.judge.minima import check_options, find_minima
     from origami_nlp.tell.json_file import check_writable, result_to_dict, write_json
     from origami_nlp.tell.table import print_result
 
+    check_options(seed, max_starts)
     check_writable(json, "--json")
     check_writable(figure, "--figure")
     console = Console(stderr=json == "-")

@@ -25,9 +25,9 @@ from origami_nlp.solve.active import Row, gap_weights, row_values
 
 RANK_TOLERANCE = 1e-7
 """Singular values of the closure Jacobian below this count as zero."""
-STATIONARY = 1e-8
+STATIONARY = 1e-11
 """Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""
-CURVED = 1e-9
+CURVED = 1e-12
 """Eigenvalues of the scaled reduced Hessian below this do not count as positive."""
 
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
@@ -72,7 +72,11 @@ def null_space(a: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
 
 
 def judge_branch(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], local: Local
+    model: Model,
+    x: np.ndarray,
+    rows: tuple[Row, ...],
+    local: Local,
+    stationary: float = STATIONARY,
 ) -> BranchJudgement:
     """Judge state x on the piece where `rows` (all closed at x) are the contacts."""
     # metric of all N fold angles: y = sqrt(multiplicity) x
@@ -106,11 +110,11 @@ def judge_branch(
 
     if dimension == 0:
         return say("minimum", "isolated: the linearised feasible cone is a point", 3)
-    if multipliers.residual > STATIONARY * size:
+    if multipliers.residual > stationary * size:
         d = _descent(z, a, gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
-    loaded = multipliers.upper > 1e-9 * size
+    loaded = multipliers.upper > 10 * stationary * size
     s = z @ null_space(a[loaded] @ z)
     if s.shape[1] == 0:
         return say(

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.judge.branch import BranchJudgement, judge_branch
-from origami_nlp.judge.nearby import is_admissible, leads_somewhere, project, search_spheres
+from origami_nlp.judge.branch import STATIONARY, BranchJudgement, judge_branch
+from origami_nlp.judge.nearby import STEPS, is_admissible, leads_somewhere, project, search_spheres
 from origami_nlp.model.contact import Gap
 from origami_nlp.model.embedding import examine
 from origami_nlp.model.nlp import Model
@@ -68,8 +68,11 @@ class Classification:
     descent: np.ndarray | None = None
 
 
-def classify(model: Model, x: np.ndarray) -> Classification:
-    """Classify a polished, closed state x [n] of the model."""
+def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classification:
+    """Classify a closed state x [n] of the model.
+
+    `polished` says whether x is exact to rounding; if not, IPOPT's accuracy is assumed and nothing finer is read.
+    """
 
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
@@ -88,14 +91,15 @@ def classify(model: Model, x: np.ndarray) -> Classification:
             "not admissible",
             f"beyond the contact '{what}': its layers have no order with the symmetry of the scene",
         )
-    contacts = closed_contacts(model, x, local.gaps)
+    contacts = closed_contacts(model, x, local.gaps, CLOSED if polished else 1e-5)
     choices = contacts.combinations()
     # Too many pieces meet: judge the larger set that ignores facet pairs.  A minimum of it is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
     if choices is None:
         choices = [contacts.base]
-    judged = [judge_branch(model, x, rows, local) for rows in choices]
+    accuracy = STATIONARY if polished else 1e-5
+    judged = [judge_branch(model, x, rows, local, accuracy) for rows in choices]
     real = [
         b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
     ]
@@ -149,7 +153,7 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
         return "degenerate"
     if all(not b.rows for b in branches):
         return "interior"
-    loaded = all((b.multipliers.smallest > 1e-9).all() for b in branches)
+    loaded = all((b.multipliers.smallest > 0).all() for b in branches)
     return "contact-pinned" if loaded else "contact-touching"
 
 
@@ -161,13 +165,14 @@ def _follow_descent(
         if b.direction is None or not np.abs(b.direction).max() > 0:
             continue
         d = b.direction / np.linalg.norm(b.direction)
-        for step in (1e-2, 1e-3, 1e-4):
+        slope = float(model.local(x).gradient @ d) * model.scale
+        for step in (1e-2, *STEPS, 1e-7):
             y, residual = project(model, x + step * d, b.held)
-            change = model.energy(y) - model.energy(x)
+            change = model.energy_change(x, y)
             if (
                 residual <= 1e-11
                 and np.linalg.norm(y - x) < 3 * step
-                and change < -1e-3 * step * model.scale * abs(float(b.direction @ d))
+                and change < 0.1 * step * slope < 0
                 and is_admissible(model, y)
             ):
                 why = f"an admissible state {step:g} rad away is lower by {-change:.2e}"

@@ -109,6 +109,19 @@ class MinimaResult:
         return as_html(self)
 
 
+def check_options(seed: object, max_starts: object) -> None:
+    """Complain about a seed or a cap on starts that is no natural number.
+
+    Raises
+    ------
+    OptionError
+        With the name, the value and what it must be.
+    """
+    for name, value, least in (("seed", seed, 0), ("max_starts", max_starts, 1)):
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            raise OptionError(f"{name} = {value!r} must be a whole number, at least {least}")
+
+
 def find_minima(
     scene: Scene,
     *,
@@ -132,9 +145,7 @@ def find_minima(
     OptionError
         If `seed` or `max_starts` is not a natural number.
     """
-    for name, value, least in (("seed", seed, 0), ("max_starts", max_starts, 1)):
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            raise OptionError(f"{name} = {value!r} must be a whole number, at least {least}")
+    check_options(seed, max_starts)
     begin = time.perf_counter()
     model = scene.model()
     record = Record()
@@ -210,7 +221,7 @@ def _judge_new(
     pending = [new] if new else []
     while pending:
         answer = pending.pop()
-        what = classify(model, answer.polished.x)
+        what = classify(model, answer.polished.x, polished=answer.polished.converged)
         verdicts[id(answer)] = what
         if what.descent is not None and answer.hits:
             for sign in (1.0, -1.0):

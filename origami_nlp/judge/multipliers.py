@@ -40,7 +40,7 @@ class Multipliers:
     vertices: np.ndarray
 
 
-def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-9) -> Multipliers:
+def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> Multipliers:
     """Describe {mu >= 0: B mu = c}, shapes [t, r] and [t]."""
     t, r = b.shape
     size = 1.0 + float(np.abs(c).max(initial=0.0))
@@ -51,7 +51,7 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-9) -> M
         )
     if np.linalg.matrix_rank(b, tol=1e-9) == r:
         mu = np.linalg.lstsq(b, c, rcond=None)[0]
-        clipped = np.where(np.abs(mu) <= tolerance * size * 1e-3, 0.0, mu)
+        clipped = np.where(np.abs(mu) <= 0.1 * tolerance * size, 0.0, mu)
         residual = float(np.abs(b @ np.maximum(mu, 0.0) - c).max())
         return Multipliers(residual, True, clipped, clipped, clipped, clipped[None])
     # smallest residual in the maximum norm: min s, |B mu - c| <= s

@@ -50,15 +50,20 @@ def is_admissible(model: Model, x: np.ndarray) -> bool:
     return examine(model.scene.vertex, model.expand(x)).admissible
 
 
+STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
+"""Lengths [rad] at which a direction is tried: other contacts may close soon after the state."""
+
+
 def leads_somewhere(
-    model: Model, x: np.ndarray, tangent: np.ndarray, held: tuple[Row, ...], step: float = 1e-3
+    model: Model, x: np.ndarray, tangent: np.ndarray, held: tuple[Row, ...]
 ) -> bool:
     """Tell whether the direction `tangent`, or its mirror image, is followed by admissible states."""
-    for sign in (1.0, -1.0):
-        y, residual = project(model, x + sign * step * tangent, held)
-        moved = np.linalg.norm(y - x)
-        if residual <= 1e-11 and 0.1 * step < moved < 10 * step and is_admissible(model, y):
-            return True
+    for step in STEPS:
+        for sign in (1.0, -1.0):
+            y, residual = project(model, x + sign * step * tangent, held)
+            moved = np.linalg.norm(y - x)
+            if residual <= 1e-11 and 0.1 * step < moved < 10 * step and is_admissible(model, y):
+                return True
     return False
 
 
@@ -102,6 +107,8 @@ def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int
                 d = rng.normal(size=model.size)
                 for row in held:
                     d[row.index] = 0.0
+                if not d.any():
+                    continue
                 for row in limits:  # step into the fold limits, not out of them
                     if row not in held:
                         d[row.index] = -row.side * abs(d[row.index])
@@ -113,7 +120,7 @@ def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int
                     continue
                 count, found = count + 1, found + 1
                 smallest = min(smallest, radius)
-                change = model.energy(y) - energy
+                change = model.energy_change(x, y)
                 if change < lowest:
                     lowest, state = change, y
                 if found == 1:

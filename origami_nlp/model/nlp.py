@@ -95,6 +95,17 @@ class Model:
         return compile_structure(self.structure)
 
     @property
+    def softness(self) -> float:
+        """Softest spring over the mean one: how small a torque still matters."""
+        k = self.parameters[-2 * self.size : -self.size]
+        return float(k.min() / k.mean())
+
+    @property
+    def step_noise(self) -> float:
+        """Length of a Newton step [rad] that is only rounding: 1e-10, more with very soft springs."""
+        return max(1e-10, 1e-15 / self.softness)
+
+    @property
     def bound(self) -> float:
         """Largest |fold angle|: pi, or infinity without contact."""
         return math.pi if self.structure.limits else math.inf
@@ -132,6 +143,12 @@ class Model:
         n = self.size
         k, rest = self.parameters[-2 * n : -n], self.parameters[-n:]
         return float(0.5 * self.scale * np.sum(k * (np.asarray(x) - rest) ** 2))
+
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
+        """Energy of y less that of x, in the scene's units, without cancellation for nearby states."""
+        n = self.size
+        k, rest = self.parameters[-2 * n : -n], self.parameters[-n:]
+        return float(self.scale * np.sum(k * (y - x) * ((x - rest) + 0.5 * (y - x))))
 
     def local(self, x: np.ndarray) -> Local:
         """Evaluate values and first derivatives at x."""

@@ -16,7 +16,6 @@ from origami_nlp.model.structure import Structure, compile_structure
 OPTIONS = {
     "print_level": 0,
     "sb": "yes",
-    "tol": 1e-7,  # the polish takes it to rounding
     "max_iter": 120,
     "acceptable_iter": 0,  # no "acceptable" stops: an answer converged or it did not
     "bound_relax_factor": 0.0,  # the default leaves fold angles 1e-8 beyond pi
@@ -25,6 +24,9 @@ OPTIONS = {
     "bound_frac": 1e-3,
 }
 """IPOPT options (exact Hessians are CasADi's default)."""
+
+TOLERANCE = 1e-7
+"""IPOPT's tolerance for springs of equal stiffness; soft springs need it smaller, the polish does the rest."""
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -60,7 +62,7 @@ class _Programme:
 
 
 @lru_cache(maxsize=64)
-def build_solver(structure: Structure, pairs: Pairs) -> _Programme:
+def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> _Programme:
     """Build IPOPT for a structure with separating planes for `pairs` (cached)."""
     f = compile_structure(structure)
     unknowns: list[ca.SX] = [f.x]
@@ -87,13 +89,18 @@ def build_solver(structure: Structure, pairs: Pairs) -> _Programme:
         "f": f.energy,
         "g": ca.vertcat(*rows),
     }
-    options = {"print_time": False, "error_on_fail": False, "ipopt": OPTIONS}
+    options = {"print_time": False, "error_on_fail": False, "ipopt": {**OPTIONS, "tol": tolerance}}
     return _Programme(ca.nlpsol("origami", "ipopt", nlp, options), np.array(lower), np.array(upper))
+
+
+def tolerance_for(model: Model) -> float:
+    """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
+    return max(1e-12, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.softness))))
 
 
 def solve(model: Model, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     """Minimise the energy from `start` [n] with separating planes for `pairs`."""
-    programme = build_solver(model.structure, pairs)
+    programme = build_solver(model.structure, pairs, tolerance_for(model))
     n = model.size
     x0 = np.asarray(start, dtype=float)
     bound = np.full(n, model.bound)

@@ -19,6 +19,8 @@ from origami_nlp.solve.ipopt import Solve
 
 MOST_STEPS = 12
 MOST_REPAIRS = 8
+RANK = 1e-14
+"""Relative singular values of the KKT matrix below this count as zero (dependent contacts)."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
 
@@ -43,7 +45,26 @@ class Polished:
 
 def polish(model: Model, answer: Solve) -> Polished:
     """Polish one answer of IPOPT."""
-    rows = guess_active(model, answer)
+    guess = guess_active(model, answer)
+    firm = tuple(
+        row for row in guess if row.kind == "gap" or abs(answer.pull[row.index]) > 1e-6
+    )
+    fallback: Polished | None = None
+    for first in dict.fromkeys((guess, firm, ())):
+        result, consistent = _repair(model, answer.x, first)
+        if result is not None and consistent:
+            return result
+        if result is not None and fallback is None:
+            fallback = result
+    if fallback is not None:
+        return fallback
+    return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
+
+
+def _repair(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...]
+) -> tuple[Polished | None, bool]:
+    """Run Newton, adding violated contacts and dropping pulling ones, until the active set is consistent."""
     best: Polished | None = None
     seen: set[tuple[Row, ...]] = set()
     for _ in range(MOST_REPAIRS):
@@ -51,24 +72,20 @@ def polish(model: Model, answer: Solve) -> Polished:
         if key in seen:
             break
         seen.add(key)
-        result, multipliers = newton(model, answer.x, key)
+        result, multipliers = newton(model, x, key)
         if result is None:
-            rows = key[:-1] if best is None and key else ()
-            continue
-        if best is None or result.kkt_residual < best.kkt_residual:
+            break
+        if result.converged and best is None:
             best = result
         violated = _violated(model, result.x, key)
         if violated:
             rows = tuple(dict.fromkeys((*key, *violated)))
-            continue
-        if len(multipliers) and multipliers.min() < -1e-10 * max(1.0, np.abs(multipliers).max()):
+        elif len(multipliers) and multipliers.min() < -1e-12 * max(1, np.abs(multipliers).max()):
             drop = int(multipliers.argmin())
             rows = key[:drop] + key[drop + 1 :]
-            continue
-        return result
-    if best is not None and best.kkt_residual <= 1e-9:
-        return best
-    return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
+        else:
+            return result, result.converged
+    return best, False
 
 
 def guess_active(model: Model, answer: Solve) -> tuple[Row, ...]:
@@ -123,13 +140,8 @@ def newton(
 
     Returns the state, or None if the steps leave the neighbourhood, and the multipliers of `rows`.
     """
-    x = np.array(start, dtype=float)
-    for row in rows:  # limits are exact from the first step on
-        if row.kind == "limit":
-            x[row.index] = row.side * math.pi
-    held = np.array([row.index for row in rows if row.kind == "limit"], dtype=int)
-    n, r = model.size, len(rows)
-    best: tuple[float, np.ndarray, float, np.ndarray] | None = None
+    x = _hold_limits(np.array(start, dtype=float), rows)
+    best: tuple[float, Polished, np.ndarray] | None = None
     for _ in range(MOST_STEPS):
         local = model.local(x)
         values, gradients = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
@@ -141,33 +153,38 @@ def newton(
         size = 1.0 + np.abs(local.gradient).max()
         kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
         closure = float(np.abs(local.closure).max())
-        merit = max(kkt, closure)
-        if best is None or merit < best[0]:
-            best = (merit, x.copy(), closure, multipliers[m:])
-            best_kkt = kkt
-        elif merit < 1e-11:
-            break
-        if merit <= 1e-16:
-            break
         hessian = model.hessian(x, -multipliers[:m], -gap_weights(model, rows, multipliers[m:]))
-        system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((m + r, m + r))]])
+        count = len(jacobian)
+        system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((count, count))]])
         right = -np.concatenate([stationarity, local.closure, values])
-        step = np.linalg.lstsq(system, right, rcond=1e-11)[0][:n]
+        step = np.linalg.lstsq(system, right, rcond=RANK)[0][: model.size]
         length = float(np.linalg.norm(step))
-        if not np.isfinite(length) or length > LONGEST_STEP:
+        if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
-        x = x + step
-        for row in rows:
-            if row.kind == "limit":
-                x[row.index] = row.side * math.pi
-        if length <= 1e-17 or len(held) == n:
-            pass
+        # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
+        reached = max(kkt, closure) <= 1e-11 and length <= model.step_noise
+        merit = max(kkt, closure, length)
+        if best is None or merit < best[0]:
+            state = Polished(x, rows, closure, kkt, reached)
+            best = (merit, state, multipliers[m:])
+        elif best[1].converged:
+            break
+        if length <= 1e-16:
+            break
+        x = _hold_limits(x + step, rows)
     assert best is not None
-    merit, x, closure, row_multipliers = best
-    converged = bool(merit <= 1e-11)
-    if not converged and merit > 1e-6:
+    merit, state, row_multipliers = best
+    if not state.converged and merit > 1e-5:
         return None, np.zeros(0)
-    return Polished(x, rows, closure, best_kkt, converged), row_multipliers
+    return state, row_multipliers
+
+
+def _hold_limits(x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
+    """Set fold angles at closed fold limits to +-pi exactly."""
+    for row in rows:
+        if row.kind == "limit":
+            x[row.index] = row.side * math.pi
+    return x
 
 
 def _violated(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> list[Row]:

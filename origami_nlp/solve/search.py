@@ -43,7 +43,6 @@ class Record:
     feasible_starts: int = 0
     solves: int = 0
     converged: int = 0
-    crossing: int = 0
 
 
 def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
@@ -68,13 +67,10 @@ def run_one(model: Model, x: np.ndarray, record: Record, *, count: bool = True) 
         if np.abs(known.polished.x - polished.x).max() <= SAME:
             known.hits += count
             return None
-    for known in record.listed:
-        if np.abs(known.polished.x - polished.x).max() <= SAME:
-            known.hits += count
-            known.polished = polished
-            record.listed.remove(known)
-            record.answers.append(known)
-            return None
+    # a solve's answer is stationary where a listed flat folding beside it may not be: it takes its place
+    record.listed = [
+        known for known in record.listed if np.abs(known.polished.x - polished.x).max() > SAME
+    ]
     new = Answer(polished, int(count))
     record.answers.append(new)
     return new
@@ -92,7 +88,11 @@ def add_state(model: Model, x: np.ndarray, record: Record) -> Answer | None:
 
 
 def solve_without_crossing(model: Model, x: np.ndarray, record: Record) -> Solve:
-    """Solve; facet pairs enter, with their separating planes, only when a solve makes them cross."""
+    """Solve; facet pairs enter, with their separating planes, only when a solve makes them cross.
+
+    (Modelling a pair from the first try on, once it has crossed often, was slower: planes cost more than the
+    second solve, and lead to more answers without a layer order.)
+    """
     pairs: tuple[tuple[int, int], ...] = ()
     for _ in range(MOST_PAIR_ROUNDS):
         answer = solve(model, x, pairs)
@@ -102,5 +102,4 @@ def solve_without_crossing(model: Model, x: np.ndarray, record: Record) -> Solve
         if not crossed or set(crossed) <= set(pairs):
             return answer
         pairs = tuple(sorted({*pairs, *crossed}))
-    record.crossing += 1
     return answer

@@ -57,7 +57,7 @@ class Vertex:
                 f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi (flat "
                 f'sheets only): correct them, or write exact multiples such as "pi/3"'
             )
-        if total != 2 * math.pi:  # rounding only: keep what the user typed as near as can be
+        if abs(total - 2 * math.pi) > 1e-14:  # typed digits: spread what is missing evenly
             angles = tuple(a * (2 * math.pi / total) for a in angles)
         object.__setattr__(self, "sector_angles", angles)
 
