@@ -23,6 +23,7 @@ MODULES = (
     "section3_degree6",
     "section3_topology",
     "section3_degree8",
+    "section3_branches8",
     "section4_cone",
     "appendix_a",
     "derivations",

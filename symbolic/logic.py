@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 
 SPACES = ("relaxed", "physical", "symmetric")
 
@@ -31,4 +31,4 @@ def energy_orders() -> frozenset[tuple[str, str]]:
 def counting_order(names: tuple[str, str, str]) -> bool:
     """Whether N_names[0] <= N_names[1] <= N_names[2] holds for the candidates of any landscape."""
     orders = energy_orders()
-    return all((a, b) in orders for a, b in zip(names, names[1:], strict=False))
+    return all((a, b) in orders for a, b in pairwise(names))

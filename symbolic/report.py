@@ -24,7 +24,7 @@ VERDICTS = ("proved", "refuted", "convention", "unproved")
 
 def summary(results: Sequence[Result]) -> dict[str, Any]:
     """Counts per verdict, how many are decided, and the seconds spent on claims in total."""
-    counts = Counter(r.verdict.verdict for r in results)
+    counts: Counter[str] = Counter(r.verdict.verdict for r in results)
     return {
         "total": len(results),
         **{name: counts.get(name, 0) for name in VERDICTS},

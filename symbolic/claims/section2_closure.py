@@ -231,6 +231,37 @@ def _check_count_reflection(statement: tuple[Any, Any]) -> Verdict:
     )
 
 
+def _check_known_pattern(statement: tuple[int, int]) -> Verdict:
+    """Degree-4 mirror vertex: (degrees of freedom in full, with the mirror)."""
+    counted = (4 - 3, symmetric_dimension(1, 4))
+    return by_cases(
+        [(f"Miura-ori vertex: counted {counted}", counted == tuple(statement))],
+        "N - 3 = 1 = N/2 - 1 at N = 4: nothing is left to eliminate.",
+        "character count",
+    )
+
+
+def _check_yoshimura(statement: tuple[Any, ...]) -> Verdict:
+    """The set of crease azimuths must be invariant under azimuth -> -azimuth (modulo 2 pi)."""
+    b = sp.Symbol("beta", real=True)
+
+    def key(azimuth: Any) -> Any:
+        turn = sp.expand(azimuth) - azimuth.coeff(b) * b
+        return (azimuth.coeff(b), turn % (2 * sp.pi))
+
+    azimuths = [sp.expand(sp.sympify(a)) for a in statement]
+    have = {key(a) for a in azimuths}
+    mirrored = {key(sp.expand(-a)) for a in azimuths}
+    return by_cases(
+        [("mirror e2 -> -e2", have == mirrored), ("six creases", len(have) == 6)],
+        "The crease directions 0, beta, pi - beta, pi, pi + beta, -beta are mapped to themselves "
+        "(they have a second mirror as well: D_2).",
+        "exact",
+    )
+
+
+_BETA = sp.Symbol("beta", real=True)
+YOSHIMURA = (0, _BETA, sp.pi - _BETA, sp.pi, sp.pi + _BETA, -_BETA)
 _N = sp.Symbol("N", positive=True)
 
 CLAIMS: list[Claim] = [
@@ -326,5 +357,23 @@ CLAIMS: list[Claim] = [
         r"N-3\ \to\ N/2-1",
         _check_count_reflection,
         damaged=((_N - 3, _N / 2 + 1), (_N - 2, _N / 2 - 1)),
+    ),
+    Claim(
+        "s2.miura",
+        "sec. 2, Miura-ori vertex",
+        "A degree-4 vertex with a mirror keeps its single degree of freedom",
+        (1, 1),
+        r"N=4:\ N-3=N/2-1=1",
+        _check_known_pattern,
+        damaged=((1, 0), (2, 1)),
+    ),
+    Claim(
+        "s2.yoshimura",
+        "sec. 2, Yoshimura vertex",
+        "The Yoshimura vertex has degree 6 and a mirror",
+        YOSHIMURA,
+        r"\{0,\beta,\pi-\beta,\pi,\pi+\beta,-\beta\}=-\{\ldots\}\ (\mathrm{mod}\ 2\pi)",
+        _check_yoshimura,
+        damaged=((0, _BETA, sp.pi / 2, sp.pi, sp.pi + _BETA, -_BETA), YOSHIMURA[:5]),
     ),
 ]

@@ -113,13 +113,15 @@ def pinned_example() -> tuple[ExactState, sp.Matrix, sp.Matrix, sp.Matrix]:
 
 def _check_unconstrained(statement: str) -> Verdict:
     """Exhibit a stable symmetric state whose energy is not stationary on the compatible space."""
-    state, torque, lam, contact = pinned_example()
+    state, torque, lam, _ = pinned_example()
     c, kernel = state.crease_matrix(), state.tangents()
     slope = [v for v in (torque.T * kernel) if v != 0]
     symmetric = all(torque[i] == torque[j] for i, j in ((1, 5), (2, 4)))
     angles = [sp.atan2(fold[1], fold[0]).evalf(30) for fold in state.folds]
     inside = bool(torque[2] >= 0) and all(  # rest angle phi* - g; pi - g_3 <= pi exactly
-        abs(a) + abs(g) < sp.pi for i, (a, g) in enumerate(zip(angles, torque)) if i not in (2, 4)
+        abs(a) + abs(g) < sp.pi
+        for i, (a, g) in enumerate(zip(angles, torque, strict=True))
+        if i not in (2, 4)
     )
     # |d2 r| <= 1 per entry, so the Lagrangian Hessian is at least 1 - 6 |lambda| > 0
     convex = bool(36 * lam.dot(lam) < 1)

@@ -11,6 +11,7 @@ from symbolic.claims.section3_degree6 import half_form
 from symbolic.decide import Correction, by_cases, refuted
 from symbolic.flat_folding import is_flat_foldable
 from symbolic.identities import circle, vanishes
+from symbolic.intervals import certify_sign
 from symbolic.rotations import E1, about, rational_pair, scale
 from symbolic.states import degree6
 from symbolic.symbols import ALPHA, HALF2, HALF3
@@ -166,6 +167,40 @@ def _check_corner_points(statement: tuple[Any, ...]) -> Verdict:
     )
 
 
+def _check_holes(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
+    """No sheet of paper over a box near each of the corners (signs of phi_2, phi_3), certified."""
+    azimuth, corners = statement
+    form = half_form()
+    x, y = sp.symbols("phi_2 phi_3", real=True)
+    trig = {
+        ALPHA.c: sp.cos(azimuth),
+        ALPHA.s: sp.sin(azimuth),
+        HALF2.c: sp.cos(x / 2),
+        HALF2.s: sp.sin(x / 2),
+        HALF3.c: sp.cos(y / 2),
+        HALF3.s: sp.sin(y / 2),
+    }
+    (a, b), (c, d) = ([e.subs(trig) for e in pair] for pair in (form.u, form.v))
+    criterion = (a * c) ** 2 - (b * d) ** 2  # Re(uv) Re(u conj v)
+    cases, boxes = [], 0
+    for sx, sy in corners:
+        wide, near = (sp.pi * 3 / 4, sp.pi * 17 / 20), (sp.pi * 19 / 20, sp.pi * 99 / 100)
+        box = {
+            x: tuple(sorted((sx * wide[0], sx * wide[1]))),
+            y: tuple(sorted((sy * near[0], sy * near[1]))),
+        }
+        got = certify_sign(criterion, box, -1)
+        boxes += got.boxes
+        cases.append((f"corner ({sx}, {sy}): an excluded box exists", got.holds))
+    return by_cases(
+        cases,
+        "Re(uv) Re(u conj v) < 0, so no angles in [-pi, pi] close on quaternion +1, over the boxes "
+        "3/4 < |phi_2|/pi < 17/20, 19/20 < |phi_3|/pi < 99/100 in all four corners, certified with "
+        f"{boxes} intervals: the corners hold excluded regions.",
+        "interval arithmetic over stated boxes",
+    )
+
+
 def degenerate_example() -> dict[str, Any]:
     """Stiffness and torques for which a D_1 degree-6 equilibrium has a singular Hessian, exactly."""
     t_alpha, t2, t3 = _HALF, sp.Rational(1, 3), -sp.Rational(1, 4)
@@ -291,6 +326,15 @@ CLAIMS: list[Claim] = [
             ((sp.Rational(5, 12), False), (sp.Rational(1, 4), False)),
             ((sp.Rational(5, 12), True), (sp.Rational(1, 4), True)),
         ),
+    ),
+    Claim(
+        "s3.holes",
+        "sec. 3.1, holes of the admissible space",
+        "At alpha_1 = pi/4 all four corners hold excluded regions",
+        (sp.pi / 4, ((1, 1), (1, -1), (-1, 1), (-1, -1))),
+        r"\alpha_1=\tfrac{\pi}{4}:\ \text{holes top left, top right, bottom left, bottom right}",
+        _check_holes,
+        damaged=((sp.pi * 5 / 12, ((1, 1), (1, -1), (-1, 1), (-1, -1))),),
     ),
     Claim(
         "s3.morse",

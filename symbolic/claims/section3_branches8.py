@@ -1,0 +1,245 @@
+"""Section 3.2: domain, range, branches, odd symmetry and boundary of the degree-8 formula."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from symbolic.claim import Claim, Verdict
+from symbolic.claims.section3_degree8 import (
+    BRANCH_1,
+    BRANCH_2,
+    CIRCLES,
+    J_SQUARED_SHORT,
+    J,
+    K,
+    equation,
+    line_direction,
+    line_gaps,
+)
+from symbolic.decide import IDENTITY, Correction, by_cases, refuted
+from symbolic.identities import to_circles, vanishes
+from symbolic.symbols import HALF2, UPSILON, alpha, phi2, upsilon
+
+
+def _numeric(lines: Any, a: Any, v: Any, p: Any, order: str = "xy") -> Any:
+    """One branch in 50 digits, with the corrected J."""
+    first, second, factor = lines[0] if p > 0 else lines[1]
+    with mpmath.workdps(60):
+        j = mpmath.sqrt(16 * (mpmath.sin(v) ** 2 - mpmath.sin(2 * a) ** 2 * mpmath.sin(p / 2) ** 4))
+        k = 4 * abs(mpmath.cos(a) * mpmath.sin(v) * mpmath.sin(p)) * mpmath.sin(a) * mpmath.cot(v)
+        x, y = (
+            sp.lambdify((alpha, upsilon, phi2, J, K), e, "mpmath")(a, v, p, j, k)
+            for e in (first, second)
+        )
+        return factor * (mpmath.atan2(y, x) if order == "xy" else mpmath.atan2(x, y))
+
+
+def _check_domain(statement: str) -> Verdict:
+    """Whether the cases phi_2 > 0 and phi_2 < 0 cover the chart."""
+    at_zero = [
+        sp.expand(sp.sympify(e).subs({HALF2.c: 1, HALF2.s: 0}))
+        for e in (equation().A, equation().B, equation().C)
+    ]
+    phi1_zero = at_zero[0] == 0 and at_zero[2] == 0 and vanishes(at_zero[1] - UPSILON.s, CIRCLES)
+    tangent_at_pi = sp.tan(phi2 / 2).subs(phi2, sp.pi)
+    if statement == "phi_2 != 0, |phi_2| < pi":
+        return by_cases([("phi_2 = 0 gives phi_1 = 0", phi1_zero)], "exact", "exact")
+    return refuted(
+        f"phi_2 = 0 has no line, although the vertex folds there (the book fold about crease 3, "
+        f"phi_1 = 0, phi_3 = 2 upsilon, any elevation); at phi_2 = +-pi the factor tan(phi_2/2) = "
+        f"{tangent_at_pi} meets K = 0.",
+        "exact evaluation",
+        Correction(
+            r"\phi_2=0:\ \phi_1=0,\ \upsilon\ \text{free};\qquad \text{no case distinction in }"
+            r"\phi_1=2\operatorname{atan2}(BC\pm AD,\,AC\mp BD)",
+            lambda: phi1_zero,
+            "at phi_2 = 0 the equation reads sin(v) sin t = 0, so phi_1 = 0 modulo 2 pi; at "
+            "phi_2 = 0 = upsilon all coefficients vanish: phi_1 is free (book fold about crease 1).",
+        ),
+    )
+
+
+def _check_range(statement: str) -> Verdict:
+    """2 arctan(...) lies in (-2 pi, 2 pi]; look for a value outside [-pi, pi]."""
+    with mpmath.workdps(60):
+        a, v, p = mpmath.pi / 4, mpmath.pi / 3, mpmath.pi / 2
+        value = _numeric(BRANCH_1, a, v, p)
+        outside = abs(value) > mpmath.pi + mpmath.mpf(10) ** -40
+        shown = mpmath.nstr(value, 30)
+    if statement == "wrapped" or not outside:
+        return Verdict(
+            "proved" if statement == "wrapped" else "unproved",
+            "range of arctan",
+            "f_phi maps into [-pi, pi] (claim s3.wrap).",
+        )
+    return refuted(
+        f"At alpha = pi/4, upsilon = pi/3, phi_2 = pi/2 the first branch gives phi_1 = {shown} "
+        "(50-digit arithmetic), outside [-pi, pi]: f_phi of section 3.1 is missing.",
+        "50-digit counterexample",
+        Correction(
+            r"\phi_1=f_\phi\bigl(2\arctan(\cdot,\cdot)\bigr)",
+            lambda: all(vanishes(g, CIRCLES) for g in line_gaps(BRANCH_1, "xy", 1)),
+            "2 arctan is defined modulo 2 pi only, so f_phi may and must be applied.",
+        ),
+    )
+
+
+def _check_labels(statement: str) -> Verdict:
+    """Which nesting level of the printed formula distinguishes the two solutions."""
+    # every line of one OUTER case gives the same derived branch, for both signs of phi_2
+    outer = all(
+        vanishes(g, CIRCLES)
+        for lines, branch in ((BRANCH_1, 1), (BRANCH_2, -1))
+        for g in line_gaps(lines, "xy", branch)
+    )
+    if statement == "outer" or not outer:
+        return by_cases([("outer cases are branches", outer)], "outer", "identity")
+    return refuted(
+        "The inner cases are phi_2 > 0 and phi_2 < 0: both lines of one outer case give the same "
+        "branch, and for a given phi_2 only one of them applies.",
+        "identity modulo c^2+s^2-1",
+        Correction(
+            r"\text{the two OUTER cases are the branches }\pm\operatorname{sgn}\upsilon;\ "
+            r"\text{the inner ones are the signs of }\phi_2",
+            lambda: outer,
+            "the outer cases are the two solutions of A cos t + B sin t = C.",
+        ),
+    )
+
+
+def _check_odd(statement: tuple[Any, Any]) -> Verdict:
+    """Branch `statement[1]` at (-v, -phi_2) must be minus branch `statement[0]` at (v, phi_2)."""
+    source, image = statement
+    gaps = []
+    for fold_sign in (1, -1):
+        for v_sign in (1, -1):
+            line = source[0] if fold_sign > 0 else source[1]
+            other = image[1] if fold_sign > 0 else image[0]
+            x, y = line_direction(line, "xy", v_sign, fold_sign, 1)
+            a, b = line_direction(other, "xy", -v_sign, -fold_sign, 1)
+            flip = {HALF2.s: -HALF2.s, UPSILON.s: -UPSILON.s}
+            a, b = (to_circles(e, CIRCLES).subs(flip, simultaneous=True) for e in (a, b))
+            x, y = (to_circles(e, CIRCLES) for e in (x, y))
+            gaps += [x - a, y + b]
+    if all(vanishes(g, CIRCLES) for g in gaps):
+        return Verdict(
+            "proved", IDENTITY, "Each argument pair maps to its mirror image (x, -y), all signs."
+        )
+    with mpmath.workdps(60):
+        a_, v_, p_ = mpmath.pi / 5, mpmath.mpf(1) / 2, mpmath.mpf(1) / 2
+        one, two = _numeric(source, a_, v_, p_), -_numeric(image, a_, -v_, -p_)
+        turns = (one - two) / (2 * mpmath.pi)
+        if abs(turns - mpmath.nint(turns)) < mpmath.mpf(10) ** -40:
+            return Verdict("unproved", "50-digit evaluation", "neither an identity nor refuted")
+        same = mpmath.nstr(-_numeric(source, a_, -v_, -p_), 20)
+        shown = mpmath.nstr(one, 20), mpmath.nstr(two, 20)
+    return refuted(
+        f"At alpha = pi/5, upsilon = phi_2 = 1/2 the branch gives {shown[0]}; minus the other "
+        f"branch at (-1/2, -1/2) is {shown[1]}, minus the same branch there is {same}.",
+        "50-digit counterexample",
+        Correction(
+            r"\phi_1^{(i)}(-\upsilon,-\phi_2)=-\phi_1^{(i)}(\upsilon,\phi_2),\quad i=1,2",
+            lambda: all(_check_odd((b, b)).verdict == "proved" for b in (BRANCH_1, BRANCH_2)),
+            "as printed (|sin upsilon| in K) each branch is odd by itself: flipping the vertex "
+            "maps it to the SAME branch; the two branches are different shapes and meet where "
+            "J = 0.",
+        ),
+    )
+
+
+def _check_energy_odd(statement: Any) -> Verdict:
+    """U(-phi) - U(phi) for one crease with a rest angle."""
+    k, phi, rest = sp.symbols("k phi phi^0", real=True)
+    gap = sp.expand(k / 2 * (-phi - rest) ** 2 - k / 2 * (phi - rest) ** 2)
+    return by_cases(
+        [("U(-phi) - U(phi)", sp.expand(gap - statement) == 0)],
+        "U(-phi) - U(phi) = 2 sum k_i phi_i phi^0_i, not zero unless torques balance: the energy "
+        "has no odd symmetry while the kinematics has.",
+        "exact",
+    )
+
+
+def _check_slope(statement: str) -> Verdict:
+    """Slope of the boundary sin v = sin(2 alpha) sin^2(phi_2/2) as a function of alpha."""
+    v = sp.asin(sp.sin(2 * alpha) * sp.sin(phi2 / 2) ** 2)
+    on_boundary = sp.expand(J_SQUARED_SHORT.subs(sp.sin(upsilon), sp.sin(v)))
+    curvature = sp.diff(v, phi2, 2).subs(phi2, 0)
+    values = [
+        sp.radsimp(curvature.subs(alpha, sp.pi * r))
+        for r in (sp.Rational(1, 12), sp.Rational(1, 6), sp.Rational(1, 4))
+    ]
+    increasing = bool(values[0] < values[1]) and bool(values[1] < values[2])
+    # dv/dphi_2 = sin(2a) sin(phi_2)/2 / sqrt(1 - sin^2(2a) s^4) grows with sin(2a): derivative > 0
+    g, s4 = sp.symbols("g s4", positive=True)
+    squared = sp.diff(g**2 / (1 - g**2 * s4), g)
+    growth = sp.cancel(squared * (1 - g**2 * s4) ** 2 / (2 * g) - 1)
+    ok = {"increasing": increasing, "decreasing": not increasing}[statement]
+    return by_cases(
+        [
+            ("the curve lies on J = 0", sp.expand(on_boundary) == 0),
+            ("slope grows with sin 2 alpha", growth == 0),
+            (f"curvatures at the flat state {values}", ok),
+        ],
+        f"J = 0 is sin v = sin(2 alpha) sin^2(phi_2/2) for v > 0; its slope sin(2 alpha) "
+        f"sin(phi_2)/(2 cos v) grows with alpha up to pi/4, with curvature {values} at the flat "
+        "state for pi/12, pi/6, pi/4 (beyond pi/4 it falls again; at phi_2 = 0 itself it is 0).",
+        "exact differentiation",
+    )
+
+
+CLAIMS: list[Claim] = [
+    Claim(
+        "s3.domain-8",
+        "sec. 3.2, cases phi_2 > 0 and phi_2 < 0",
+        "The printed cases cover the chart",
+        "all",
+        r"\phi_2>0\ \text{or}\ \phi_2<0",
+        _check_domain,
+    ),
+    Claim(
+        "s3.range-8",
+        "sec. 3.2, range of phi_1",
+        "phi_1 = 2 arctan lies in [-pi, pi]",
+        "bare",
+        r"\pm2\arctan(\cdot,\cdot)\in[-\pi,\pi]",
+        _check_range,
+    ),
+    Claim(
+        "s3.branches-8",
+        "sec. 3.2, 'the two inner cases represent two branches'",
+        "The inner cases are the branches",
+        "inner",
+        r"\text{two inner cases}=\text{two branches}",
+        _check_labels,
+    ),
+    Claim(
+        "s3.odd-symmetry",
+        "sec. 3.2, odd symmetry of the branches",
+        "The second branch is the first one flipped over",
+        (BRANCH_1, BRANCH_2),
+        r"\phi_1^{(2)}(-\upsilon,-\phi_2)=-\phi_1^{(1)}(\upsilon,\phi_2)",
+        _check_odd,
+        damaged=((BRANCH_2, BRANCH_1),),
+    ),
+    Claim(
+        "s3.energy-not-odd",
+        "sec. 3.2, energy without odd symmetry",
+        "The energy landscape is not odd symmetric",
+        2 * sp.Symbol("k", real=True) * sp.Symbol("phi", real=True) * sp.Symbol("phi^0", real=True),
+        r"U(-\phi)-U(\phi)=2\textstyle\sum k_i\phi_i\phi_i^0\ne0",
+        _check_energy_odd,
+        damaged=(sp.Integer(0),),
+    ),
+    Claim(
+        "s3.boundary-slope-8",
+        "sec. 3.2, boundary above the flat state",
+        "The boundary's slope increases with alpha_1",
+        "increasing",
+        r"\text{slope of }\mathcal J=0\text{ at }\alpha_1=\pi/12<\pi/6<\pi/4\text{ increases}",
+        _check_slope,
+        damaged=("decreasing",),
+    ),
+]
