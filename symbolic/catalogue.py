@@ -25,7 +25,10 @@ MODULES = (
     "section3_degree8",
     "section3_branches8",
     "section4_cone",
+    "section4_combinatorics",
+    "section5",
     "appendix_a",
+    "appendix_b",
     "derivations",
 )
 """Modules of `symbolic.claims`, in the order of the paper; our own derivations come last."""

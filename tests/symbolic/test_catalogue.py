@@ -1,0 +1,95 @@
+"""The catalogue is complete, every claim is decided, and the whole run is quick enough."""
+
+from pathlib import Path
+
+import pytest
+
+import symbolic.claims
+from origami_nlp.errors import OptionError
+from symbolic import catalogue
+from symbolic.claim import Claim, Verdict
+
+BUDGET_SECONDS = 90.0
+
+
+def test_every_module_of_claims_is_listed():
+    folder = Path(symbolic.claims.__file__).parent
+    defining = {
+        p.stem
+        for p in folder.glob("*.py")
+        if "CLAIMS: list[Claim]" in p.read_text(encoding="utf-8")
+    }
+    assert defining == set(catalogue.MODULES)
+
+
+def test_ids_are_unique_and_places_are_given():
+    ids = [c.id for c in catalogue.claims()]
+    assert len(ids) == len(set(ids))
+    for claim in catalogue.claims():
+        assert claim.where and claim.title and claim.statement_latex, claim.id
+
+
+def test_every_section_and_appendix_of_the_paper_is_covered():
+    places = " ".join(c.where for c in catalogue.claims())
+    for place in ("sec. 2", "sec. 3", "sec. 4", "sec. 5", "app. A", "app. B"):
+        assert place in places
+
+
+def test_every_claim_is_decided_within_the_budget(run):
+    undecided = [r.claim.id for r in run.results if not r.verdict.decided]
+    assert undecided == []
+    assert run.seconds < BUDGET_SECONDS
+
+
+def test_a_refutation_carries_a_correction_proved_in_the_same_run(run):
+    for r in run.results:
+        if r.verdict.verdict in ("refuted", "convention"):
+            assert r.verdict.corrected_latex, r.claim.id
+            assert r.verdict.corrected_proved is True, r.claim.id
+        else:
+            assert r.verdict.corrected_latex is None, r.claim.id
+        assert r.verdict.evidence and r.verdict.method, r.claim.id
+
+
+def test_unknown_id_names_its_neighbours():
+    with pytest.raises(OptionError, match=r"s3\.J"):
+        catalogue.claim_by_id("s3.j")
+
+
+def test_duplicate_ids_are_refused(monkeypatch):
+    monkeypatch.setattr(catalogue, "MODULES", ("derivations", "derivations"))
+    with pytest.raises(AssertionError, match="twice"):
+        catalogue.claims.__wrapped__()
+
+
+@pytest.mark.parametrize(
+    ("verdict", "corrected", "decided"),
+    [
+        ("proved", None, True),
+        ("refuted", True, True),
+        ("refuted", False, False),
+        ("refuted", None, False),
+        ("convention", True, True),
+        ("convention", None, False),
+        ("unproved", None, False),
+    ],
+)
+def test_what_counts_as_decided(verdict, corrected, decided):
+    assert Verdict(verdict, "", "", corrected_proved=corrected).decided is decided
+
+
+def test_deciding_times_the_check():
+    claim = Claim("x", "here", "title", 3, "3", lambda s: Verdict("proved", "m", str(s)))
+    assert claim.decide().evidence == "3"
+    assert claim.decide(4).evidence == "4"
+    assert claim.decide().seconds > 0
+
+
+def test_the_answer_keeps_the_order_of_the_question():
+    chosen = [catalogue.claim_by_id(i) for i in ("s3.stiffness", "s2.valley", "s3.J", "s2.groups")]
+    for workers in (1, 2):
+        seen: list[str] = []
+        note = seen.append
+        results = catalogue.decide_all(chosen, workers, lambda c, note=note: note(c.id))
+        assert [r.claim.id for r in results] == [c.id for c in chosen]
+        assert sorted(seen) == sorted(c.id for c in chosen)

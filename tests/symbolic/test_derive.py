@@ -1,0 +1,167 @@
+"""Derived closed forms against the full loop closure at 10,000 random points per family."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from symbolic.derive import cyclic_form, dihedral_fold_form, dihedral_form, reflection_form
+
+POINTS = 10_000
+TOLERANCE = 1e-13
+PI = np.pi
+
+
+def quaternion_product(azimuths, folds):
+    """Quaternion of the full vertex, arrays of shape (N, points); independent of `symbolic`."""
+    w, x, y, z = np.ones_like(folds[0]), *(np.zeros_like(folds[0]) for _ in range(3))
+    for a, phi in zip(azimuths, folds, strict=True):
+        c, s = np.cos(phi / 2), np.sin(phi / 2)
+        bx, by = s * np.cos(a), s * np.sin(a)
+        w, x, y, z = (
+            w * c - x * bx - y * by,
+            w * bx + x * c - z * by,
+            w * by + y * c + z * bx,
+            w * 0 + z * c + x * by - y * bx,
+        )
+    return w, np.stack([x, y, z])
+
+
+def wrap(angle):
+    return (angle + PI) % (2 * PI) - PI
+
+
+def mirror_vertex(azimuths, folds, last):
+    """Azimuths and folds of the whole D_1 vertex from the half (first .. last crease at pi)."""
+    a = [*azimuths, np.full_like(azimuths[0], PI), *(2 * PI - x for x in azimuths[:0:-1])]
+    return a, [*folds, last, *folds[:0:-1]]
+
+
+def dihedral_vertex(n, azimuths, folds):
+    """Whole D_n vertex from one wedge, creases 1 .. k."""
+    a, f = [], []
+    for j in range(n):
+        a += [2 * PI / n * j + x for x in azimuths[:-1]]
+        a += [2 * PI / n * (j + 1) - x for x in azimuths[:0:-1]]
+        f += [*folds[:-1], *folds[:0:-1]]
+    return a, f
+
+
+@pytest.mark.parametrize("inner", [1, 2, 3, 4])
+def test_reflection_closes(inner):
+    rng = np.random.default_rng(inner)
+    azimuths = sp.symbols(f"theta_1:{inner + 1}")
+    folds = sp.symbols(f"phi_1:{inner + 1}")
+    form = reflection_form(azimuths, folds)
+    f = sp.lambdify([*azimuths, *folds], [form.phi_first, form.phi_last, form.paper], cse=True)
+    theta = np.sort(rng.uniform(0, PI, (inner, POINTS)), axis=0)
+    phi = rng.uniform(-2 * PI, 2 * PI, (inner, POINTS))  # beyond the paper's [-pi, pi]
+    first, last, paper = f(*theta, *phi)
+    first, last = wrap(first), wrap(last)
+    a, p = mirror_vertex([np.zeros(POINTS), *theta], [first, *phi], last)
+    w, vector = quaternion_product(a, p)
+    assert np.abs(vector).max() < TOLERANCE
+    clear = np.abs(paper) > 1e-9
+    np.testing.assert_array_equal(np.sign(w)[clear], np.sign(paper)[clear])
+    assert (paper > 0).any()
+    assert (paper < 0).any() == (inner > 1)  # a mirror vertex of degree 4 never leaves q = +1
+
+
+def test_degree_6_is_the_papers_family():
+    rng = np.random.default_rng(6)
+    alpha, p2, p3 = sp.symbols("alpha phi_2 phi_3")
+    form = reflection_form([alpha, sp.pi - alpha], [p2, p3])
+    f = sp.lambdify([alpha, p2, p3], [form.phi_first, form.phi_last], cse=True)
+    al = rng.uniform(0, PI / 2, POINTS)
+    phi = rng.uniform(-2 * PI, 2 * PI, (2, POINTS))
+    first, last = (wrap(x) for x in f(al, *phi))
+    a, p = mirror_vertex([np.zeros(POINTS), al, PI - al], [first, *phi], last)
+    assert np.abs(quaternion_product(a, p)[1]).max() < TOLERANCE
+
+
+@pytest.mark.parametrize("branch", [1, -1])
+@pytest.mark.parametrize(("n", "inner"), [(2, 1), (2, 2), (3, 1), (4, 0), (3, 0), (6, 0), (5, 1)])
+def test_dihedral_closes_on_the_sheet_of_paper(n, inner, branch):
+    rng = np.random.default_rng(10 * n + inner)
+    azimuths, folds = sp.symbols(f"theta_1:{inner + 1}"), sp.symbols(f"phi_1:{inner + 1}")
+    v, t = sp.symbols("upsilon t")
+    form = dihedral_form(n, azimuths, folds, v)
+    solve = sp.lambdify(
+        [*azimuths, *folds, v],
+        [form.equation.discriminant, form.equation.solution(branch)],
+        cse=True,
+    )
+    last = sp.lambdify([*azimuths, *folds, v, t], form.last(sp.cos(t), sp.sin(t)), cse=True)
+    fold_eq = dihedral_fold_form(n, azimuths, folds, t, "last")
+    other = sp.lambdify([*azimuths, *folds, t], [fold_eq.A, fold_eq.B, fold_eq.C], cse=True)
+    done, up, down = 0, 0, 0
+    while done < POINTS:
+        theta = np.sort(rng.uniform(0, PI / n, (inner, POINTS)), axis=0)
+        phi = rng.uniform(-1.5 * PI, 1.5 * PI, (inner, POINTS))
+        elevation = rng.uniform(-PI, PI, POINTS)  # beyond +-pi/2
+        with np.errstate(invalid="ignore"):
+            disc, half = solve(*theta, *phi, elevation)
+        ok = disc >= 0
+        theta, phi, elevation, half = theta[:, ok], phi[:, ok], elevation[ok], half[ok]
+        sin_q, cos_q = last(*theta, *phi, elevation, half)
+        np.testing.assert_allclose(sin_q**2 + cos_q**2, 1, atol=1e-11)
+        q = np.arctan2(sin_q, cos_q)
+        end = np.full_like(half, PI / n)
+        a, p = dihedral_vertex(n, [np.zeros_like(half), *theta, end], [2 * half, *phi, 2 * q])
+        w, vector = quaternion_product(a, p)
+        assert np.abs(vector).max() < TOLERANCE
+        assert w.min() > 0  # q = +1, with no wrapping of the two mirror creases
+        ca, cb, cc = other(*theta, *phi, 2 * half)
+        assert np.abs(ca * np.cos(q) + cb * np.sin(q) - cc).max() < TOLERANCE
+        done, up, down = done + half.size, up + (elevation > 0).sum(), down + (elevation < 0).sum()
+    assert up > 0 and down > 0
+
+
+@pytest.mark.parametrize("branch", [1, -1])
+@pytest.mark.parametrize(("n", "period", "unknown"), [(2, 3, 0), (3, 2, 1), (4, 3, 2)])
+def test_cyclic_closes(n, period, unknown, branch):
+    rng = np.random.default_rng(100 * n + period)
+    azimuths, folds = sp.symbols(f"theta_1:{period + 1}"), sp.symbols(f"phi_1:{period + 1}")
+    equation = cyclic_form(n, azimuths, folds, unknown)
+    known = [f for i, f in enumerate(folds) if i != unknown]
+    f = sp.lambdify(
+        [*azimuths, *known], [equation.discriminant, equation.solution(branch)], cse=True
+    )
+    done = 0
+    while done < POINTS:
+        theta = np.sort(rng.uniform(0, 2 * PI / n, (period, POINTS)), axis=0)
+        phi = rng.uniform(-2 * PI, 2 * PI, (period - 1, POINTS))
+        with np.errstate(invalid="ignore"):
+            disc, half = f(*theta, *phi)
+        ok = disc >= 0
+        p = list(phi[:, ok])
+        p.insert(unknown, 2 * half[ok])
+        a = [x + 2 * PI / n * j for j in range(n) for x in theta[:, ok]]
+        w, vector = quaternion_product(a, p * n)
+        # T^n is evaluated n times: the rounding of cos(pi/n) enters through 1/sin(pi/n)
+        assert np.abs(vector).max() < TOLERANCE
+        assert w.min() > 0
+        done += int(ok.sum())
+
+
+def test_no_solution_where_the_discriminant_is_negative():
+    """Scan phi_1 at 200 points without existence: the wedge equation keeps its sign."""
+    rng = np.random.default_rng(3)
+    v, p2 = sp.symbols("upsilon phi_2")
+    equation = dihedral_form(2, [sp.pi / 5], [p2], v).equation
+    f = sp.lambdify([v, p2], [equation.discriminant, equation.A, equation.B, equation.C])
+    t = np.linspace(-PI, PI, 721)
+    found = 0
+    for elevation, fold in rng.uniform(-1, 1, (2000, 2)) * [0.5, PI]:
+        disc, a, b, c = f(elevation, fold)
+        if disc < -1e-6:
+            residual = a * np.cos(t) + b * np.sin(t) - c
+            assert residual.min() * residual.max() > 0
+            found += 1
+    assert found > 200
+
+
+def test_wrong_input_is_refused():
+    with pytest.raises(ValueError, match="2 inner creases but 1"):
+        reflection_form([1, 2], [1])
+    with pytest.raises(ValueError, match="first"):
+        dihedral_fold_form(2, [1], [1], 1, "middle")
