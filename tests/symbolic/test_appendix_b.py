@@ -1,0 +1,69 @@
+"""Claims of appendix B: decided, corrected, able to fail; and an independent projection of facets."""
+
+import numpy as np
+import pytest
+
+from origami_nlp.closed_forms import cone_fold_angles, cone_partial_angles
+from symbolic.claims.appendix_b import CLAIMS
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda c: c.id)
+def test_claim_is_decided_and_its_correction_proved(claim):
+    verdict = claim.decide()
+    assert verdict.verdict != "unproved", verdict.evidence
+    assert verdict.evidence
+    if verdict.verdict in ("refuted", "convention"):
+        assert verdict.corrected_latex
+        assert verdict.corrected_proved is True
+    else:
+        assert verdict.corrected_latex is None
+
+
+@pytest.mark.parametrize(
+    ("claim", "damaged"),
+    [(c, d) for c in CLAIMS for d in c.damaged],
+    ids=lambda x: x.id if hasattr(x, "id") else None,
+)
+def test_damaged_statement_is_refuted(claim, damaged):
+    assert claim.decide(damaged).verdict == "refuted"
+
+
+def _facet_normal(degree, v):
+    """Unit normal of facet 1 of the waterbomb folding, from F_1 = Q(e2, v) Q(e1, rho)."""
+    rho = cone_partial_angles(degree, v).value[0]
+    n = np.array([0.0, -np.sin(rho), np.cos(rho)])
+    c, s = np.cos(v), np.sin(v)
+    return np.array([c * n[0] + s * n[2], n[1], -s * n[0] + c * n[2]])
+
+
+@pytest.mark.parametrize("v", [0.2, 0.9, -0.2])
+@pytest.mark.parametrize("degree", [8, 12, 200])
+def test_visible_area_is_the_cosine_of_the_half_fold_angle(degree, v):
+    """Small patch of facet 1 at crease 1, projected along the cone's normal there."""
+    cone = np.array([np.sin(v), 0.0, np.cos(v)])  # normal to c_1 = (cos v, 0, -sin v) and e2
+    shrink = abs(_facet_normal(degree, v) @ cone)
+    phi = cone_fold_angles(degree, v, [1] * (degree // 2)).value[0]
+    assert shrink == pytest.approx(abs(np.cos(phi / 2)), rel=1e-12)
+    assert abs(shrink - abs(np.sin(phi / 2))) > 1e-2 or abs(phi - np.pi / 2) < 0.1
+
+
+def test_visible_fraction_tends_to_the_cosine_of_the_elevation():
+    v = 0.7
+    gaps = []
+    for degree in (100, 200, 400):
+        phi = cone_fold_angles(degree, v, [1] * (degree // 2)).value[0]
+        gaps.append(abs(abs(np.cos(phi / 2)) - np.cos(v)))
+    assert gaps[0] / gaps[1] == pytest.approx(2, rel=0.1)  # first order in 1/N
+    assert gaps[1] / gaps[2] == pytest.approx(2, rel=0.1)
+
+
+def test_area_of_the_cone_by_triangulation():
+    """Area over R^2 pi is |cos v| for section 4's elevation."""
+    v, radius = 0.6, 1.0
+    az = np.linspace(0, 2 * np.pi, 2001)
+    rim = radius * np.stack([np.cos(az) * np.cos(v), np.sin(az) * np.cos(v), 0 * az], axis=-1)
+    tip = np.array([0.0, 0.0, radius * np.sin(v)])
+    cross = np.cross(rim[:-1] - tip, rim[1:] - tip)
+    area = np.linalg.norm(cross, axis=-1).sum() / 2
+    assert area / np.pi == pytest.approx(np.cos(v), rel=1e-5)
+    assert np.allclose(np.linalg.norm(rim - tip, axis=-1), radius)

@@ -1,0 +1,110 @@
+"""Claims of section 5: decided, corrected, able to fail; and independent numerical cross-checks."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from origami_nlp.closed_forms import (
+    cone_contact_elevation,
+    cone_elevation_range,
+    cone_fold_angles,
+    cone_partial_angles,
+)
+from symbolic.claims.section5 import CLAIMS, LEFT_OUT, stiff_even_minima
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda c: c.id)
+def test_claim_is_decided_and_its_correction_proved(claim):
+    verdict = claim.decide()
+    assert verdict.verdict != "unproved", verdict.evidence
+    assert verdict.evidence
+    if verdict.verdict in ("refuted", "convention"):
+        assert verdict.corrected_latex
+        assert verdict.corrected_proved is True
+    else:
+        assert verdict.corrected_latex is None
+
+
+@pytest.mark.parametrize(
+    ("claim", "damaged"),
+    [(c, d) for c in CLAIMS for d in c.damaged],
+    ids=lambda x: x.id if hasattr(x, "id") else None,
+)
+def test_damaged_statement_is_refuted(claim, damaged):
+    assert claim.decide(damaged).verdict == "refuted"
+
+
+def test_left_out_statements_say_why():
+    assert all(place and reason for place, reason in LEFT_OUT)
+
+
+def _rest(degree, v0):
+    """Corrected rest angles (odd, even): the waterbomb at elevation v0."""
+    return 2 * cone_partial_angles(degree, v0).value[0], -2 * abs(v0)
+
+
+def test_corrected_rest_state_is_on_the_waterbomb_branch_and_printed_is_not():
+    degree, v0 = 8, -0.3
+    alpha = 2 * np.pi / degree
+    odd, even = _rest(degree, v0)
+    state = cone_fold_angles(degree, v0, [1] * 4).value
+    assert np.allclose(state[0::2], odd) and np.allclose(state[1::2], even)
+    c, s = np.cos(v0), np.sin(alpha)
+    printed = 2 * np.arccos(abs(c + s) / (1 + c * s))
+    assert abs(printed - odd) > 0.1
+    assert -2 * v0 > 0  # printed even rest angle: a valley, where mountains are meant
+
+
+def _minima(degree, ratio, v0, depth=1e-3):
+    """Branches with a minimum off the flat state, relative depth above the paper's threshold."""
+    odd, even = _rest(degree, v0)
+    flat = degree / 4 * (odd**2 + ratio * even**2)
+    count = 0
+    for flaps in product((1, -1), repeat=degree // 2):
+        low, high = cone_elevation_range(degree, flaps)
+        for end in (low, high):
+            v = end * np.linspace(1e-9, 1, 801)
+            f = cone_fold_angles(degree, v, flaps).value
+            u = ((f[:, 0::2] - odd) ** 2).sum(axis=1) / 2
+            u = u + ratio * ((f[:, 1::2] - even) ** 2).sum(axis=1) / 2
+            lowest = np.argmin(u)
+            count += 0 < lowest and flat - u[lowest] > depth * flat
+    return count
+
+
+@pytest.mark.parametrize("v0", [0.4, -0.4])
+@pytest.mark.parametrize("degree", [8, 10, 12])
+def test_plateau_of_stable_states_at_large_stiffness_ratio(degree, v0):
+    assert abs(v0) < cone_contact_elevation(degree)
+    assert _minima(degree, 1e6, v0) == stiff_even_minima(degree // 2)
+
+
+def test_no_minimum_off_the_flat_state_without_rest_elevation():
+    for ratio in (1e-2, 1.0, 1e2):
+        for flaps in product((1, -1), repeat=3):
+            for end in cone_elevation_range(6, flaps):
+                v = end * np.linspace(0, 1, 201)
+                f = cone_fold_angles(6, v, flaps).value
+                u = (f[:, 0::2] ** 2).sum(axis=1) + ratio * (f[:, 1::2] ** 2).sum(axis=1)
+                assert np.all(np.diff(u) > 0)
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10])
+def test_half_branches_leave_the_flat_state_in_distinct_directions(degree):
+    rays = set()
+    for flaps in product((1, -1), repeat=degree // 2):
+        for v in (1e-6, -1e-6):
+            rays.add(tuple(np.round(cone_fold_angles(degree, v, flaps).value / abs(v), 4)))
+    assert len(rays) == 2 ** (degree // 2 + 1)
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+def test_contact_is_on_the_other_side_than_printed(degree):
+    v = cone_contact_elevation(degree)
+    valley, mountain = cone_partial_angles(degree, v).value
+    assert valley < np.pi / 2 - 0.1
+    assert mountain == pytest.approx(-np.pi / 2, rel=1e-12)
+    assert cone_partial_angles(degree, -v).value[0] == pytest.approx(np.pi / 2, rel=1e-12)
+    after = np.pi / 2 * (1 + 4 / degree)  # where the first case of eq:partial-valley-N gets there
+    assert cone_partial_angles(degree, after).value[0] == pytest.approx(np.pi / 2, rel=1e-12)
