@@ -54,9 +54,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
 
 
-def _correct(
-    model: Model, x: np.ndarray, held: int | None = None
-) -> tuple[np.ndarray, float]:
+def _correct(model: Model, x: np.ndarray, held: int | None = None) -> tuple[np.ndarray, float]:
     """Newton onto loop closure (least change); variable `held` stays. Returns state and residual."""
     residual = math.inf
     for _ in range(12):

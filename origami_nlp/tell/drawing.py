@@ -1,19 +1,19 @@
 """A folded vertex drawn in three dimensions: facets as shaded sectors, creases as coloured bands.
 
-The state is projected orthographically and painted from back to front as small patches, so hidden
-parts are hidden.  Mountain creases are red, valleys blue, both by the sign of the fold angle, wider
+The state is projected orthographically and painted pixel by pixel with the depth of each facet, so
+hidden parts are hidden.  Mountain creases are red, valleys blue, both by the sign of the fold angle, wider
 and darker the larger |phi|/pi; borders are black.  The upper side of the paper is warm, the lower
 side cool.  Every facet is a sector of the unit disc.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 
@@ -24,14 +24,16 @@ MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
 UPPER, LOWER = "#f6ead2", "#c3d3dc"
 SPREAD = 0.05
 """Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
-RINGS, ARC = 8, math.radians(7)
-"""Patches of a facet: so many rings, and steps of at most this angle."""
+CLOSED = 0.1
+"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
+PIXELS = 560
+"""Side of the painted picture."""
+ARC = math.radians(7)
+"""Borders are drawn as straight pieces of at most this angle."""
 LIGHT = np.array([-0.35, 0.55, 0.76])
 """Towards the light, in the picture's frame."""
 
 Colour = tuple[float, float, float]
-Item = tuple[float, np.ndarray, Colour]
-"""Depth (towards the viewer), polygon [k, 2], colour."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +67,18 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
     """
     phi = np.asarray(fold_angles, dtype=float)
     pose = pose_state(vertex, phi)
-    polygons, colours = _patches(pose, vertex, phi)
-    axes.add_collection(
-        PolyCollection(polygons, facecolors=colours, edgecolors=colours, linewidths=0.25)
-    )
     labels = _label_places(pose)
+    low, high = _extent(pose, vertex, labels)
+    reach = max(
+        0.9, 0.5 * float((high - low).max())
+    )  # folded-up states stay smaller than open ones
+    corner = np.array([(low[0] + high[0]) / 2 - reach, high[1] - 2 * reach])  # top: below the title
+    right, top = corner + 2 * reach
+    axes.imshow(
+        _paint(pose, vertex, phi, corner, 2 * reach),
+        extent=(corner[0], right, corner[1], top),
+        origin="lower",
+    )
     for number, (x, y) in enumerate(labels, start=1):
         axes.text(
             x,
@@ -81,13 +90,20 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
             color=_crease_colour(phi[number - 1])[0],
             path_effects=[withStroke(linewidth=2.2, foreground="white")],
         )
-    every = np.concatenate([*polygons, labels - 0.1, labels + 0.1])
-    low, high = every.min(axis=0), every.max(axis=0)
-    reach = max(0.9, 0.5 * float((high - low).max()))  # folded-up states stay smaller than open ones
-    (x0, y0), (x1, y1) = (low + high) / 2 - reach, (low + high) / 2 + reach
-    axes.set(xlim=(x0, x1), ylim=(y0, y1), aspect="equal")
+    axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
     axes.axis("off")
     return bool(np.any(pose.offsets))
+
+
+def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corners of all that is drawn."""
+    n = len(pose.creases)
+    parts = [labels - 0.1, labels + 0.1, np.zeros((1, 2))]
+    for f, sector in enumerate(vertex.sector_angles):
+        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
+        parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]
+    every = np.concatenate(parts)
+    return every.min(axis=0), every.max(axis=0)
 
 
 # ---------------------------------------------------------------- pose
@@ -114,9 +130,7 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
     if np.linalg.norm(up) < 0.15:
         up = np.array([0.0, 0.0, 1.0])
     up = up / np.linalg.norm(up)
-    ahead = next(
-        a for c in (*creases, *np.eye(3)) if np.linalg.norm(a := c - (c @ up) * up) > 0.05
-    )
+    ahead = next(a for c in (*creases, *np.eye(3)) if np.linalg.norm(a := c - (c @ up) * up) > 0.05)
     ahead = ahead / np.linalg.norm(ahead)
     frame = np.stack([ahead, np.cross(up, ahead), up])
     view = _best_view(creases @ frame.T, normals @ frame.T, weight[:, 0])
@@ -127,15 +141,20 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
 def _offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
     n = len(phi)
-    closed = math.pi - np.abs(phi) < 0.03
+    closed = math.pi - np.abs(phi) < CLOSED
     offsets = np.zeros((n, 3))
     if not closed.any():
         return offsets
     first = int(np.argmin(np.abs(phi)))  # start behind the most open crease
-    for step in range(1, n):
+    for step in range(1, n + 1):
         i = (first + step) % n  # crease i lies between facets i - 1 and i
-        move = math.copysign(SPREAD, phi[i]) * normals[i - 1] if closed[i] else 0.0
-        offsets[i] = offsets[i - 1] + move
+        move = math.copysign(SPREAD, phi[i]) * normals[i - 1] if closed[i] else np.zeros(3)
+        if step < n:
+            offsets[i] = offsets[i - 1] + move
+    if closed.all():  # the last step back to the first facet: share out what does not fit
+        misfit = offsets[first - 1] + move - offsets[first]
+        for step in range(n):
+            offsets[(first + step) % n] -= misfit * step / n
     return offsets - offsets.mean(axis=0)
 
 
@@ -145,7 +164,7 @@ def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> 
     n = len(creases)
     i, j = np.triu_indices(n, 1)
     for elevation in np.radians([25.0, 35.0, 45.0, 60.0]):
-        for azimuth in np.radians(np.arange(-180.0, 180.0, 7.5) - 58.0):
+        for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
             s, c = math.sin(azimuth), math.cos(azimuth)
             se, ce = math.sin(elevation), math.cos(elevation)
             rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
@@ -186,42 +205,74 @@ def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
     return count / (2 * n)
 
 
-# ---------------------------------------------------------------- patches
+# ---------------------------------------------------------------- painting
 
 
-def _patches(
-    pose: Pose, vertex: Vertex, phi: np.ndarray
-) -> tuple[list[np.ndarray], list[Colour]]:
-    """Polygons [k, 2] and colours, in the order in which to paint them."""
-    items: list[Item] = []
+def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
+    """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
+
+    Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
+    """
+    step = size / PIXELS
+    x, y = (low[k] + step * (np.arange(PIXELS, dtype=np.float32) + 0.5) for k in (0, 1))
+    picture = np.zeros((PIXELS, PIXELS, 4), dtype=np.float32)
+    nearest = np.full((PIXELS, PIXELS), -np.inf, dtype=np.float32)
     n = len(phi)
-    radii = np.linspace(0.0, 1.0, RINGS + 1)
-    beside = np.full((n, RINGS), -math.inf)  # depth of the nearest patch beside crease i, ring r
+    depths = []
+    for f in range(n):
+        depth = _facet_depth(pose, f, x, y)
+        depths.append(depth)
+        front = depth > nearest
+        nearest[front] = depth[front]
+        picture[front] = (*_facet_colour(pose.normals[f]), 1.0)
+
+    def band(p: np.ndarray, q: np.ndarray, width: float, colour: Colour, facets: Any) -> None:
+        """Paint the straight line from p to q, before its own facets."""
+        box = []
+        for k in (0, 1):
+            ends = sorted((p[k], q[k]))
+            first = int((ends[0] - width - low[k]) / step)
+            last = int((ends[1] + width - low[k]) / step) + 2
+            box.append(slice(max(first, 0), max(min(last, PIXELS), 0)))
+        part = (box[1], box[0])
+        dx, dy = x[box[0]][None, :] - p[0], y[box[1]][:, None] - p[1]
+        along = q - p
+        length2 = max(float(along[0] ** 2 + along[1] ** 2), 1e-12)
+        t = np.clip((dx * along[0] + dy * along[1]) / length2, 0.0, 1.0)
+        near = (dx - t * along[0]) ** 2 + (dy - t * along[1]) ** 2 <= (width / 2) ** 2
+        depth = p[2] + t * along[2]
+        for f in facets:
+            depth = np.maximum(depth, depths[f][part])
+        front = near & (depth + 1e-4 >= nearest[part])
+        nearest[part][front] = depth[front] + 1e-4
+        picture[part][front] = (*colour, 1.0)
+
     for f, sector in enumerate(vertex.sector_angles):
-        colour = _facet_colour(pose.normals[f])
-        steps = max(2, math.ceil(sector / ARC))
-        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector, steps)
-        for k in range(steps):
-            for r in range(RINGS):
-                ring = radii[[r, r + 1, r + 1, r], None]
-                quad = ring * arc[[k, k, k + 1, k + 1]] + pose.offsets[f]
-                depth = float(quad[:, 2].mean())
-                items.append((depth, quad[:, :2], colour))
-                for crease, at in ((f, 0), ((f + 1) % n, steps - 1)):
-                    if k == at:
-                        beside[crease, r] = max(beside[crease, r], depth)
-            rim = arc[[k, k + 1]] + pose.offsets[f]
-            _band(items, rim[0], rim[1], 0.013, to_rgb(BORDER), depth + 1e-3)
+        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
+        for p, q in itertools.pairwise(arc):
+            band(p, q, 0.015, to_rgb(BORDER), (f,))
     for i in range(n):
-        crease_colour, share = _crease_colour(phi[i])
-        shift = (pose.offsets[i] + pose.offsets[i - 1]) / 2
-        for r in range(RINGS):
-            # in front of the facets it joins, and of nothing else
-            p, q = radii[[r, r + 1], None] * pose.creases[i] + shift
-            depth = max(beside[i, r], float(p[2] + q[2]) / 2) + 2e-3
-            _band(items, p, q, 0.014 + 0.034 * share, crease_colour, depth)
-    items.sort(key=lambda item: item[0])
-    return [polygon for _, polygon, _ in items], [colour for _, _, colour in items]
+        colour, share = _crease_colour(phi[i])
+        start = (pose.offsets[i] + pose.offsets[i - 1]) / 2
+        band(start, start + pose.creases[i], 0.016 + 0.034 * share, colour, (i - 1, i))
+    return picture
+
+
+def _facet_depth(pose: Pose, f: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Depth of facet f at the pixels, shape [y, x]; -inf beside it, or where it is seen edge-on."""
+    a, b = pose.creases[f], pose.creases[(f + 1) % len(pose.creases)]
+    normal, at = pose.normals[f], pose.offsets[f]
+    depth = np.full((len(y), len(x)), -np.inf, dtype=np.float32)
+    if abs(normal[2]) < 1e-3:
+        return depth
+    dx, dy = (x - np.float32(at[0]))[None, :], (y - np.float32(at[1]))[:, None]
+    dz = -(normal[0] * dx + normal[1] * dy) / normal[2]
+    # seen flat: the sector is where a turns to d and d turns to b the way the facet does
+    side = math.copysign(1.0, normal[2])
+    inside = (side * (a[0] * dy - a[1] * dx) >= 0) & (side * (dx * b[1] - dy * b[0]) >= 0)
+    inside &= dx * dx + dy * dy + dz * dz <= 1.0
+    depth[inside] = dz[inside] + at[2]
+    return depth
 
 
 def _facet_colour(normal: np.ndarray) -> Colour:
@@ -232,23 +283,10 @@ def _facet_colour(normal: np.ndarray) -> Colour:
     return min(1.0, r * shade), min(1.0, g * shade), min(1.0, b * shade)
 
 
-def _arc(a: np.ndarray, b: np.ndarray, sector: float, steps: int) -> np.ndarray:
-    """Points from a to b on the unit sphere, a constant angle apart, shape [steps + 1, 3]."""
-    t = np.linspace(0.0, 1.0, steps + 1)[:, None]
+def _arc(a: np.ndarray, b: np.ndarray, sector: float) -> np.ndarray:
+    """Points from a to b on the unit sphere, a constant small angle apart, shape [m, 3]."""
+    t = np.linspace(0.0, 1.0, max(2, math.ceil(sector / ARC)) + 1)[:, None]
     return (np.sin((1 - t) * sector) * a + np.sin(t * sector) * b) / math.sin(sector)
-
-
-def _band(
-    items: list[Item], p: np.ndarray, q: np.ndarray, width: float, colour: Colour, depth: float
-) -> None:
-    """Add a short straight line as a polygon of a width as seen."""
-    along = q[:2] - p[:2]
-    length = float(np.hypot(*along))
-    along = along / length if length > 1e-12 else np.array([1.0, 0.0])
-    side = width / 2 * np.array([-along[1], along[0]])
-    tip = 0.3 * width * along  # overlap, or the joints would gape
-    back, front = p[:2] - tip, q[:2] + tip
-    items.append((depth, np.array([back - side, front - side, front + side, back + side]), colour))
 
 
 def _crease_colour(phi: float) -> tuple[Colour, float]:

@@ -110,7 +110,7 @@ def _compose(result: MinimaResult, chart: Landscape) -> Figure:
         for line in textwrap.wrap(note, max(30, int(text_width * 15)), subsequent_indent="   ")
     ]
     text = LINE * len(lines)
-    entries = legend_entries(shown, places) if panels else []
+    entries = legend_entries(chart, shown, places) if panels else []
     legend_columns = max(1, min(len(entries), int(left / 2.1))) if panels else 1
     legend = 0.27 * math.ceil(len(entries) / legend_columns) + 0.1 if entries else 0.0
     grid_height = rows * (CELL + CELL_TITLE)
@@ -130,7 +130,12 @@ def _compose(result: MinimaResult, chart: Landscape) -> Figure:
     if panels:
         y += 0.15
         boxes = [
-            place_axes(MARGIN + panels.left + k * (panels.width + panels.gap), y, panels.width, panels.height)
+            place_axes(
+                MARGIN + panels.left + k * (panels.width + panels.gap),
+                y,
+                panels.width,
+                panels.height,
+            )
             for k in range(panels.count)
         ]
         bar = place_axes(MARGIN + panels.total - panels.right + 0.15, y, 0.16, panels.height)
@@ -214,19 +219,23 @@ def _title(result: MinimaResult) -> str:
     who = scene.name or f"degree {scene.degree}"
     count = len(result.minima)
     states = "1 stable state" if count == 1 else f"{count or 'no'} stable states"
-    symmetry = "" if scene.group.is_trivial else f" with symmetry {scene.group.name}"
+    subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    group = f"{scene.group.kind}{subscript}"
+    symmetry = "" if scene.group.is_trivial else f" with symmetry {group}"
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
     return _plain(f"{who}: {states}{symmetry}, {contact[scene.contact]}")
 
 
 def _plain(text: str) -> str:
     """Text that matplotlib does not take for a formula."""
-    pretty = text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")
+    pretty = (
+        text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")
+    )
     return pretty.replace("$", r"\$")
 
 
 def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
-    kind = minimum.kind
+    kind: str = minimum.kind
     if minimum.local_dimension < freedom:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
             minimum.local_dimension, f", local dimension {minimum.local_dimension}"
@@ -246,7 +255,9 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
             "fold-limits": "|φ| > π",
             "none": "no closed state with all |φ| ≤ π",
         }[scene.contact]
-        notes.append(f"White: excluded ({white}). States that exist only at φ = ±π exactly take no area.")
+        notes.append(
+            f"White: excluded ({white}). States that exist only at φ = ±π exactly take no area."
+        )
     elif scene.contact != "none":
         notes.append("Lines end where contact excludes the rest.")
     told: dict[str, list[str]] = {}

@@ -13,6 +13,7 @@ Anything else has no chart: `Landscape.reason` says why.  Radians; energies in t
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -21,7 +22,7 @@ import numpy as np
 from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
 from origami_nlp.errors import OptionError
 from origami_nlp.model import quaternion as quat
-from origami_nlp.model.embedding import crossing_depth, fold_vertex
+from origami_nlp.model.embedding import crossing_depth, examine, fold_vertex
 from origami_nlp.state.scene import Scene
 
 CROSSING = 1e-9
@@ -69,6 +70,8 @@ class Landscape:
     coordinates: names, such as ``("phi_2", "phi_3")``; creases are numbered as in the scene.
     branches: at least one, unless kind is ``"none"``.
     reason: why there is no landscape, in words; empty otherwise.
+    handles: curves [m, 2] in the coordinates, along which states exist only at a fold angle of +-pi
+        exactly (the paper's 1-handles; looked for on the border of the degree-6 chart).
     """
 
     scene: Scene
@@ -76,6 +79,7 @@ class Landscape:
     coordinates: tuple[str, ...]
     branches: tuple[Branch, ...]
     reason: str = ""
+    handles: tuple[np.ndarray, ...] = ()
 
     def place(self, fold_angles: object) -> Place:
         """Return where the state with all N `fold_angles` [rad] lies.
@@ -207,7 +211,34 @@ def _degree6(scene: Scene, size: int) -> Landscape:
     value = degree6(rays[0].sector, rays[1].sector, x, y).value
     grid = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
     names = tuple(f"phi_{_number(scene, r)}" for r in (1, 2))
-    return Landscape(scene, "area", names, (_area(scene, "", (axis, axis), grid),))
+    branch = _area(scene, "", (axis, axis), grid)
+    handles = _handles(scene, branch) if scene.contact == "full" else ()
+    return Landscape(scene, "area", names, (branch,), handles=handles)
+
+
+def _handles(scene: Scene, branch: Branch) -> tuple[np.ndarray, ...]:
+    """Stretches of the chart's border with admissible states and none beside them, inside."""
+    rays, size = scene.group.rays, branch.energy.shape[0]
+    t = np.linspace(-math.pi, math.pi, 65)
+    cell = np.minimum(((t + math.pi) / (2 * math.pi) * size).astype(int), size - 1)
+    found = []
+    for side, edge in ((-math.pi, 0), (math.pi, size - 1)):
+        border = np.full_like(t, side)
+        for x, y, inside in (
+            (border, t, branch.energy[cell, edge]),
+            (t, border, branch.energy[edge, cell]),
+        ):
+            value = degree6(rays[0].sector, rays[1].sector, x, y).value
+            grid = np.stack([value[:, 0], x, y, value[:, 1]], axis=-1)
+            states = grid[:, list(scene.group.orbit)]
+            alone = np.isnan(inside) & admissible(scene, states)
+            # facets lie on each other there: the layers decide
+            alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
+            for kept, run in itertools.groupby(range(len(t)), key=alone.__getitem__):
+                k = list(run)
+                if kept and len(k) > 2:
+                    found.append(np.stack([x[k], y[k]], axis=-1))
+    return tuple(found)
 
 
 def _place_degree6(chart: Landscape, phi: np.ndarray) -> Place:
@@ -271,9 +302,7 @@ def _wedge_chart(scene: Scene, elevation: object, phi2: object, sign: int) -> Ch
     return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
 
 
-def _wedge_grid(
-    scene: Scene, elevation: np.ndarray, phi2: np.ndarray, sign: int
-) -> np.ndarray:
+def _wedge_grid(scene: Scene, elevation: np.ndarray, phi2: np.ndarray, sign: int) -> np.ndarray:
     """Fold angles (phi_1, phi_2, phi_3) over the grid, shape [elevations, phi2s, 3]."""
     y, x = np.meshgrid(elevation, phi2, indexing="ij")
     chart = _wedge_chart(scene, y, x, sign)
@@ -339,7 +368,11 @@ def _curves(scene: Scene, size: int) -> Landscape:
             pieces.append((x, np.where(good[:, None], phi, np.nan)))
     if not pieces:
         return Landscape(
-            scene, "none", (), (), f"no admissible curve leaves the flat state with {scene.group.name}"
+            scene,
+            "none",
+            (),
+            (),
+            f"no admissible curve leaves the flat state with {scene.group.name}",
         )
     # the fold angle over which every curve is widest, or some would be drawn upright
     width = np.min([np.nanmax(phi, axis=0) - np.nanmin(phi, axis=0) for _, phi in pieces], axis=0)

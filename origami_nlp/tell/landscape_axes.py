@@ -81,11 +81,15 @@ def draw_area(axes: Any, chart: Landscape, k: int, norm: Normalize) -> Any:
     )
     levels = _levels(norm, energy)
     if levels:
-        lines = axes.contour(x, y, energy, levels=levels, colors="white", linewidths=0.6, alpha=0.75)
+        lines = axes.contour(
+            x, y, energy, levels=levels, colors="white", linewidths=0.6, alpha=0.75
+        )
         labels = axes.clabel(lines, fontsize=7, fmt="%g", inline_spacing=2)
         for label in labels:
             label.set_alpha(1.0)
             label.set_path_effects([withStroke(linewidth=1.4, foreground="#30343a")])
+    for line in chart.handles:
+        axes.plot(line[:, 0], line[:, 1], **_HANDLE, clip_on=False)
     axes.add_patch(
         Rectangle((left, low), right - left, high - low, fill=False, color="#555555", linewidth=0.8)
     )
@@ -169,13 +173,15 @@ def mark_minima(axes: Any, marks: Marks) -> None:
         )
 
 
-def legend_entries(minima: tuple[Minimum, ...], places: list[Place]) -> list[Line2D]:
+def legend_entries(
+    chart: Landscape, minima: tuple[Minimum, ...], places: list[Place]
+) -> list[Line2D]:
     """Legend handles for the kinds and surrounds that occur."""
     entries = []
     for kind, (colour, marker) in STYLE.items():
         if any(m.kind == kind for m in minima):
             entries.append(_sample(kind, marker=marker, markerfacecolor=colour, markersize=12))
-    for dimension, text in ((1, "on a 1-handle"), (0, "isolated point")):
+    for dimension, text in ((1, "minimum on a 1-handle"), (0, "isolated point")):
         for m, p in zip(minima, places, strict=True):
             if m.local_dimension == dimension < _freedom(Marks(minima, places, None)):
                 style = next(iter(_surrounds(m, Place(p.branch, p.point), 2)), {})
@@ -185,9 +191,17 @@ def legend_entries(minima: tuple[Minimum, ...], places: list[Place]) -> list[Lin
                 break
     if any(p.family for p in places):
         entries.append(_sample("family on one point", **{**_RING, "markersize": 13}))
+    if chart.handles:
+        entries.append(Line2D([], [], label="1-handle", **_HANDLE))
     return entries
 
 
+_HANDLE: dict[str, Any] = {
+    "color": "#A0206A",
+    "linewidth": 2.2,
+    "linestyle": (0, (3, 1.5)),
+    "zorder": 4,
+}
 _RING = {"marker": "o", "markersize": 23, "markerfacecolor": "none", "markeredgecolor": "black"}
 _SQUARE = {"marker": "s", "markersize": 19, "markerfacecolor": "none", "markeredgecolor": "black"}
 
@@ -235,7 +249,7 @@ def _spread_labels(
     for place, texts in groups:
         text = ", ".join(texts)
         half = 0.05 * len(text)
-        options = []
+        options: list[tuple[bool, float, int, np.ndarray]] = []
         for angle in np.radians([45, 135, -45, -135, 0, 180, 90, -90]):
             way = np.array([math.cos(angle), math.sin(angle)])
             at = place + way * (0.25 + half * abs(way[0]))
@@ -272,5 +286,15 @@ def _angle_ticks(axis: Any, low: float, high: float) -> None:
     quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
     if high - low > 1.1 * math.pi:
         quarters = [q for q in quarters if q % 2 == 0]
-    names = {-4: "−π", -3: "−3π/4", -2: "−π/2", -1: "−π/4", 0: "0", 1: "π/4", 2: "π/2", 3: "3π/4", 4: "π"}
+    names = {
+        -4: "−π",
+        -3: "−3π/4",
+        -2: "−π/2",
+        -1: "−π/4",
+        0: "0",
+        1: "π/4",
+        2: "π/2",
+        3: "3π/4",
+        4: "π",
+    }
     axis.set_ticks([q * math.pi / 4 for q in quarters], [names.get(q, f"{q}π/4") for q in quarters])
