@@ -113,8 +113,9 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
     if "saddle" in verdicts or "not stationary" in verdicts:
         worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
         d = worst.direction
-        length = 0.0 if d is None else float(np.linalg.norm(d))
-        return reject(worst.verdict, worst.certificate, d / length if length > 0 else None)  # type: ignore[operator]
+        if d is not None:
+            d = d / np.linalg.norm(d) if d.any() else None
+        return reject(worst.verdict, worst.certificate, d)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
     if 0 < dimension < model.freedom:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"

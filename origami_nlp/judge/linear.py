@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -19,7 +20,7 @@ def _solver(n: int, m: int, quadratic: bool) -> ca.Function:
         "primal_feasibility_tolerance": 1e-10,
         "dual_feasibility_tolerance": 1e-10,
     }
-    options = {"print_time": False, "error_on_fail": False, "highs": highs}
+    options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "highs": highs}
     return ca.conic("small", "highs", sparsity, options)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections import Counter
@@ -12,6 +13,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.classify import Classification, ContactForce, Kind, classify
+from origami_nlp.judge.handles import handle_minima
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.search import Answer, Record, add_state, run_one, run_starts
 from origami_nlp.solve.starts import flat_foldings
@@ -157,7 +159,7 @@ def find_minima(
         _judge_new(model, run_one(model, np.zeros(model.size), record), verdicts, record)
         stopped_by = "rule"
     else:
-        for state in flat_foldings(model):
+        for state in itertools.chain(flat_foldings(model), handle_minima(model, seed)):
             _judge_new(model, add_state(model, state, record), verdicts, record)
         stream = run_starts(model, seed, record)
         while record.starts < max_starts:

@@ -116,13 +116,13 @@ def examine(vertex: Vertex, fold_angles: np.ndarray, *, tolerance: float = SNAP)
         return bad("closes with q = -1: not a sheet of paper")
     over = np.abs(phi) - math.pi
     if over.max() > tolerance:
-        i = int(over.argmax()) + 1
-        return bad(f"adjacent facets cross at crease {i}: |phi| exceeds pi by {over.max():.1e}")
+        crease = int(over.argmax()) + 1
+        return bad(f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}")
     n = len(phi)
     arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
     i, j = np.triu_indices(n, 2)
-    keep = ~((i == 0) & (j == n - 1))
-    i, j = i[keep], j[keep]
+    apart = ~((i == 0) & (j == n - 1))
+    i, j = i[apart], j[apart]
     depth = crossing_depth(arcs[i], arcs[j])
     if depth.size and depth.max() > tolerance:
         m = int(depth.argmax())

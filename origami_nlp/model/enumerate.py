@@ -65,9 +65,8 @@ def _mirror_gaps(scene: Scene, gaps: list[Gap], left: list[LeftOut]) -> None:
     sides = (0,) if group.order == 1 else (0, 1)  # D1: both mirrors are one plane
     for r in range(1, last):
         for side in sides:
-            neighbours = {0: (1,), 1: (last - 1,)}[side]
-            if group.order == 1:
-                neighbours = (1, last - 1)
+            # D1: both mirrors are one plane, so either neighbour counts
+            neighbours = {1, last - 1} if group.order == 1 else {(1, last - 1)[side]}
             crease = group.rays[r].crease
             assert crease is not None
             if r in neighbours:

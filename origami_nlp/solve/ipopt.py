@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -89,7 +90,7 @@ def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> _Progr
         "f": f.energy,
         "g": ca.vertcat(*rows),
     }
-    options = {"print_time": False, "error_on_fail": False, "ipopt": {**OPTIONS, "tol": tolerance}}
+    options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "ipopt": {**OPTIONS, "tol": tolerance}}
     return _Programme(ca.nlpsol("origami", "ipopt", nlp, options), np.array(lower), np.array(upper))
 
 

@@ -36,7 +36,6 @@ class StartStream:
     def __init__(self, model: Model, seed: int) -> None:
         self._model = model
         self._rng = np.random.default_rng(seed)
-        self._closure = model.functions.closure.map(BATCH)
         self._buffer: list[Start] = []
         self._faces = itertools.cycle(
             [(v, side) for v in range(model.size) for side in (-math.pi, math.pi)]
@@ -60,7 +59,7 @@ class StartStream:
                 variable, value = next(self._faces)
                 x[row, variable] = value
                 frozen[row, variable] = True
-        x, residual = self._project(x, frozen)
+        x, residual = project_batch(model, x, frozen)
         feasible = (residual <= 1e-9) & (np.abs(x) <= model.bound + 1e-12).all(axis=1)
         for k in np.flatnonzero(feasible):
             feasible[k] = model.on_sheet(x[k]) and gaps_hold(model, x[k])
@@ -70,22 +69,29 @@ class StartStream:
             keep[:] = True
         return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)[::-1]]
 
-    def _project(self, x: np.ndarray, frozen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss-Newton onto loop closure with some entries held; returns states and residuals."""
-        p = np.tile(self._model.parameters[:, None], (1, BATCH))
-        residual = np.full(BATCH, np.inf)
-        for _ in range(25):
-            g, jac = self._closure(x.T, p)
-            g = np.asarray(g).T
-            jac = np.asarray(jac).reshape(g.shape[1], BATCH, -1).transpose(1, 0, 2)
-            residual = np.abs(g).max(axis=1)
-            if residual.max() <= 1e-12:
-                break
-            jac = np.where(frozen[:, None, :], 0.0, jac)
-            step = -np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=1e-6), g)
-            length = np.linalg.norm(step, axis=1, keepdims=True)
-            x = x + step * np.minimum(1.0, 1.0 / np.maximum(length, 1e-300))
-        return x, residual
+
+def project_batch(
+    model: Model, x: np.ndarray, frozen: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Project states [b, n] onto loop closure by Gauss-Newton, all at once, with some entries held.
+
+    Returns the states and the largest entry of closure of each, [b].
+    """
+    closure = model.functions.closure.map(len(x))
+    p = np.tile(model.parameters[:, None], (1, len(x)))
+    residual = np.full(len(x), np.inf)
+    for _ in range(25):
+        g, jac = closure(x.T, p)
+        g = np.asarray(g).T
+        jac = np.asarray(jac).reshape(g.shape[1], len(x), -1).transpose(1, 0, 2)
+        residual = np.abs(g).max(axis=1)
+        if residual.max() <= 1e-12:
+            break
+        jac = np.where(frozen[:, None, :], 0.0, jac)
+        step = -np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=1e-6), g)
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        x = x + step * np.minimum(1.0, 1.0 / np.maximum(length, 1e-300))
+    return x, residual
 
 
 def broken_gap(model: Model, gaps: np.ndarray, tolerance: float = 1e-9) -> int | None:

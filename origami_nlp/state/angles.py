@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from fractions import Fraction
 from numbers import Real
 
@@ -65,14 +65,9 @@ def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[
     AngleError
         If `values` is not a list of angles; the message names the entry, 1-based.
     """
-    if isinstance(values, str | bytes) or not isinstance(values, Sequence):
-        try:
-            values = list(values)  # type: ignore[call-overload]  # arrays and other iterables
-        except TypeError:
-            values = None
-        if values is None or isinstance(values, str | bytes):
-            raise AngleError(f"{field} must be a list of angles, one for each crease")
-    out = []
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise AngleError(f"{field} must be a list of angles, one for each crease")
+    out: list[float] = []
     for i, value in enumerate(values, start=1):
         if degrees:
             if isinstance(value, bool) or not isinstance(value, Real):

@@ -1,0 +1,135 @@
+"""Follow a state downhill, inside the admissible set, to the stable state that it belongs to.
+
+Steps go along the projection of the springs' pull on the linearised feasible cone, measured in the stiffness metric,
+and are pulled back onto loop closure; every accepted state closes, is admissible and is lower than the one
+before.  Unlike a restart of the solver, the path cannot jump to another basin: it is the evidence for
+what becomes of a minimum that a grid reports.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.judge.branch import null_space
+from origami_nlp.judge.classify import Classification, classify
+from origami_nlp.judge.linear import minimise
+from origami_nlp.judge.nearby import is_admissible, project
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.active import Row, closed_contacts, row_values
+from origami_nlp.solve.ipopt import Solve
+from origami_nlp.solve.polish import polish
+
+LONGEST = 0.1
+"""Longest step [rad]."""
+SHORTEST = 1e-9
+"""A path that cannot take a step this long [rad] has arrived, or is stuck."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A descent and where it ends.
+
+    states: variables of the accepted states, [s, n], first the start.  energies: [s], strictly decreasing.
+    end: the last state, polished if that succeeded nearby.  what: its classification.
+    """
+
+    states: np.ndarray
+    energies: np.ndarray
+    end: np.ndarray
+    what: Classification
+
+
+def follow(model: Model, start: np.ndarray, *, most_steps: int = 2000) -> Followed:
+    """Follow the state `start` [n] downhill.
+
+    Raises
+    ------
+    ValueError
+        If the start does not close, or is not admissible.
+    """
+    x, residual = project(model, np.asarray(start, dtype=float), ())
+    x = np.clip(x, -model.bound, model.bound)
+    if residual > 1e-10 or not is_admissible(model, x):
+        raise ValueError(f"the start is not a closed, admissible state: closure {residual:.1e}")
+    states = [x]
+    length = LONGEST
+    for _ in range(most_steps):
+        moved = _step(model, x, length)
+        if moved is None:
+            break
+        x, taken = moved
+        states.append(x)
+        length = min(LONGEST, 2 * taken)
+    path = np.array(states)
+    end = _polish_nearby(model, x)
+    polished = end is not None
+    end = x if end is None else end
+    energies = model.energy(path[0]) + np.array([model.energy_change(path[0], y) for y in path])
+    return Followed(path, energies, end, classify(model, end, polished=polished))
+
+
+def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float] | None:
+    """Take one admissible step down, of at most `length`; None if there is none."""
+    local = model.local(x)
+    contacts = closed_contacts(model, x, local.gaps, 1e-7)
+    choices = contacts.combinations() or [contacts.base]
+    for rows in choices:
+        d = _pull(model, x, rows)
+        size = float(np.linalg.norm(d))
+        if size < 1e-14:
+            continue
+        slope = float(local.gradient @ d)
+        held = _kept(model, x, rows, d)
+        step = min(1.0, length / size)
+        while step * size >= SHORTEST:
+            y, residual = project(model, x + step * d, held)
+            y = np.clip(y, -model.bound, model.bound)
+            change = model.energy_change(x, y) / model.scale
+            if (
+                residual <= 1e-11
+                and np.abs(model.closure(y)[0]).max() <= 1e-11
+                and change < 1e-4 * step * slope
+                and is_admissible(model, y)
+            ):
+                return y, step * size
+            step /= 2
+    return None
+
+
+def _pull(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
+    """Minimise grad U . d + d'Kd/2 over the linearised feasible cone."""
+    local = model.local(x)
+    n = model.size
+    root = np.sqrt(model.parameters[-2 * n : -n])
+    z = null_space(local.closure_jacobian / root)
+    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    a = a / root @ z
+    cost = z.T @ (local.gradient / root)
+    if not len(a):
+        return -(z @ cost) / root
+    y = minimise(cost, a, np.zeros(len(a)), np.full(len(a), np.inf), -10.0, 10.0, squares=True)
+    return np.zeros(n) if y is None else (z @ y) / root
+
+
+def _kept(model: Model, x: np.ndarray, rows: tuple[Row, ...], d: np.ndarray) -> tuple[Row, ...]:
+    """Return the rows that a direction keeps closed."""
+    local = model.local(x)
+    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    return tuple(
+        row for row, g in zip(rows, a, strict=True) if abs(g @ d) <= 1e-9 * np.linalg.norm(d)
+    )
+
+
+def _polish_nearby(model: Model, x: np.ndarray) -> np.ndarray | None:
+    """Polish x if that stays close to it."""
+    rows = closed_contacts(model, x, model.local(x).gaps, 1e-6)
+    pull = np.zeros(model.size)
+    for row in rows.base:
+        if row.kind == "limit":
+            pull[row.index] = 1.0
+    force = {g.pair: 1.0 for g in model.structure.gaps if g.pair is not None}
+    done = polish(model, Solve(x, "followed", 0, 0.0, pull, force))
+    close = np.abs(done.x - x).max() <= 1e-3
+    return done.x if done.converged and close else None
