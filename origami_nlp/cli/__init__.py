@@ -8,6 +8,7 @@ import typer
 
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
+from origami_nlp.cli.grid import grid
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.verify import verify
@@ -19,7 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, model, example, verify):
+for command in (demo, minima, model, example, grid, verify):
     app.command(command.__name__)(command)
 
 
