@@ -110,6 +110,7 @@ def source(family: Family, library: str) -> str:
         '"""',
         "",
         "# ruff: noqa",
+        "# fmt: off",
         *(["from math import pi", ""] if re.search(r"\bpi\b", text) else []),
         f"from {library} import " + ", ".join(imports),
         "",

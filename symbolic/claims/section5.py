@@ -68,14 +68,17 @@ def _check_branches(statement: Any) -> Verdict:
     cases = []
     for degree in range(6, 17, 2):
         rays = {slopes(w, s) for w in product((0, 1), repeat=degree // 2) for s in (1, -1)}
+        opposite = {tuple(sp.expand(-x) for x in ray) for ray in rays}
         claimed = sp.sympify(statement).subs(N, degree)
         cases.append(
             (f"N = {degree}: {len(rays)} branches against {claimed}", len(rays) == claimed)
         )
+        cases.append((f"N = {degree}: rays come in opposite pairs", rays == opposite))
     return by_cases(
         cases,
         "Even slopes spell the word and the odd ones (K or 1/K, K != 1) the sign of v: 2^(N/2) words "
-        "times two half-branches leave the flat state in distinct directions.",
+        "times two half-branches leave the flat state in distinct directions.  They pair up, (word, "
+        "v > 0) with (complement, v < 0), into 2^(N/2) smooth curves through it.",
         "exact enumeration of tangents",
     )
 
