@@ -71,6 +71,13 @@ def stack_jets(flat: dict[str, Any], values: list[str], coordinates: list[str]) 
     return value, first, second
 
 
+def refine(flat: dict[str, Any], near: np.ndarray, fine: dict[str, Any]) -> None:
+    """Overwrite the masked points of flat outputs by values computed in extended precision."""
+    for name, values in fine.items():
+        flat[name] = np.broadcast_to(flat[name], near.shape).copy()
+        flat[name][near] = values
+
+
 def finish(
     jets: tuple[Any, ...], reason: np.ndarray, existence: np.ndarray, own_side: np.ndarray
 ) -> ChartPoint:

@@ -19,6 +19,7 @@ from origami_nlp.closed_forms._chart import (
     Reason,
     finish,
     not_finite,
+    refine,
     stack_jets,
 )
 from origami_nlp.errors import AngleError, OptionError
@@ -76,10 +77,7 @@ def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> Chart
         near = np.abs(flat["existence"]) < NEAR_FOLD
         if np.any(near):
             a, b, c, d = (x[near] for x in np.broadcast_arrays(first, v, fold, sign))
-            fine = _evaluate(n, a, b, c, d, np.longdouble)
-            for name, values in fine.items():
-                flat[name] = np.broadcast_to(flat[name], near.shape).copy()
-                flat[name][near] = values
+            refine(flat, near, _evaluate(n, a, b, c, d, np.longdouble))
         value, d1, d2 = stack_jets(flat, ["phi1", "phi3"], ["elevation", "phi2"])
         elev = (s * np.sin(v)) ** 2
         existence = np.asarray(flat["existence"])

@@ -6,9 +6,10 @@ with u = m_w + i m_x, v = m_y + i m_z and M the quaternion of the creases strict
 mirror creases; see `symbolic.generate_forms`.
 
 Accuracy of values: 1e-14 (|phi| + sum |d phi/d x| |x|) everywhere, so 1e-12 relative next to the
-book fold.  The relative error alone cannot stay small where phi_1 itself passes through zero, nor
-within 1e-2 of the points where creases 1 and 4 coincide (u = 0 there, and rounding of a fold angle
-in its last bit turns arg u by eps/|u|).
+book fold.  The relative error alone cannot stay small where phi_1 itself passes through zero, nor where
+creases 1 and 4 coincide (u = 0: rounding turns arg u by eps/|u|).  `degree6` uses extended
+precision where |u| or |v| < 0.03, so its error there is 1e-18/|u| with a 64-bit mantissa: 1e-12 down
+to |u| = 1e-6, 1e-10 at 1e-8.  `reflection` works in doubles throughout.
 """
 
 from __future__ import annotations
@@ -25,9 +26,12 @@ from origami_nlp.closed_forms._chart import (
     Reason,
     finish,
     not_finite,
+    refine,
     stack_jets,
 )
 from origami_nlp.errors import AngleError
+
+NEAR_SINGULAR = 1e-3  # |u|^2 or |v|^2 below which cancellation costs more than a digit and a half
 
 
 def _reflection_reason(flat: dict[str, Any], bad: np.ndarray) -> np.ndarray:
@@ -39,6 +43,13 @@ def _reflection_reason(flat: dict[str, Any], bad: np.ndarray) -> np.ndarray:
     reason[np.broadcast_to(singular, shape)] = Reason.SINGULAR
     reason[np.broadcast_to(bad, shape)] = Reason.NOT_FINITE
     return reason
+
+
+def _evaluate6(arguments: Sequence[np.ndarray]) -> dict[str, Any]:
+    """Flat outputs of the generated degree-6 function, in the precision of the arguments."""
+    alpha1, alpha2, phi2, phi3 = arguments
+    outputs = _degree6_numpy.degree6(alpha1, alpha2, phi2, phi3)
+    return dict(zip(_degree6_numpy.OUTPUTS, outputs, strict=True))
 
 
 def degree6(alpha1: Any, alpha2: Any, phi2: Any, phi3: Any) -> ChartPoint:
@@ -63,7 +74,11 @@ def degree6(alpha1: Any, alpha2: Any, phi2: Any, phi3: Any) -> ChartPoint:
         raise AngleError("alpha1 + alpha2 must be less than pi: the mirror crease 4 is at pi")
     arguments = [np.asarray(a, dtype=float) for a in (alpha1, alpha2, phi2, phi3)]
     with np.errstate(all="ignore"):
-        flat = dict(zip(_degree6_numpy.OUTPUTS, _degree6_numpy.degree6(*arguments), strict=True))
+        flat = _evaluate6(arguments)
+        near = np.asarray(np.minimum(flat["u_squared"], flat["v_squared"]) < NEAR_SINGULAR)
+        if np.any(near):
+            points = [a[near].astype(np.longdouble) for a in np.broadcast_arrays(*arguments)]
+            refine(flat, near, _evaluate6(points))
         jets = stack_jets(flat, ["phi_first", "phi_last"], ["phi2", "phi3"])
     reason = _reflection_reason(flat, not_finite(*arguments))
     return finish(jets, reason, np.asarray(flat["margin"]), np.ones(reason.shape, dtype=bool))

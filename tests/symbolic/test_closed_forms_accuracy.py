@@ -76,6 +76,26 @@ def test_degree6_values(scale):
         assert errors[:, 0].max() <= SINGULAR
 
 
+@pytest.mark.parametrize("distance", [1e-3, 1e-5, 1e-8])
+def test_degree6_next_to_coinciding_mirror_creases(distance):
+    """u = 0 at (pi/3, pi/3, pi/3): the true bound is eps/|u|, not 1e-12."""
+    a = float(np.pi / 3)
+    fold = np.pi - np.arccos(np.cos(a) / (1 + np.cos(a)))
+    rng = np.random.default_rng(5)
+    folds = fold + distance * rng.uniform(-1, 1, (60, 2))
+    point = degree6(a, a, folds[:, 0], folds[:, 1])
+    checked = 0
+    for i, f in enumerate(folds):
+        ref = reflection_reference([mpf(a), 2 * mpf(a)], [mpf(f[0]), mpf(f[1])])
+        if ref is None or point.reason[i] != Reason.OK:
+            continue
+        error = max(float(abs(mpf(float(point.value[i, k])) - ref[k])) for k in (0, 1))
+        steep = np.abs(point.first[i]).max()  # about 1/|u|
+        assert error <= MIXED + (1e-17 if EXTENDED else 1e-14) * steep
+        checked += 1
+    assert checked > 10
+
+
 @pytest.mark.parametrize("inner", [[1.1], [0.5, 1.2, 2.2], [0.4, 0.9, 1.5, 2.0, 2.6]])
 def test_reflection_values_any_even_degree(inner):
     rng = np.random.default_rng(len(inner))
