@@ -77,6 +77,14 @@ def as_markdown(results: Sequence[Result]) -> str:
     return "\n".join(lines)
 
 
+OUTSIDE = (
+    "Outside the catalogue are results of grid searches and figures, which no formula decides: the "
+    "counts of minima per panel (sections 3.1 and 3.2), the measured bands and fractions of the "
+    "phase maps (section 5) other than those above, positions of metastable segments, and remarks "
+    "on other crease patterns (Resch).  The search and phase-map commands reproduce those."
+)
+
+
 def errata_page(results: Sequence[Result]) -> str:
     """The page ``docs/errata.md``: what is wrong in the paper, corrected, and how it was proved."""
     errata = [r for r in results if r.verdict.verdict in ("refuted", "convention")]
@@ -92,11 +100,13 @@ def errata_page(results: Sequence[Result]) -> str:
     ]
     for i, r in enumerate(errata, start=1):
         lines.append(
-            f"| {i} | `{r.claim.id}` | {r.claim.where} | {r.claim.title} | {r.verdict.verdict} |"
+            f"| {i} | `{r.claim.id}` | {plain(r.claim.where)} | {plain(r.claim.title)} "
+            f"| {r.verdict.verdict} |"
         )
     lines.append("")
     for i, r in enumerate(errata, start=1):
         lines += _entry(r, level=f"## {i}.", seconds=False)
+    lines += ["## What is not checked here", "", OUTSIDE, ""]
     return "\n".join(lines)
 
 
@@ -109,19 +119,26 @@ def _section(r: Result) -> str:
     return f"{'Section' if kind == 'sec.' else 'Appendix'} {number}"
 
 
+def plain(text: str) -> str:
+    """Text that Markdown shows as it is: no emphasis, no HTML, no table columns."""
+    for mark in ("*", "<", "|"):
+        text = text.replace(mark, "\\" + mark)
+    return text
+
+
 def _entry(r: Result, level: str, seconds: bool) -> list[str]:
     v = r.verdict
     lines = [
-        f"{level} {r.claim.title}",
+        f"{level} {plain(r.claim.title)}",
         "",
-        f"`{r.claim.id}`, {r.claim.where}: **{v.verdict}** ({v.method}"
+        f"`{r.claim.id}`, {plain(r.claim.where)}: **{v.verdict}** ({plain(v.method)}"
         + (f", {v.seconds:.2f} s)" if seconds else ")"),
         "",
         "Printed:",
         "",
         f"$${r.claim.statement_latex}$$",
         "",
-        v.evidence,
+        plain(v.evidence),
         "",
     ]
     if v.corrected_latex is not None:

@@ -73,11 +73,14 @@ def doubled_direction(yx: Sequence[Any]) -> Pair:
 def degree6(t_alpha: Any, t2: Any, t3: Any) -> ExactState:
     """D_1 state of the paper's degree-6 vertex.
 
-    tan(alpha/2), tan(phi_2/4), tan(phi_3/4) rational.
+    tan(alpha/2), tan(phi_2/4), tan(phi_3/4) rational; raises `ValueError` where the closed angles
+    belong to quaternion -1.
     """
     c, s = rational_pair(t_alpha)
     h2, h3 = rational_pair(t2), rational_pair(t3)
     form = reflection_form([(c, s), (-c, s)], [h2, h3])
+    if not form.paper > 0:
+        raise ValueError("no sheet of paper takes these angles: they close on quaternion -1")
     f1, f4 = doubled_direction(form.first), doubled_direction(form.last)
     f2, f3 = double(h2), double(h3)
     one, zero = sp.Integer(1), sp.Integer(0)

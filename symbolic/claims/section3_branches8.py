@@ -20,8 +20,9 @@ from symbolic.claims.section3_degree8 import (
     line_gaps,
 )
 from symbolic.decide import IDENTITY, Correction, by_cases, refuted
+from symbolic.derive import dihedral_form
 from symbolic.identities import to_circles, vanishes
-from symbolic.symbols import HALF2, UPSILON, alpha, phi2, upsilon
+from symbolic.symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
 
 
 def _numeric(lines: Any, a: Any, v: Any, p: Any, order: str = "xy") -> Any:
@@ -44,18 +45,20 @@ def _check_domain(statement: str) -> Verdict:
         for e in (equation().A, equation().B, equation().C)
     ]
     phi1_zero = at_zero[0] == 0 and at_zero[2] == 0 and vanishes(at_zero[1] - UPSILON.s, CIRCLES)
-    tangent_at_pi = sp.tan(phi2 / 2).subs(phi2, sp.pi)
+    wedge = dihedral_form(2, [ALPHA.pair], [(sp.Integer(1), sp.Integer(0))], UPSILON.pair)
+    sin_q, cos_q = wedge.last(1, 0)  # phi_3/2 at phi_2 = 0, phi_1 = 0
+    book = vanishes(sin_q + UPSILON.s, CIRCLES) and vanishes(cos_q - UPSILON.c, CIRCLES)
     if statement == "phi_2 != 0, |phi_2| < pi":
         return by_cases([("phi_2 = 0 gives phi_1 = 0", phi1_zero)], "exact", "exact")
     return refuted(
-        f"phi_2 = 0 has no line, although the vertex folds there (the book fold about crease 3, "
-        f"phi_1 = 0, phi_3 = 2 upsilon, any elevation); at phi_2 = +-pi the factor tan(phi_2/2) = "
-        f"{tangent_at_pi} meets K = 0.",
+        "phi_2 = 0 has no line, although the vertex folds there (the book fold about creases 3 and "
+        "7, phi_1 = 0, phi_3 = -2 upsilon, any elevation); at phi_2 = +-pi the factor tan(phi_2/2) "
+        "is infinite and meets K = 0.",
         "exact evaluation",
         Correction(
-            r"\phi_2=0:\ \phi_1=0,\ \upsilon\ \text{free};\qquad \text{no case distinction in }"
+            r"\phi_2=0:\ \phi_1=0,\ \phi_3=-2\upsilon,\ \upsilon\ \text{free};\qquad \text{no case distinction in }"
             r"\phi_1=2\operatorname{atan2}(BC\pm AD,\,AC\mp BD)",
-            lambda: phi1_zero,
+            lambda: phi1_zero and book,
             "at phi_2 = 0 the equation reads sin(v) sin t = 0, so phi_1 = 0 modulo 2 pi; at "
             "phi_2 = 0 = upsilon all coefficients vanish: phi_1 is free (book fold about crease 1).",
         ),

@@ -89,17 +89,21 @@ def _check_branch(statement: str) -> Verdict:
     plus, minus = sp.Matrix([x, -y]), sp.Matrix([-x, y])
     opposite = plus + minus == sp.zeros(2, 1)  # opposite points: arguments differ by exactly pi
     difference = 2 * sp.pi  # of 2 arctan, which f_phi removes
-    same_angle = opposite and difference % (2 * sp.pi) == 0
     turn = about(E1, (sp.cos(difference / 2), sp.sin(difference / 2)))
     same_rotation = (turn.w**2, turn.vector) == (1, (0, 0, 0))
-    holds = {"one": not same_angle, "both": same_angle and same_rotation}[statement]
+    same_angle = opposite and same_rotation and difference + _paper_wrap(difference) == 0
+    point = {alpha: sp.pi / 4, phi2: sp.pi / 2, phi3: sp.pi / 3}
+    y0, x0 = (e.subs(point) for e in (NUMERATOR_6, DENOMINATOR_6))
+    both = [sp.N(2 * sp.atan2(-sign * y0, sign * x0), 50) for sign in (1, -1)]
+    shown = [sp.N(b, 20) for b in both]
+    holds = {"one": not same_angle, "both": same_angle}[statement]
     if holds:
         return Verdict("proved", "exact", "Both signs give the same phi_1 modulo 2 pi.")
     return refuted(
         "arctan(-S Y, S X) for S = +1 and -1 are opposite directions, so 2 arctan differs by "
         "exactly 2 pi and f_phi returns the same phi_1: both signs always satisfy compatibility, "
-        "and S_6 selects nothing.  (At alpha = pi/4, phi_2 = pi/2, phi_3 = pi/3 both give the same "
-        "angle.)",
+        f"and S_6 selects nothing.  At alpha = pi/4, phi_2 = pi/2, phi_3 = pi/3: {shown[0]} and "
+        f"{shown[1]}, equal modulo 2 pi.",
         "exact",
         Correction(
             r"\phi_1=2\arctan(-\mathcal Y_6,\mathcal X_6),\ "

@@ -22,7 +22,7 @@ PATTERN_8 = "abcbabcb"
 def regular_states() -> tuple[tuple[str, int, ExactState], ...]:
     """The exact regular states the linear-algebra claims are checked on: (name, n of D_n, state)."""
     return (
-        ("degree 6, D_1", 1, degree6(_HALF, _THIRD, -sp.Rational(1, 4))),
+        ("degree 6, D_1", 1, degree6(_HALF, _THIRD, sp.Rational(1, 4))),
         ("degree 8, D_2", 2, degree8()),
     )
 
@@ -98,15 +98,16 @@ def _check_invariance(statement: str) -> Verdict:
 
 
 def pinned_example() -> tuple[ExactState, sp.Matrix, sp.Matrix, sp.Matrix]:
-    """A strict minimum of a D_1 landscape with crease 3 (and 5) closed: state, g, lambda, rest.
+    """A strict minimum of a D_1 landscape, creases 2 and 6 closed: state, torque, lambda, contact.
 
-    phi_3 = phi_5 = pi; torque g = C^T lambda - mu (e_3 + e_5) with mu = 1/1000 and unit stiffness.
+    tan(alpha/2) = 2/3, phi_2 = phi_6 = pi (facet 2 lies on facet 1), tan(phi_3/4) = -1/5 (facet 3
+    leaves facet 1 upwards); torque C^T lambda - mu (e_2 + e_6), mu = 1/1000, unit stiffness.
     """
-    state = degree6(_HALF, sp.Rational(1, 5), sp.Integer(1))
+    state = degree6(sp.Rational(2, 3), sp.Integer(1), -sp.Rational(1, 5))
     c = state.crease_matrix()
     mu = sp.Rational(1, 1000)
-    lam = 3 * mu * (c[:, 2] + c[:, 4])
-    contact = sp.Matrix([0, 0, 1, 0, 1, 0])
+    lam = 3 * mu * (c[:, 1] + c[:, 5])
+    contact = sp.Matrix([0, 1, 0, 0, 0, 1])
     torque = c.T * lam - mu * contact
     return state, torque, lam, contact
 
@@ -118,10 +119,10 @@ def _check_unconstrained(statement: str) -> Verdict:
     slope = [v for v in (torque.T * kernel) if v != 0]
     symmetric = all(torque[i] == torque[j] for i, j in ((1, 5), (2, 4)))
     angles = [sp.atan2(fold[1], fold[0]).evalf(30) for fold in state.folds]
-    inside = bool(torque[2] >= 0) and all(  # rest angle phi* - g; pi - g_3 <= pi exactly
+    inside = bool(torque[1] >= 0) and all(  # rest angle phi* - g; pi - g_2 <= pi exactly
         abs(a) + abs(g) < sp.pi
         for i, (a, g) in enumerate(zip(angles, torque, strict=True))
-        if i not in (2, 4)
+        if i not in (1, 5)
     )
     # |d2 r| <= 1 per entry, so the Lagrangian Hessian is at least 1 - 6 |lambda| > 0
     convex = bool(36 * lam.dot(lam) < 1)
@@ -131,9 +132,9 @@ def _check_unconstrained(statement: str) -> Verdict:
     if not example:
         return Verdict("unproved", "exact example", "the pinned example does not apply")
     return refuted(
-        "A state pinned at contact is stable and not critical: degree 6, tan(alpha/2) = 1/2, "
-        "tan(phi_2/4) = 1/5, phi_3 = phi_5 = pi, unit stiffness, rest angles phi* - g with g = C^T "
-        "lambda - mu (e_3 + e_5), mu = 1/1000, is a strict minimum (multipliers mu > 0, Lagrangian "
+        "A state pinned at contact is stable and not critical: degree 6, tan(alpha/2) = 2/3, "
+        "phi_2 = phi_6 = pi, tan(phi_3/4) = -1/5, unit stiffness, rest angles phi* - g with g = C^T "
+        "lambda - mu (e_2 + e_6), mu = 1/1000, is a strict minimum (multipliers mu > 0, Lagrangian "
         "Hessian >= 1 - 6|lambda| > 0), symmetric rest angles inside [-pi, pi], yet dU = "
         f"{sp.N(slope[0], 6)} along a compatible direction.",
         "exact example",
@@ -152,7 +153,7 @@ def _check_contact_slope(statement: Any) -> Verdict:
     state, torque, _, contact = pinned_example()
     kernel = state.tangents()
     mu = sp.Rational(1, 1000)
-    opening = -contact  # the gap pi - phi_3 of both creases
+    opening = -contact  # the gap pi - phi_2 of both creases
     gaps = list(torque.T * kernel - statement * mu * opening.T * kernel)
     some = any(v != 0 for v in opening.T * kernel)
     return by_cases(

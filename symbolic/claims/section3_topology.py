@@ -203,7 +203,7 @@ def _check_holes(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
 
 def degenerate_example() -> dict[str, Any]:
     """Stiffness and torques for which a D_1 degree-6 equilibrium has a singular Hessian, exactly."""
-    t_alpha, t2, t3 = _HALF, sp.Rational(1, 3), -sp.Rational(1, 4)
+    t_alpha, t2, t3 = _HALF, sp.Rational(1, 3), sp.Rational(1, 4)
     x, y = sp.symbols("phi_2 phi_3", real=True)
     form = half_form()
     ca, sa = rational_pair(t_alpha)
@@ -276,7 +276,7 @@ def _check_morse(statement: str) -> Verdict:
     if not (singular and data["k2"] > 0 and data["rank"] == 3):
         return Verdict("unproved", "exact example", "the degenerate example does not apply")
     return refuted(
-        "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = -1/4 (regular): "
+        "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = 1/4 (regular): "
         f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
         f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
         "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "

@@ -1,0 +1,105 @@
+"""The contract of `origami-nlp verify`: exit codes, one line per claim, files, messages."""
+
+import importlib
+import json
+import subprocess
+import sys
+
+import pytest
+
+from origami_nlp.errors import OptionError
+from symbolic import catalogue
+from symbolic.claim import Claim, Verdict
+
+QUICK = ("s2.valley", "s3.J", "s2.elevation")
+
+
+def verify(*args):
+    return subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "from origami_nlp.cli import main; main()",
+            "verify",
+            *map(str, args),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def only(*ids):
+    return [a for i in ids for a in ("--only", i)]
+
+
+def test_single_claims_print_one_line_each_and_the_evidence():
+    done = verify(*only(*QUICK))
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    for claim_id, word in zip(QUICK, ("proved", "refuted", "convention"), strict=True):
+        row = [line for line in lines if line.startswith(f"{claim_id} ") and word in line]
+        assert len(row) == 1
+    assert "3 claims: 1 proved, 1 refuted, 1 convention, 0 unproved; 3 decided" in done.stdout
+    assert r"\cos 2\upsilon" in done.stdout
+
+
+def test_reports_are_written(tmp_path):
+    files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "markdown", "latex")}
+    done = verify(*only(*QUICK), *(x for k, f in files.items() for x in (f"--{k}", f)))
+    assert done.returncode == 0, done.stderr
+    data = json.loads(files["json"].read_text(encoding="utf-8"))
+    assert [c["id"] for c in data["claims"]] == list(QUICK)
+    assert "# Verification report" in files["markdown"].read_text(encoding="utf-8")
+    assert files["latex"].read_text(encoding="utf-8").count(r"\begin{equation}") == 3
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
+        (["--json", "no/such/folder/x.json"], ["--json", "does not exist"]),
+        (["--markdown", "."], ["--markdown", "directory"]),
+    ],
+)
+def test_bad_options_end_with_one_line_and_code_2(args, words):
+    done = verify(*args)
+    assert done.returncode == 2
+    assert done.stdout.strip() == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert all(word in done.stderr for word in words)
+
+
+def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
+    command = importlib.import_module("origami_nlp.cli.verify")
+    monkeypatch.setattr(command.os, "access", lambda *_: False)
+    monkeypatch.setattr(catalogue, "decide_all", lambda *_: pytest.fail("the work has begun"))
+    with pytest.raises(OptionError, match="no permission"):
+        command.verify(json=tmp_path / "x.json")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "code"),
+    [
+        (Verdict("proved", "m", "e"), 0),
+        (Verdict("refuted", "m", "e", "x", True), 0),
+        (Verdict("convention", "m", "e", "x", True), 0),
+        (Verdict("refuted", "m", "e", "x", False), 1),
+        (Verdict("unproved", "m", "e"), 1),
+    ],
+)
+def test_exit_code_follows_the_verdicts(verdict, code, monkeypatch, capsys):
+    from typer.testing import CliRunner
+
+    from origami_nlp.cli import app
+
+    claim = Claim("x.y", "sec. 2", "title [bold]", None, "x=y", lambda _: verdict)
+    monkeypatch.setattr(catalogue, "claims", lambda: (claim,))
+    done = CliRunner().invoke(app, ["verify"])
+    assert done.exit_code == code, done.output
+    assert "title [bold]" in done.output  # not taken for markup
+
+
+def test_importing_the_package_and_the_cli_loads_no_sympy():
+    code = "import sys, origami_nlp, origami_nlp.cli; sys.exit('sympy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,33 @@
+"""The notebook on the equations runs from a fresh kernel and shows what is committed."""
+
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+NOTEBOOK = Path(__file__).parents[2] / "notebooks" / "02_equations.ipynb"
+
+
+def texts(notebook):
+    """Printed text and Markdown of every code cell."""
+    shown = []
+    for cell in notebook.cells:
+        for out in cell.get("outputs", []):
+            shown.append(
+                out.get("text") or out["data"].get("text/markdown") or out["data"]["text/plain"]
+            )
+    return shown
+
+
+def test_the_committed_notebook_runs_and_is_current():
+    committed = nbformat.read(NOTEBOOK, as_version=4)
+    fresh = nbformat.read(NOTEBOOK, as_version=4)
+    NotebookClient(
+        fresh, timeout=300, kernel_name="python3", resources={"metadata": {"path": NOTEBOOK.parent}}
+    ).execute()
+    assert texts(fresh) == texts(committed)
+    assert "all decided" in texts(committed)[-1]
+
+
+def test_the_notebook_is_small():
+    assert NOTEBOOK.stat().st_size < 100_000
