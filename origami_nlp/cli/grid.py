@@ -39,7 +39,9 @@ def grid(
         result = find_minima(stated, seed=seed, progress=report)
     console.print(minima_table(result))
     points = follow_grid_minima(result, size)
-    table = Table(title=f"{len(points)} grid minima on {size} x {size} points", title_justify="left")
+    table = Table(
+        title=f"{len(points)} grid minima on {size} x {size} points", title_justify="left"
+    )
     x, y = chart.coordinates
     y = y.split(" (")[0]
     for head in ("branch", x, y, "energy [J]", "excl.", "to", "moves", "loses"):

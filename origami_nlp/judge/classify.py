@@ -9,7 +9,14 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.judge.branch import STATIONARY, BranchJudgement, judge_branch
-from origami_nlp.judge.nearby import STEPS, is_admissible, leads_somewhere, project, search_spheres
+from origami_nlp.judge.nearby import (
+    STEPS,
+    dimension_nearby,
+    is_admissible,
+    leads_somewhere,
+    project,
+    search_spheres,
+)
 from origami_nlp.model.contact import Gap
 from origami_nlp.model.embedding import examine
 from origami_nlp.model.nlp import Model
@@ -107,6 +114,8 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
     isolated = not real and all(b.cone_dimension == 0 for b in judged)
     decisive = real or judged
     dimension = max((b.cone_dimension for b in real), default=0)
+    if real and not all(b.regular for b in real):
+        dimension = dimension_nearby(model, x, contacts.base)
     verdicts = {b.verdict for b in decisive}
     if relaxed and verdicts != {"minimum"}:
         return _by_search(model, x, contacts, judged)
@@ -220,7 +229,11 @@ def _where_rays_meet(model: Model, x: np.ndarray, gap: Gap) -> str | None:
     k, j = gap.rays
     for end in (j, (j + 1) % len(rays)):
         has = model.structure.has_crease
-        if np.linalg.norm(rays[k] - rays[end]) <= CLOSED and has[k % len(has)] and has[end % len(has)]:
+        if (
+            np.linalg.norm(rays[k] - rays[end]) <= CLOSED
+            and has[k % len(has)]
+            and has[end % len(has)]
+        ):
             first, second = sorted((model.crease_of_ray(k), model.crease_of_ray(end)))
             return f"creases {first} and {second} on each other"
     return None

@@ -1,8 +1,9 @@
 """Sets of states that exist only while several contacts stay exactly closed: the paper's 1-handles.
 
-A solver that needs an interior rarely ends on such a thin set, so they are looked for on purpose: states with one or two
-fold angles held at +-pi are closed by Gauss-Newton; where the linearised feasible cone has fewer dimensions than the
-model has freedoms, the state lies on a thin set, and the energy is minimised along it.
+A solver that needs an interior rarely ends on such a thin set, so they are looked for on purpose:
+states with one or two fold angles held at +-pi are closed by Gauss-Newton; where the linearised
+feasible cone has fewer dimensions than the model has freedoms, the state lies on a thin set, and
+the energy is minimised along it.
 """
 
 from __future__ import annotations
@@ -44,9 +45,7 @@ def _states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray
     n = model.size
     single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
     faces = [(v, s) for v in range(n) for s in (-1, 1)]
-    double = [
-        pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]
-    ] * 3
+    double = [pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]] * 3
     patterns = (single[:BATCH] + double)[: MOST_BATCHES * BATCH] if n > 4 else single + double
     patterns = patterns[: MOST_BATCHES * BATCH]
     x = rng.uniform(-math.pi, math.pi, (len(patterns), n))

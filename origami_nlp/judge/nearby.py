@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,44 +92,60 @@ def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int
 
     Used only where first and second order do not decide.  Stops at the first lower neighbour.
     """
-    rng = np.random.default_rng(seed)
     energy = model.energy(x)
     noise = 1e-12 * max(energy, model.scale)
-    strata: list[tuple[Row, ...]] = [()]
+    lowest, state, count, smallest, dimension = math.inf, None, 0, math.inf, 0
+    seen: set[tuple[Row, ...]] = set()
+    for y, held, radius in _neighbours(model, x, rows, np.random.default_rng(seed)):
+        count += 1
+        smallest = min(smallest, radius)
+        change = model.energy_change(x, y)
+        if change < lowest:
+            lowest, state = change, y
+        if held not in seen:
+            seen.add(held)
+            dimension = max(dimension, _dimension_at(model, y, held))
+        if lowest < -noise:  # one lower neighbour settles it
+            break
+    return Search(lowest, state, count, smallest, dimension)
+
+
+def dimension_nearby(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int = 0) -> int:
+    """Return the dimension of the feasible set around x, read off its first admissible neighbour.
+
+    Needed where closure loses rank at x, so that its kernel there is larger than the set; strata
+    are tried from the largest down.  0 if no neighbour is found.
+    """
+    for y, held, _ in _neighbours(model, x, rows, np.random.default_rng(seed)):
+        return _dimension_at(model, y, held)
+    return 0
+
+
+def _dimension_at(model: Model, y: np.ndarray, held: tuple[Row, ...]) -> int:
+    local = model.local(y)
+    _, gradients = row_values(model, y, held, local.gaps, local.gaps_jacobian)
+    return null_space(np.vstack([local.closure_jacobian, gradients])).shape[1]
+
+
+def _neighbours(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...], rng: np.random.Generator
+) -> Iterator[tuple[np.ndarray, tuple[Row, ...], float]]:
+    """Yield admissible states near x with the contacts held closed and the radius tried."""
     limits = [row for row in rows if row.kind == "limit"]
-    strata += [(row,) for row in limits]
-    strata += [(a, b) for k, a in enumerate(limits) for b in limits[k + 1 :]]
+    strata: list[tuple[Row, ...]] = [(), *((row,) for row in limits)]
+    strata += list(itertools.combinations(limits, 2))
     if len(limits) > 2:
         strata.append(tuple(limits))
-    lowest, state, count, smallest, dimension = math.inf, None, 0, math.inf, 0
-    for held in strata:
-        found = 0
-        for radius in RADII:
-            for _ in range(SAMPLES):
-                d = rng.normal(size=model.size)
-                for row in held:
-                    d[row.index] = 0.0
-                if not d.any():
-                    continue
-                for row in limits:  # step into the fold limits, not out of them
-                    if row not in held:
-                        d[row.index] = -row.side * abs(d[row.index])
-                y, residual = project(model, x + radius * d / np.linalg.norm(d), held)
-                distance = float(np.linalg.norm(y - x))
-                if residual > 1e-11 or not 0.05 * radius < distance < 5 * radius:
-                    continue
-                if not is_admissible(model, y):
-                    continue
-                count, found = count + 1, found + 1
-                smallest = min(smallest, radius)
-                change = model.energy_change(x, y)
-                if change < lowest:
-                    lowest, state = change, y
-                if found == 1:
-                    local = model.local(y)
-                    _, gradients = row_values(model, y, held, local.gaps, local.gaps_jacobian)
-                    tangent = null_space(np.vstack([local.closure_jacobian, gradients]))
-                    dimension = max(dimension, tangent.shape[1])
-                if lowest < -noise:  # one lower neighbour settles it
-                    return Search(lowest, state, count, smallest, dimension)
-    return Search(lowest, state, count, smallest, dimension)
+    for held, radius in itertools.product(strata, RADII):
+        for _ in range(SAMPLES):
+            d = rng.normal(size=model.size)
+            for row in limits:  # step into the fold limits, not out of them
+                d[row.index] = 0.0 if row in held else -row.side * abs(d[row.index])
+            if not d.any():
+                continue
+            y, residual = project(model, x + radius * d / np.linalg.norm(d), held)
+            distance = float(np.linalg.norm(y - x))
+            if residual > 1e-11 or not 0.05 * radius < distance < 5 * radius:
+                continue
+            if is_admissible(model, y):
+                yield y, held, radius

@@ -90,7 +90,11 @@ def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> _Progr
         "f": f.energy,
         "g": ca.vertcat(*rows),
     }
-    options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "ipopt": {**OPTIONS, "tol": tolerance}}
+    options: dict[str, Any] = {
+        "print_time": False,
+        "error_on_fail": False,
+        "ipopt": {**OPTIONS, "tol": tolerance},
+    }
     return _Programme(ca.nlpsol("origami", "ipopt", nlp, options), np.array(lower), np.array(upper))
 
 

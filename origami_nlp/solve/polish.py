@@ -46,9 +46,7 @@ class Polished:
 def polish(model: Model, answer: Solve) -> Polished:
     """Polish one answer of IPOPT."""
     guess = guess_active(model, answer)
-    firm = tuple(
-        row for row in guess if row.kind == "gap" or abs(answer.pull[row.index]) > 1e-6
-    )
+    firm = tuple(row for row in guess if row.kind == "gap" or abs(answer.pull[row.index]) > 1e-6)
     fallback: Polished | None = None
     for first in dict.fromkeys((guess, firm, ())):
         result, consistent = _repair(model, answer.x, first)
@@ -61,9 +59,7 @@ def polish(model: Model, answer: Solve) -> Polished:
     return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
 
 
-def _repair(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...]
-) -> tuple[Polished | None, bool]:
+def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polished | None, bool]:
     """Run Newton, adding violated contacts and dropping pulling ones, until the active set is consistent."""
     best: Polished | None = None
     seen: set[tuple[Row, ...]] = set()

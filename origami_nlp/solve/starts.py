@@ -70,9 +70,7 @@ class StartStream:
         return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)[::-1]]
 
 
-def project_batch(
-    model: Model, x: np.ndarray, frozen: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def project_batch(model: Model, x: np.ndarray, frozen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Project states [b, n] onto loop closure by Gauss-Newton, all at once, with some entries held.
 
     Returns the states and the largest entry of closure of each, [b].

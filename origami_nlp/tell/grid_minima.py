@@ -54,7 +54,10 @@ def grid_points(chart: Landscape) -> list[tuple[int, int, int, int]]:
         lower = ~(around <= branch.energy)  # comparisons with NaN are false: excluded are ignored
         excluded = np.isnan(around).sum(axis=0)
         candidate = lower.all(axis=0) & ~np.isnan(branch.energy) & (excluded < 8)
-        found += [(b, int(r), int(c), int(excluded[r, c])) for r, c in zip(*np.nonzero(candidate), strict=True)]
+        found += [
+            (b, int(r), int(c), int(excluded[r, c]))
+            for r, c in zip(*np.nonzero(candidate), strict=True)
+        ]
     return found
 
 

@@ -1,7 +1,7 @@
 """Results as JSON, schema ``origami-nlp/minima/1``: written whole or not at all, and read back.
 
-Indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.  A multiplier range that
-never ends, or a residual that does not apply, is null.
+Indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
+A multiplier range that never ends, or a residual that does not apply, is null.
 """
 
 from __future__ import annotations
