@@ -136,9 +136,9 @@ def check_partial(statement: dict[int, Any], sign: int) -> Verdict:
     name = ("v", "m")[sign < 0]
     fix = Correction(
         rf"\rho_{name}={'-' if sign < 0 else ''}\arccos"
-        r"\frac{\cos\upsilon\pm\sin\alpha}{1\pm\cos\upsilon\sin\alpha}\ (\text{no modulus; "
-        + (r"+: \upsilon>0)" if sign > 0 else r"+: \upsilon<0)")
-        + r"},\qquad \tan\tfrac{\rho}{2}=\tan\tfrac{\upsilon}{2}\tan(\tfrac{\pi}{4}-\tfrac{\alpha}{2})"
+        r"\frac{\cos\upsilon\pm\sin\alpha}{1\pm\cos\upsilon\sin\alpha}\ (\text{no modulus};\ +\text{ for }"
+        + (r"\upsilon>0" if sign > 0 else r"\upsilon<0")
+        + r"),\qquad \tan\tfrac{\rho}{2}=\tan\tfrac{\upsilon}{2}\tan(\tfrac{\pi}{4}-\tfrac{\alpha}{2})"
         r"\ \text{or}\ -\tan\tfrac{\upsilon}{2}\cot(\tfrac{\pi}{4}-\tfrac{\alpha}{2})",
         lambda: _partial_proof(right, sign) and both_roots(),
         "without the modulus the formula holds for all 0 < |v| < pi; with it, it holds up to contact "

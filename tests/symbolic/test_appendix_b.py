@@ -2,9 +2,19 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from origami_nlp.closed_forms import cone_fold_angles, cone_partial_angles
+from symbolic.claims import appendix_b
 from symbolic.claims.appendix_b import CLAIMS
+from symbolic.symbols import upsilon
+
+CORRECTED = {
+    "b.surface": appendix_b.ELEVATED,
+    "b.stretch": sp.cos(upsilon),
+    "b.visible-area": sp.cos(appendix_b._PHI / 2),
+    "b.correspondence": (sp.cos(appendix_b._PHI / 2), sp.cos(upsilon)),
+}
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda c: c.id)
@@ -17,6 +27,13 @@ def test_claim_is_decided_and_its_correction_proved(claim):
         assert verdict.corrected_proved is True
     else:
         assert verdict.corrected_latex is None
+
+
+@pytest.mark.parametrize("claim_id", CORRECTED)
+def test_corrected_statement_is_accepted(claim_id):
+    claim = next(c for c in CLAIMS if c.id == claim_id)
+    assert claim.decide().verdict in ("refuted", "convention")
+    assert claim.decide(CORRECTED[claim_id]).verdict == "proved"
 
 
 @pytest.mark.parametrize(

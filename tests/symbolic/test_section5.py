@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from origami_nlp.closed_forms import (
     cone_contact_elevation,
@@ -11,7 +12,17 @@ from origami_nlp.closed_forms import (
     cone_fold_angles,
     cone_partial_angles,
 )
+from symbolic.claims import _section5_contact
 from symbolic.claims.section5 import CLAIMS, LEFT_OUT, stiff_even_minima
+from symbolic.symbols import upsilon
+
+CORRECTED = {
+    "s5.rest-state": (_section5_contact._SWITCH, -2 * sp.Abs(upsilon)),
+    "s5.range-6-8": {6: (-sp.pi / 6, sp.pi / 2), 8: (-sp.pi / 4, sp.pi / 2)},
+    "s5.contact": sp.pi / 2 * (1 + 4 / _section5_contact.N),
+    "s5.plateau-10": (10, 32),
+    "s5.plateau-12": (12, 44),
+}
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda c: c.id)
@@ -24,6 +35,13 @@ def test_claim_is_decided_and_its_correction_proved(claim):
         assert verdict.corrected_proved is True
     else:
         assert verdict.corrected_latex is None
+
+
+@pytest.mark.parametrize("claim_id", CORRECTED)
+def test_corrected_statement_is_accepted(claim_id):
+    claim = next(c for c in CLAIMS if c.id == claim_id)
+    assert claim.decide().verdict in ("refuted", "convention")
+    assert claim.decide(CORRECTED[claim_id]).verdict == "proved"
 
 
 @pytest.mark.parametrize(
