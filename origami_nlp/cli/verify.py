@@ -82,7 +82,8 @@ def _run(chosen: Sequence[Claim], console: Console) -> list[Result]:
         MofNCompleteColumn(),
         TextColumn("{task.fields[last]}"),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    quiet = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
         task = bar.add_task("claims", total=len(chosen), last="")
         return decide_all(chosen, progress=lambda claim: bar.update(task, advance=1, last=claim.id))
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symbolic.claim import Claim, Verdict
 from symbolic.claims.section3_energy import regular_states
-from symbolic.decide import by_cases, by_identity
+from symbolic.decide import Correction, by_cases, by_identity, refuted
 from symbolic.groups import symmetric_dimension
 from symbolic.logic import counting_order
 from symbolic.rotations import Quaternion, about, planar, product
@@ -179,6 +179,44 @@ def _check_counting(statement: tuple[str, str, str]) -> Verdict:
     )
 
 
+def _check_criterion(statement: Any) -> Verdict:
+    """Gradient tolerance `statement` (relative to pi sum k), eigenvalue tolerance 1e-6."""
+    r, lam, lip = sp.symbols("r lambda L", positive=True)
+    # g = 0: U(q) - U(0) >= lambda r^2/2 - L r^3/6, positive for 0 < r < 3 lambda/L
+    growth = sp.expand(lam * r**2 / 2 - lip * r**3 / 6 - r**2 * (3 * lam - lip * r) / 6) == 0
+    tolerance = sp.Rational(statement)
+    if tolerance == 0:
+        return by_cases(
+            [("second-order growth", growth)],
+            "g = 0 and lambda_min > 0 give growth r^2 (3 lambda - L r)/6.",
+            "Taylor with remainder",
+        )
+    _, _, state = regular_states()[0]
+    c, z = state.crease_matrix(), state.tangents()[:, 0]
+    bound = tolerance * sp.Rational(314, 100) * 6  # below epsilon pi sum k, unit stiffness
+    delta = sp.Rational(1, 2) * bound / sum(abs(x) for x in z)
+    torque = delta * z  # rest angles phi* - delta z
+    accepted = bool(torque.dot(torque) <= bound**2)
+    no_multiplier = (c * torque).is_zero_matrix is True  # so the reduced Hessian is Z^T K Z = 1
+    slope = torque.dot(z)
+    if not (accepted and no_multiplier and slope != 0):
+        return Verdict("unproved", "exact example", "the example does not apply")
+    return refuted(
+        "Degree 6, unit stiffness, rest angles phi* - delta z with C z = 0: the restricted Hessian "
+        f"is the identity and |g|/(pi sum k) is within {statement}, so phi* is classified as a "
+        f"strict minimum, but dU/ds = {sp.N(slope / sp.sqrt(z.dot(z)), 6)} along the compatible "
+        "direction z: it is not stationary.",
+        "exact example",
+        Correction(
+            r"\mathbf g=\mathbf 0\ \text{and}\ \lambda_{\min}(\mathbf H)>0\ \Rightarrow\ "
+            r"\text{strict local minimum}",
+            lambda: growth,
+            "with g = 0 the growth r^2 (3 lambda - L r)/6 is positive for small r; with g only "
+            "small, a minimum lies near, at a distance of order |g|/lambda_min, and must be found.",
+        ),
+    )
+
+
 def _check_breaking_block(statement: str) -> Verdict:
     """Coupling of the Hessian between symmetric and symmetry-breaking tangents, symmetric K."""
     name, _, state = regular_states()[0]
@@ -262,6 +300,16 @@ CLAIMS: list[Claim] = [
         r"H_{ab}\simeq\frac{\tilde U_{++}-\tilde U_{+-}-\tilde U_{-+}+\tilde U_{--}}{4h^2}",
         _check_stencil((1, 1)),
         damaged=({k: 2 * v for k, v in H_AB.items()}, {**H_AB, (-1, 1): sp.Rational(1, 4)}),
+    ),
+    Claim(
+        "a.criterion",
+        "app. A, classification inequality",
+        "Small relative gradient and positive Hessian make a strict minimum",
+        sp.Rational(5, 1000),
+        r"\frac{\|\mathbf g\|}{\pi\sum k_i}\le\varepsilon_g,\ \lambda_{\min}(\mathbf H)>"
+        r"\varepsilon_\lambda\ \Rightarrow\ \text{strict local minimum}",
+        _check_criterion,
+        damaged=(sp.Rational(1, 10),),
     ),
     Claim(
         "a.breaking-dimensions",

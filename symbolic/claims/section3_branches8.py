@@ -8,6 +8,7 @@ import mpmath
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
+from symbolic.claims.section3_degree6 import CLAIMS as DEGREE_6
 from symbolic.claims.section3_degree8 import (
     BRANCH_1,
     BRANCH_2,
@@ -67,17 +68,15 @@ def _check_domain(statement: str) -> Verdict:
 
 def _check_range(statement: str) -> Verdict:
     """2 arctan(...) lies in (-2 pi, 2 pi]; look for a value outside [-pi, pi]."""
+    if statement == "wrapped":
+        return _wrap_verdict()
     with mpmath.workdps(60):
         a, v, p = mpmath.pi / 4, mpmath.pi / 3, mpmath.pi / 2
         value = _numeric(BRANCH_1, a, v, p)
         outside = abs(value) > mpmath.pi + mpmath.mpf(10) ** -40
         shown = mpmath.nstr(value, 30)
-    if statement == "wrapped" or not outside:
-        return Verdict(
-            "proved" if statement == "wrapped" else "unproved",
-            "range of arctan",
-            "f_phi maps into [-pi, pi] (claim s3.wrap).",
-        )
+    if not outside:
+        return Verdict("unproved", "50-digit evaluation", "no value outside was found")
     return refuted(
         f"At alpha = pi/4, upsilon = pi/3, phi_2 = pi/2 the first branch gives phi_1 = {shown} "
         "(50-digit arithmetic), outside [-pi, pi]: f_phi of section 3.1 is missing.",
@@ -88,6 +87,45 @@ def _check_range(statement: str) -> Verdict:
             "2 arctan is defined modulo 2 pi only, so f_phi may and must be applied.",
         ),
     )
+
+
+def _wrap_verdict() -> Verdict:
+    """What f_phi does to any angle: claim s3.wrap, decided anew."""
+    (wrap,) = (c for c in DEGREE_6 if c.id == "s3.wrap")
+    return wrap.decide()
+
+
+def _check_k(statement: Any) -> Verdict:
+    """K written out in the four sign cases of upsilon and phi_2, |alpha| < pi/2."""
+    sines = 4 * sp.sin(upsilon) * sp.sin(phi2) * sp.cos(alpha) * sp.sin(alpha)
+    cases = []
+    for v_sign in (1, -1):
+        for fold_sign in (1, -1):
+            printed = v_sign * fold_sign * sines * sp.cos(upsilon) / sp.sin(upsilon)
+            given = statement(v_sign, fold_sign)
+            name = (
+                f"upsilon {'>' if v_sign > 0 else '<'} 0, phi_2 {'>' if fold_sign > 0 else '<'} 0"
+            )
+            cases.append((name, vanishes(printed - given, CIRCLES)))
+    return by_cases(
+        cases,
+        "|sin v| cot v = sgn(v) cos v: K = 2 sin(2 alpha) |sin phi_2| cos(v) sgn(v).  At upsilon = 0 "
+        "the printed product is 0 times infinity with different limits from the two sides, but "
+        "there J is real only for sin(2 alpha) sin^2(phi_2/2) = 0, where K = 0.",
+        "identity modulo c^2+s^2-1, four sign cases",
+    )
+
+
+def _short_k(v_sign: int, fold_sign: int) -> Any:
+    return 2 * sp.sin(2 * alpha) * fold_sign * sp.sin(phi2) * sp.cos(upsilon) * v_sign
+
+
+def _even_k(v_sign: int, fold_sign: int) -> Any:
+    return _short_k(1, fold_sign)
+
+
+def _half_k(v_sign: int, fold_sign: int) -> Any:
+    return _short_k(v_sign, fold_sign) / 2
 
 
 def _check_labels(statement: str) -> Verdict:
@@ -194,6 +232,16 @@ def _check_slope(statement: str) -> Verdict:
 
 
 CLAIMS: list[Claim] = [
+    Claim(
+        "s3.K",
+        "sec. 3.2, definition of K",
+        "K without modulus and cotangent",
+        _short_k,
+        r"\mathcal K=4|\cos\alpha\sin\upsilon\sin\phi_2|\sin\alpha\cot\upsilon"
+        r"=2\sin 2\alpha\,|\sin\phi_2|\cos\upsilon\,\operatorname{sgn}\upsilon",
+        _check_k,
+        damaged=(_even_k, _half_k),
+    ),
     Claim(
         "s3.domain-8",
         "sec. 3.2, cases phi_2 > 0 and phi_2 < 0",

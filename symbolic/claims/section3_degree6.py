@@ -10,6 +10,7 @@ from symbolic.claim import Claim, Verdict
 from symbolic.decide import Correction, by_cases, by_identity, refuted
 from symbolic.derive import reflection_form
 from symbolic.flat_folding import is_flat_foldable, kawasaki_sum
+from symbolic.groups import crease_images
 from symbolic.identities import circle, vanishes
 from symbolic.rotations import E1, E2, about, dot, reflect, scale
 from symbolic.symbols import ALPHA, HALF2, HALF3, alpha, phi2, phi3
@@ -199,6 +200,22 @@ def _check_rest(statement: tuple[str, str]) -> Verdict:
     )
 
 
+def _check_rest_symmetry(statement: tuple[tuple[int, str], ...]) -> Verdict:
+    """Each assignment (n of D_n, letters of creases 1..N) must be constant on the group's orbits."""
+    cases = []
+    for n, letters in statement:
+        images = crease_images(n, len(letters))
+        same = all(letters[i] == letters[j] for p in images.values() for i, j in enumerate(p))
+        cases.append((f"{letters} under D_{n}", same))
+    return by_cases(
+        cases,
+        "Rest angles (and with them stiffnesses, which follow the letters) are equal on creases "
+        "that the symmetry exchanges: assumption (c) of section 3 holds for all three patterns; "
+        "the degree-8 one even has D_4.",
+        "group orbits, enumerated",
+    )
+
+
 def _check_stiffness(statement: tuple[Any, Any]) -> Verdict:
     """k_m / k_v must be r_k."""
     r = sp.Symbol("r_k", positive=True)
@@ -271,6 +288,15 @@ CLAIMS: list[Claim] = [
         r"MVVMVV\ (\alpha_1\le\pi/3),\quad VVMVMV\ (\alpha_1>\pi/3)",
         _check_rest,
         damaged=((_MV_LARGE, _MV_SMALL), ("MVVVVV", _MV_LARGE), (_MV_SMALL, "MVMVMV")),
+    ),
+    Claim(
+        "s3.rest-symmetry",
+        "sec. 3, assumption (c); rest angles of sec. 3.1 and 3.2",
+        "Rest angles and stiffnesses share the symmetry",
+        ((1, _MV_SMALL), (1, _MV_LARGE), (2, "MVMVMVMV")),
+        r"\phi^0_{g(i)}=\phi^0_i,\ k_{g(i)}=k_i\quad\forall g\in\mathcal G",
+        _check_rest_symmetry,
+        damaged=(((1, "MVVMVM"),), ((2, "MVMVVMVM"),)),
     ),
     Claim(
         "s3.stiffness",

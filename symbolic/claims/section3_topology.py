@@ -65,7 +65,7 @@ def _check_handles(statement: tuple[tuple[Segment, ...], tuple[Segment, ...]]) -
     """Intervals must be non-empty, and the two handles exchanged by turning the vertex over."""
     first, second = statement
     correction = Correction(
-        r"\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
+        r"\text{second handle: }\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
         lambda: (
             set(_negated(FIRST_HANDLE)) == set(SECOND_HANDLE_RIGHT) and _endpoint_is_right_angle()
         ),
@@ -307,7 +307,8 @@ CLAIMS: list[Claim] = [
         "sec. 3.1, 1-handles",
         "Ranges of the two 1-handles at alpha_1 = pi/3",
         (FIRST_HANDLE, SECOND_HANDLE),
-        r"\{\pi\}\times(\approx-\tfrac{\pi}{2},-\pi]\cup(\approx-\tfrac{\pi}{2},\pi]"
+        r"\{-\pi\}\times(\approx\tfrac{\pi}{2},\pi]\cup[-\pi,\approx-\tfrac{\pi}{2})\times\{\pi\}"
+        r"\ \text{and}\ \{\pi\}\times(\approx-\tfrac{\pi}{2},-\pi]\cup(\approx-\tfrac{\pi}{2},\pi]"
         r"\times\{-\pi\}",
         _check_handles,
         damaged=(

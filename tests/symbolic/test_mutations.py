@@ -26,6 +26,7 @@ CORRECTED = {
     "s3.domain-8": "phi_2 != 0, |phi_2| < pi",
     "s3.branches-8": "outer",
     "s3.odd-symmetry": (s38.BRANCH_2, s38.BRANCH_2),
+    "a.criterion": sp.Integer(0),
 }
 
 
