@@ -79,6 +79,7 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
         extent=(corner[0], right, corner[1], top),
         origin="lower",
     )
+    hidden = _hidden_ends(pose)
     for number, (x, y) in enumerate(labels, start=1):
         axes.text(
             x,
@@ -87,12 +88,25 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
             ha="center",
             va="center",
             fontsize=size,
+            alpha=0.45 if hidden[number - 1] else 1.0,
             color=_crease_colour(phi[number - 1])[0],
             path_effects=[withStroke(linewidth=2.2, foreground="white")],
         )
     axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
     axes.axis("off")
     return bool(np.any(pose.offsets))
+
+
+def _hidden_ends(pose: Pose) -> list[bool]:
+    """For each crease, whether a facet that it does not bound hides its end."""
+    n = len(pose.creases)
+    answer = []
+    for i, c in enumerate(pose.creases):
+        x, y, z = 0.97 * c + (pose.offsets[i] + pose.offsets[i - 1]) / 2
+        others = [f for f in range(n) if f not in (i, (i - 1) % n)]
+        at = (np.array([x], dtype=np.float32), np.array([y], dtype=np.float32))
+        answer.append(any(_facet_depth(pose, f, *at)[0, 0] > z + 1e-3 for f in others))
+    return answer
 
 
 def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -107,7 +107,9 @@ def _compose(result: MinimaResult, chart: Landscape) -> Figure:
     lines = [
         line
         for note in notes
-        for line in textwrap.wrap(note, max(30, int(text_width * 15)), subsequent_indent="   ")
+        for line in textwrap.wrap(
+            note, max(30, int(text_width * 15)), subsequent_indent="   ", break_on_hyphens=False
+        )
     ]
     text = LINE * len(lines)
     entries = legend_entries(chart, shown, places) if panels else []
@@ -209,7 +211,8 @@ def _fill_panels(
     norm = norm_of(chart)
     image = None
     for k, box in enumerate(boxes):
-        image = draw_area(box, chart, k, norm)
+        avoid = [p.point for p in places if p.branch == k]
+        image = draw_area(box, chart, k, norm, avoid)
         mark_minima(box, Marks(shown, places, k))
     colour_bar(image, bar)
 
@@ -258,6 +261,11 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
         notes.append(
             f"White: excluded ({white}). States that exist only at φ = ±π exactly take no area."
         )
+        if len(chart.branches) > 1:
+            crease = chart.coordinates[1].rsplit(" ", 1)[-1].rstrip(")")
+            notes.append(
+                f"The branches are the two solutions of loop closure; υ > 0 lowers crease {crease}."
+            )
     elif scene.contact != "none":
         notes.append("Lines end where contact excludes the rest.")
     told: dict[str, list[str]] = {}
@@ -270,10 +278,12 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
         notes.append(
             f"Ring ({', '.join(numbers)}): {here} is not one state but a family: {family}."
         )
-    notes.append(
-        "Drawings: mountain red, valley blue, wider and darker for larger |φ|; "
-        "upper side of the paper warm, lower side cool. Facets that lie on each other are drawn apart."
-    )
+    if result.minima:
+        notes.append(
+            "Drawings: mountain red, valley blue, wider and darker for larger |φ|; "
+            "upper side of the paper warm, lower side cool; numbers of hidden creases pale. "
+            "Facets that lie on each other are drawn apart."
+        )
     if scene.contact == "none" and any(
         abs(phi) > math.pi + 1e-9 for m in result.minima for phi in m.fold_angles
     ):

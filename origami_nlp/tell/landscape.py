@@ -364,6 +364,8 @@ def _curves(scene: Scene, size: int) -> Landscape:
     for x in curves:
         phi = x[:, _variables(scene)[orbit]]
         good = admissible(scene, phi)
+        if scene.contact == "full":  # few states: the order of touching layers too
+            good[good] = [examine(scene.vertex, state).admissible for state in phi[good]]
         if good.sum() > 1:
             pieces.append((x, np.where(good[:, None], phi, np.nan)))
     if not pieces:

@@ -63,8 +63,13 @@ def norm_of(chart: Landscape) -> Normalize:
     return PowerNorm(0.5, vmin=float(low), vmax=float(high))
 
 
-def draw_area(axes: Any, chart: Landscape, k: int, norm: Normalize) -> Any:
-    """Draw branch k as colours with sparse contour lines; returns the image for the colour bar."""
+def draw_area(
+    axes: Any, chart: Landscape, k: int, norm: Normalize, avoid: list[tuple[float, float]]
+) -> Any:
+    """Draw branch k as colours with sparse contour lines; returns the image for the colour bar.
+
+    avoid: points of markers, beside which contour lines get no label.
+    """
     branch = chart.branches[k]
     x, y = branch.axes
     dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
@@ -85,7 +90,10 @@ def draw_area(axes: Any, chart: Landscape, k: int, norm: Normalize) -> Any:
             x, y, energy, levels=levels, colors="white", linewidths=0.6, alpha=0.75
         )
         labels = axes.clabel(lines, fontsize=7, fmt="%g", inline_spacing=2)
+        reach = 0.05 * np.array([right - left, high - low])
         for label in labels:
+            away = [np.abs(np.subtract(label.get_position(), p)) > reach for p in avoid]
+            label.set_visible(all(a.any() for a in away))
             label.set_alpha(1.0)
             label.set_path_effects([withStroke(linewidth=1.4, foreground="#30343a")])
     for line in chart.handles:
@@ -186,7 +194,11 @@ def legend_entries(
             if m.local_dimension == dimension < _freedom(Marks(minima, places, None)):
                 style = next(iter(_surrounds(m, Place(p.branch, p.point), 2)), {})
                 if dimension == 0:
-                    style = {"marker": "o", "markerfacecolor": "white", "markersize": 9}
+                    style = {
+                        "marker": r"$\odot$",
+                        "markerfacecolor": "black",
+                        "markeredgewidth": 0.3,
+                    }
                 entries.append(_sample(text, **{**style, "markersize": 12}))
                 break
     if any(p.family for p in places):
@@ -263,7 +275,7 @@ def _spread_labels(
 
 
 def _levels(norm: Normalize, energy: Any) -> list[float]:
-    """At most eight contour levels, 1-2-5 apart where the energies span decades."""
+    """At most seven contour levels, 1-2-5 apart where the energies span decades."""
     low, high = float(norm.vmin or 0.0), float(norm.vmax or 1.0)
     values = energy.compressed()
     if not values.size:
@@ -272,7 +284,7 @@ def _levels(norm: Normalize, energy: Any) -> list[float]:
     nice = [m * 10.0**e for e in decades for m in (1, 2, 5) if low < m * 10.0**e < high]
     if len(nice) < 4:
         nice = [v for v in MaxNLocator(6).tick_values(low, high) if low < v < high]
-    return [v for v in nice[-8:] if values.min() < v < values.max()]
+    return [v for v in nice[-7:] if values.min() < v < values.max()]
 
 
 def _label(name: str) -> str:
