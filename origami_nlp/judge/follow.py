@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.judge.branch import null_space
 from origami_nlp.judge.classify import Classification, classify
 from origami_nlp.judge.linear import minimise
-from origami_nlp.judge.nearby import is_admissible, project
+from origami_nlp.judge.nearby import is_admissible, project, search_spheres
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts, row_values
 from origami_nlp.solve.ipopt import Solve
@@ -23,6 +23,8 @@ from origami_nlp.solve.polish import polish
 
 LONGEST = 0.1
 """Longest step [rad]."""
+CLOSED_TO = 1e-12
+"""Every state of a path closes at least this well."""
 SHORTEST = 1e-9
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
@@ -41,8 +43,13 @@ class Followed:
     what: Classification
 
 
-def follow(model: Model, start: np.ndarray, *, most_steps: int = 2000) -> Followed:
+def follow(
+    model: Model, start: np.ndarray, *, most_steps: int = 2000, most_rescues: int = 12
+) -> Followed:
     """Follow the state `start` [n] downhill.
+
+    Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
+    admissible neighbour is searched on small spheres, at most `most_rescues` times.
 
     Raises
     ------
@@ -51,23 +58,72 @@ def follow(model: Model, start: np.ndarray, *, most_steps: int = 2000) -> Follow
     """
     x, residual = project(model, np.asarray(start, dtype=float), ())
     x = np.clip(x, -model.bound, model.bound)
-    if residual > 1e-10 or not is_admissible(model, x):
+    if residual > CLOSED_TO or not is_admissible(model, x):
         raise ValueError(f"the start is not a closed, admissible state: closure {residual:.1e}")
     states = [x]
     length = LONGEST
-    for _ in range(most_steps):
+    rescues = 0
+    while len(states) < most_steps:
         moved = _step(model, x, length)
-        if moved is None:
+        if moved is not None:
+            x, taken = moved
+            states.append(x)
+            length = min(LONGEST, 2 * taken)
+            continue
+        end = _polish_nearby(model, x)
+        what = classify(model, x if end is None else end, polished=end is not None)
+        if what.verdict == "minimum" or rescues == most_rescues:
             break
-        x, taken = moved
+        rescues += 1
+        lower = _lower_neighbour(model, x, what.descent)
+        if lower is None:
+            break
+        x, length = lower, LONGEST
         states.append(x)
-        length = min(LONGEST, 2 * taken)
-    path = np.array(states)
-    end = _polish_nearby(model, x)
-    polished = end is not None
-    end = x if end is None else end
+    else:
+        end = _polish_nearby(model, x)
+        what = classify(model, x if end is None else end, polished=end is not None)
+    path = _strictly_decreasing(model, states, x if end is None else end)
     energies = model.energy(path[0]) + np.array([model.energy_change(path[0], y) for y in path])
-    return Followed(path, energies, end, classify(model, end, polished=polished))
+    return Followed(path, energies, path[-1], what)
+
+
+def _strictly_decreasing(model: Model, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
+    """Keep the states whose energy falls by more than rounding, and the end in place of what is level with it."""
+    noise = 4e-16 * max(model.energy(states[0]), model.scale)
+    kept = [states[0]]
+    for y in states[1:]:
+        if model.energy_change(kept[-1], y) < -noise:
+            kept.append(y)
+    while len(kept) > 1 and model.energy_change(kept[-1], end) >= -noise:
+        kept.pop()
+    if model.energy_change(kept[-1], end) < -noise:
+        kept.append(end)
+    elif len(kept) == 1:
+        kept = [end]
+    return np.array(kept)
+
+
+def _lower_neighbour(
+    model: Model, x: np.ndarray, direction: np.ndarray | None
+) -> np.ndarray | None:
+    """Return an admissible state near x with lower energy: along `direction` if that works, else by search."""
+    noise = 1e-13 * max(model.energy(x), model.scale)
+    if direction is not None:
+        for step in (3e-2, 1e-2, 1e-3):
+            for sign in (1.0, -1.0):
+                y, residual = project(model, x + sign * step * direction, ())
+                y = np.clip(y, -model.bound, model.bound)
+                if (
+                    residual <= CLOSED_TO
+                    and np.abs(model.closure(y)[0]).max() <= CLOSED_TO
+                    and model.energy_change(x, y) < -noise
+                    and is_admissible(model, y)
+                ):
+                    return y
+    rows = closed_contacts(model, x, model.local(x).gaps, 1e-7).base
+    found = search_spheres(model, x, rows)
+    return found.state if found.state is not None and found.lowest < -noise else None
 
 
 def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float] | None:
@@ -75,6 +131,7 @@ def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float
     local = model.local(x)
     contacts = closed_contacts(model, x, local.gaps, 1e-7)
     choices = contacts.combinations() or [contacts.base]
+    best: tuple[float, np.ndarray, float] | None = None
     for rows in choices:
         d = _pull(model, x, rows)
         size = float(np.linalg.norm(d))
@@ -88,14 +145,16 @@ def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float
             y = np.clip(y, -model.bound, model.bound)
             change = model.energy_change(x, y) / model.scale
             if (
-                residual <= 1e-11
-                and np.abs(model.closure(y)[0]).max() <= 1e-11
+                residual <= CLOSED_TO
+                and np.abs(model.closure(y)[0]).max() <= CLOSED_TO
                 and change < 1e-4 * step * slope
                 and is_admissible(model, y)
             ):
-                return y, step * size
+                if best is None or change < best[0]:
+                    best = (change, y, step * size)
+                break
             step /= 2
-    return None
+    return None if best is None else best[1:]
 
 
 def _pull(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:

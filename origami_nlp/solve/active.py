@@ -16,6 +16,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from origami_nlp.model.embedding import SNAP, fold_vertex
+from origami_nlp.model.layers import layer_problem
 from origami_nlp.model.nlp import Model
 from origami_nlp.model.structure import Structure
 
@@ -116,7 +118,7 @@ def closed_contacts(
     branches: list[tuple[tuple[Row, ...], ...]] = []
     implied: list[tuple[Row, Row]] = []
     for indices in of_pair.values():
-        options = _pair_branches(model, rays, gaps, indices, tolerance)
+        options = _pair_branches(model, x, rays, gaps, indices, tolerance)
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
@@ -142,21 +144,28 @@ def same_gap(structure: Structure) -> tuple[int, ...]:
 
 
 def _pair_branches(
-    model: Model, rays: np.ndarray, gaps: np.ndarray, indices: list[int], tolerance: float
+    model: Model,
+    x: np.ndarray,
+    rays: np.ndarray,
+    gaps: np.ndarray,
+    indices: list[int],
+    tolerance: float,
 ) -> set[tuple[Row, ...]]:
     """Return the ways in which a pair of facets is kept apart; () means strictly apart.
 
-    `indices` are the pair's four gaps: both ends of the first facet off the second, then the
-    reverse.
+    `indices` are the pair's four gaps: both ends of the first facet off the second, then the reverse.
+    Facets that lie on each other have both sides open pointwise; the order of the layers says which are.
     """
     structure = model.structure
     same = same_gap(structure)
     options: set[tuple[Row, ...]] = set()
-    for ends in (indices[:2], indices[2:]):
+    flat = bool((np.abs(gaps[indices]) <= tolerance).all())
+    sides = _layer_sides(model, x, structure.gaps[indices[0]].pair, tolerance) if flat else (0, 0)
+    for ends, forced in ((indices[:2], sides[0]), (indices[2:], sides[1])):
         values = gaps[ends]
         _, j = structure.gaps[ends[0]].rays
         for side in (1, -1):
-            if (side * values < -tolerance).any():
+            if (side * values < -tolerance).any() or side == -forced:
                 continue
             # a ray counts as touching only if it lies on the facet, not on its plane elsewhere
             touching = [
@@ -175,6 +184,27 @@ def _pair_branches(
             return {()}
         options = set(strict)
     return options
+
+
+def _layer_sides(
+    model: Model, x: np.ndarray, pair: tuple[int, int] | None, tolerance: float
+) -> tuple[int, int]:
+    """Return the side of the second facet on which the first must lie, and the reverse; 0 if either is possible."""
+    assert pair is not None
+    fold_angles = model.expand(x)
+    creases, _ = fold_vertex(model.scene.vertex, fold_angles)
+    problem = layer_problem(creases, fold_angles, max(tolerance, SNAP))
+    if problem is None:
+        return 0, 0
+    first, second = (model.facet_of_ray(i) - 1 for i in pair)
+    for strands in problem.segments.values():
+        one = [(s, d) for s, d in strands if s[0] == first]
+        two = [(s, d) for s, d in strands if s[0] == second]
+        if one and two:
+            left = problem.forced_side(one[0][0], two[0][0])
+            # the normal c_j x c_{j+1} of a facet points to the left of its direction, seen from outside
+            return left * two[0][1], -left * one[0][1]
+    return 0, 0
 
 
 def _on_arc(rays: np.ndarray, k: int, j: int, tolerance: float) -> bool:

@@ -161,7 +161,7 @@ def newton(
         reached = max(kkt, closure) <= 1e-11 and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
-            state = Polished(x, rows, closure, kkt, reached)
+            state = Polished(x, rows, closure, float(kkt), bool(reached))
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
             break

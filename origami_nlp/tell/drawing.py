@@ -155,7 +155,7 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
 def _offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
     n = len(phi)
-    closed = math.pi - np.abs(phi) < CLOSED
+    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
     offsets = np.zeros((n, 3))
     if not closed.any():
         return offsets

@@ -211,7 +211,7 @@ def _fill_panels(
     norm = norm_of(chart)
     image = None
     for k, box in enumerate(boxes):
-        avoid = [p.point for p in places if p.branch == k]
+        avoid = [p.point for p in places if p.branch == k and p.drawn]
         image = draw_area(box, chart, k, norm, avoid)
         mark_minima(box, Marks(shown, places, k))
     colour_bar(image, bar)
@@ -258,9 +258,9 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
             "fold-limits": "|φ| > π",
             "none": "no closed state with all |φ| ≤ π",
         }[scene.contact]
-        notes.append(
-            f"White: excluded ({white}). States that exist only at φ = ±π exactly take no area."
-        )
+        handles = " States that exist only at φ = ±π exactly take no area."
+        rest = handles if scene.contact != "none" else ""
+        notes.append(f"White: excluded ({white}).{rest}")
         if len(chart.branches) > 1:
             crease = chart.coordinates[1].rsplit(" ", 1)[-1].rstrip(")")
             notes.append(
@@ -270,7 +270,7 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
         notes.append("Lines end where contact excludes the rest.")
     told: dict[str, list[str]] = {}
     for number, place in enumerate(places, start=1):
-        if place.family:
+        if place.family and place.drawn:
             told.setdefault(place.family, []).append(str(number))
     for family, numbers in told.items():
         point = places[int(numbers[0]) - 1].point
@@ -284,10 +284,11 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
             "upper side of the paper warm, lower side cool; numbers of hidden creases pale. "
             "Facets that lie on each other are drawn apart."
         )
-    if scene.contact == "none" and any(
-        abs(phi) > math.pi + 1e-9 for m in result.minima for phi in m.fold_angles
-    ):
-        notes.append("Some minima have |φ| > π: facets have passed through each other.")
+    beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
+    if beyond:
+        notes.append(
+            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π."
+        )
     more = len(result.minima) - MOST_DRAWN
     if more > 0:
         notes.append(f"{more} more minima of higher energy are not drawn.")

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -55,11 +55,13 @@ class Place:
     branch: index into `Landscape.branches`.
     point: its coordinates; for a curve (coordinate, energy).
     family: empty, or why a whole family of states shares this point of the chart.
+    drawn: False where |phi| > pi at some crease, which no chart covers.
     """
 
     branch: int
     point: tuple[float, float]
     family: str = ""
+    drawn: bool = True
 
 
 @dataclass(frozen=True)
@@ -97,8 +99,12 @@ class Landscape:
                 f"fold_angles has shape {phi.shape}: give all {self.scene.degree} of one state"
             )
         if self.kind == "curve":
-            return _place_on_curve(self, phi)
-        return _place_degree6(self, phi) if self.scene.group.order == 1 else _place_wedge(self, phi)
+            place = _place_on_curve(self, phi)
+        elif self.scene.group.order == 1:
+            place = _place_degree6(self, phi)
+        else:
+            place = _place_wedge(self, phi)
+        return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + 1e-9))
 
 
 def landscape(scene: Scene, size: int = 401) -> Landscape:

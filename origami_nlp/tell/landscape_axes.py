@@ -46,11 +46,11 @@ class Marks:
     branch: int | None
 
     def here(self) -> list[tuple[int, Minimum, Place]]:
-        """(number from 1, minimum, place) of those on the branch."""
+        """(number from 1, minimum, place) of those to mark on the branch."""
         return [
             (k, m, p)
             for k, (m, p) in enumerate(zip(self.minima, self.places, strict=True), start=1)
-            if self.branch is None or p.branch == self.branch
+            if p.drawn and (self.branch is None or p.branch == self.branch)
         ]
 
 
@@ -185,6 +185,8 @@ def legend_entries(
     chart: Landscape, minima: tuple[Minimum, ...], places: list[Place]
 ) -> list[Line2D]:
     """Legend handles for the kinds and surrounds that occur."""
+    here = Marks(minima, places, None).here()
+    minima, places = tuple(m for _, m, _ in here), [p for _, _, p in here]
     entries = []
     for kind, (colour, marker) in STYLE.items():
         if any(m.kind == kind for m in minima):
