@@ -5,10 +5,10 @@ half a fold angle; `TrigEquation` holds one and knows its solutions.  Three fami
 
 `reflection_form`
     D_1, any even degree N: creases b_1 = e1 .. b_k = -e1 of half the vertex, k = N/2 + 1.
-`dihedral_form`, `dihedral_fold_form`
+`dihedral_form`, `dihedral_fold_form`, `dihedral_inner_form`
     D_n, n >= 2: creases b_1 = e1 .. b_k of the wedge between neighbouring mirrors, the last at
-    azimuth pi/n.  Solved for phi_1 from (elevation, inner folds), or for phi_1 (phi_k) from the
-    other folds.
+    azimuth pi/n.  Solved for phi_1 from (elevation, inner folds), or for any one fold angle from
+    the others.  A mirror that runs through a facet is a mirror crease that never folds.
 `cyclic_form`
     C_n: the creases b_1 .. b_m of one period 2 pi/n, solved for any one of them.
 
@@ -36,6 +36,7 @@ from symbolic.rotations import (
     Pair,
     Quaternion,
     about,
+    cross,
     dot,
     half_pair,
     planar,
@@ -65,7 +66,7 @@ def inner_product(azimuths: Sequence[Any], folds: Sequence[Any]) -> Quaternion:
 
 @dataclass(frozen=True)
 class TrigEquation:
-    """A cos t + B sin t = C, where t is HALF the unknown fold angle (phi = 2 t).
+    """A cos t + B sin t = C; t is HALF the unknown fold angle unless a function says otherwise.
 
     Solvable in real t exactly when A^2 + B^2 >= C^2 and not A = B = 0 != C.  With D = sqrt(A^2 +
     B^2 - C^2) the two solutions, branch = +1 and -1, are t = atan2(B, A) + branch atan2(D, C);
@@ -254,6 +255,33 @@ def dihedral_fold_form(
     raise ValueError(f"unknown must be 'first' or 'last', not {unknown!r}")
 
 
+def dihedral_inner_form(
+    n: Any,
+    azimuths: Sequence[Any],
+    folds: Sequence[Any],
+    first: Any,
+    last: Any,
+    unknown: int,
+) -> TrigEquation:
+    """D_n with fold angles only, solved for the inner crease number `unknown` (0 is crease 2).
+
+    Here t is the WHOLE fold angle phi of that crease.  first, last: phi_1 and phi_k, or pairs
+    (cos phi/2, sin phi/2); 0 for a mirror that runs through a facet.  With a = P^-1 n_1 and
+    w = S n_k, the wedge being P Q(b, phi) S, the condition a . Q(b, phi) w = n_1 . n_k reads
+    (a.w - (a.b)(w.b)) cos phi + a.(b x w) sin phi = n_1.n_k - (a.b)(w.b).
+    """
+    mirror = as_mirror(n)
+    nk = last_normal(mirror)
+    b = planar(as_direction(azimuths[unknown]))
+    before = inner_product(azimuths[:unknown], folds[:unknown])
+    after = inner_product(azimuths[unknown + 1 :], folds[unknown + 1 :])
+    (c1, s1), (ck, sk) = as_fold(first), as_fold(last)
+    a = before.inverse.rotate((sp.Integer(0), c1, -s1))
+    w = after.rotate((ck * nk[0], ck * nk[1], -sk))
+    along = dot(a, b) * dot(w, b)
+    return TrigEquation(dot(a, w) - along, dot(a, cross(b, w)), dot(E2, nk) - along)
+
+
 def cyclic_form(
     n: Any, azimuths: Sequence[Any], folds: Sequence[Any], unknown: int = 0
 ) -> TrigEquation:
@@ -278,6 +306,7 @@ __all__ = [
     "cyclic_form",
     "dihedral_fold_form",
     "dihedral_form",
+    "dihedral_inner_form",
     "inner_product",
     "reflection_form",
 ]

@@ -126,6 +126,14 @@ def plain(text: str) -> str:
     return text
 
 
+def _display(tex: str) -> list[str]:
+    r"""Displayed formula: a fenced block, whose backslashes no Markdown reader touches.
+
+    GitHub refuses ``\operatorname``, so operators are set upright by hand.
+    """
+    return ["```math", re.sub(r"\\operatorname\{(\w+)\}", r"\\mathrm{\1}\\,", tex), "```"]
+
+
 def _entry(r: Result, level: str, seconds: bool) -> list[str]:
     v = r.verdict
     lines = [
@@ -136,14 +144,14 @@ def _entry(r: Result, level: str, seconds: bool) -> list[str]:
         "",
         "Printed:",
         "",
-        f"$${r.claim.statement_latex}$$",
+        *_display(r.claim.statement_latex),
         "",
         plain(v.evidence),
         "",
     ]
     if v.corrected_latex is not None:
         state = "proved in the same run" if v.corrected_proved else "NOT proved"
-        lines += [f"Corrected ({state}):", "", f"$${v.corrected_latex}$$", ""]
+        lines += [f"Corrected ({state}):", "", *_display(v.corrected_latex), ""]
     return lines
 
 

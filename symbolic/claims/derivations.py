@@ -14,6 +14,7 @@ from symbolic.derive import (
     cyclic_form,
     dihedral_fold_form,
     dihedral_form,
+    dihedral_inner_form,
     inner_product,
     last_normal,
     reflection_form,
@@ -119,6 +120,37 @@ def _swapped_dihedral(*args: Any) -> TrigEquation:
 def _wrong_sign_dihedral(*args: Any) -> TrigEquation:
     e = dihedral_fold_form(*args)
     return TrigEquation(e.A, e.B, -e.C)
+
+
+def _check_dihedral_inner(statement: Any) -> Verdict:
+    """The same wedge equation, solved for the inner crease; its whole fold angle is the unknown."""
+    first = generic_fold("1")
+    m = inner_product(*_INNER)
+    wedge = about(E1, first.pair) * m * about(planar(_MIRROR.pair), _LAST.pair)
+    nk = last_normal(_MIRROR.pair)
+    truth = dot(E2, wedge.rotate(nk)) - dot(E2, nk)
+    equation = statement(_MIRROR.pair, *_INNER, _double(first.pair), _double(_LAST.pair), 0)
+    return by_identity(
+        [equation.residual(*_double(_F.pair)) - truth],
+        [_MIRROR, _B, _F, first, _LAST],
+        "The rotation about the inner crease is linear in (cos phi, sin phi); with phi_1 = 0 or "
+        "phi_k = 0 the mirror runs through a facet, so wedges without mirror creases are covered.",
+    )
+
+
+def _double(pair: Any) -> Any:
+    """(cos 2a, sin 2a)."""
+    return (pair[0] ** 2 - pair[1] ** 2, 2 * pair[0] * pair[1])
+
+
+def _unshifted_inner(*args: Any) -> TrigEquation:
+    e = dihedral_inner_form(*args)
+    return TrigEquation(e.A, e.B, -e.C)
+
+
+def _mirrored_inner(*args: Any) -> TrigEquation:
+    e = dihedral_inner_form(*args)
+    return TrigEquation(e.A, -e.B, e.C)
 
 
 def _check_elevation_chart(statement: Any) -> Verdict:
@@ -254,6 +286,17 @@ CLAIMS: list[Claim] = [
         r"+B\sin\tfrac{\phi_1}{2}=C",
         _check_dihedral,
         damaged=(_swapped_dihedral, _wrong_sign_dihedral),
+    ),
+    Claim(
+        "derive.dihedral-inner",
+        "derivation, D_n wedge",
+        "Wedge equation for an inner crease",
+        dihedral_inner_form,
+        r"\bigl(\hat a\cdot\hat w-(\hat a\cdot\hat b)(\hat w\cdot\hat b)\bigr)\cos\phi"
+        r"+\hat a\cdot(\hat b\times\hat w)\sin\phi=\hat n_1\cdot\hat n_k"
+        r"-(\hat a\cdot\hat b)(\hat w\cdot\hat b)",
+        _check_dihedral_inner,
+        damaged=(_unshifted_inner, _mirrored_inner),
     ),
     Claim(
         "derive.dihedral-elevation",

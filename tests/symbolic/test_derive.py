@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from symbolic.derive import cyclic_form, dihedral_fold_form, dihedral_form, reflection_form
+from symbolic.derive import (
+    cyclic_form,
+    dihedral_fold_form,
+    dihedral_form,
+    dihedral_inner_form,
+    reflection_form,
+)
 
 POINTS = 10_000
 TOLERANCE = 1e-13
@@ -117,6 +123,40 @@ def test_dihedral_closes_on_the_sheet_of_paper(n, inner, branch):
 
 
 @pytest.mark.parametrize("branch", [1, -1])
+@pytest.mark.parametrize(
+    ("n", "inner", "ends"), [(2, 2, "ff"), (3, 2, "cf"), (3, 3, "ff"), (2, 2, "cc")]
+)
+def test_dihedral_closes_with_mirrors_through_facets(n, inner, ends, branch):
+    """Ends: c for a crease on the mirror, f for a facet (a mirror crease that never folds)."""
+    rng = np.random.default_rng(1000 * n + inner)
+    azimuths, folds = sp.symbols(f"theta_1:{inner + 1}"), sp.symbols(f"phi_1:{inner + 1}")
+    first, last = sp.symbols("first last")
+    unknown = inner - 1
+    equation = dihedral_inner_form(n, azimuths, folds, first, last, unknown)
+    f = sp.lambdify(
+        [*azimuths, *folds[:-1], first, last], [equation.discriminant, equation.solution(branch)]
+    )
+    done = 0
+    while done < POINTS:
+        theta = np.sort(rng.uniform(0, PI / n, (inner, POINTS)), axis=0)
+        phi = rng.uniform(-2 * PI, 2 * PI, (inner - 1, POINTS))
+        mirror = [rng.uniform(-PI, PI, POINTS) * (end == "c") for end in ends]
+        with np.errstate(invalid="ignore"):
+            disc, solved = f(*theta, *phi, *mirror)
+        ok = disc >= 0
+        edge = np.full(ok.sum(), PI / n)
+        a, p = dihedral_vertex(
+            n,
+            [np.zeros_like(edge), *theta[:, ok], edge],
+            [mirror[0][ok], *phi[:, ok], solved[ok], mirror[1][ok]],
+        )
+        w, vector = quaternion_product(a, p)
+        assert np.abs(vector).max() < TOLERANCE
+        assert w.min() > 0
+        done += int(ok.sum())
+
+
+@pytest.mark.parametrize("branch", [1, -1])
 @pytest.mark.parametrize(("n", "period", "unknown"), [(2, 3, 0), (3, 2, 1), (4, 3, 2)])
 def test_cyclic_closes(n, period, unknown, branch):
     rng = np.random.default_rng(100 * n + period)
@@ -137,7 +177,6 @@ def test_cyclic_closes(n, period, unknown, branch):
         p.insert(unknown, 2 * half[ok])
         a = [x + 2 * PI / n * j for j in range(n) for x in theta[:, ok]]
         w, vector = quaternion_product(a, p * n)
-        # T^n is evaluated n times: the rounding of cos(pi/n) enters through 1/sin(pi/n)
         assert np.abs(vector).max() < TOLERANCE
         assert w.min() > 0
         done += int(ok.sum())
