@@ -69,7 +69,8 @@ def _check_criticality(statement: tuple[str, str]) -> Verdict:
         "symmetry of the creases takes the same value on v and on its average over the group, "
         "which is a symmetric tangent (and at a regular state all of those are velocities of "
         "symmetric motions).  The value on averages is an identity in v; tangency and ranks are "
-        "verified exactly at rational states of both vertices.  It holds for contact torques summed over an orbit as well.",
+        "verified exactly at rational states of both vertices.  It holds for contact torques summed "
+        "over an orbit as well.",
         "equivariance and exact linear algebra",
     )
 
