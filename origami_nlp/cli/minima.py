@@ -29,6 +29,9 @@ def minima(
     json: JsonFile = None,
     figure: FigureFile = None,
     max_starts: Annotated[int, typer.Option(help="Cap on random starts.")] = 1000,
+    full: Annotated[
+        bool, typer.Option("--full", help="Also decide each state in the full space.")
+    ] = False,
 ) -> None:
     """Find every stable state of SCENE, classify it, and show it."""
     from rich.console import Console
@@ -44,7 +47,9 @@ def minima(
     check_writable(figure, "--figure")
     console = Console(stderr=json == "-")
     with progress_bar(stated.name or scene) as report:
-        result = find_minima(stated, seed=seed, max_starts=max_starts, progress=report)
+        result = find_minima(
+            stated, seed=seed, max_starts=max_starts, full=full, progress=report
+        )
     print_result(result, console)
     if json:
         write_json(result_to_dict(result), json)

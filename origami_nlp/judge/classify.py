@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.judge.branch import STATIONARY, BranchJudgement, judge_branch
 from origami_nlp.judge.nearby import (
-    STEPS,
+    RADII,
     dimension_nearby,
     is_admissible,
     leads_somewhere,
@@ -176,7 +176,7 @@ def _follow_descent(
             continue
         d = b.direction / np.linalg.norm(b.direction)
         slope = float(model.local(x).gradient @ d) * model.scale
-        for step in (1e-2, *STEPS, 1e-7):
+        for step in (1e-5, 1e-4, 1e-3, 1e-6, 1e-7):
             y, residual = project(model, x + step * d, b.held)
             change = model.energy_change(x, y)
             if (
@@ -200,7 +200,7 @@ def _by_search(
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(model, x, rows)
     noise = 1e-12 * max(model.energy(x), model.scale)
-    where = f"small spheres, radii 1e-1 to {found.radius:g}, {found.admissible} admissible states"
+    where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.admissible} admissible states"
     if found.state is not None and found.lowest < -noise:
         return Classification(
             "not stationary",
@@ -209,7 +209,7 @@ def _by_search(
             found.dimension,
         )
     if found.state is None:
-        reason = "isolated: no admissible neighbour found on small spheres, radii 1e-1 to 1e-3"
+        reason = "isolated: no admissible neighbour found on small spheres"
     else:
         reason = f"{where}, none lower (a search, not a proof)"
     return Classification(

@@ -110,7 +110,7 @@ def _lower_neighbour(
     """Return an admissible state near x with lower energy: along `direction` if that works, else by search."""
     noise = 1e-13 * max(model.energy(x), model.scale)
     if direction is not None:
-        for step in (3e-2, 1e-2, 1e-3):
+        for step in (1e-3, 3e-3, 1e-4):
             for sign in (1.0, -1.0):
                 y, residual = project(model, x + sign * step * direction, ())
                 y = np.clip(y, -model.bound, model.bound)

@@ -7,12 +7,13 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.classify import Classification, ContactForce, Kind, classify
+from origami_nlp.judge.full_space import FullSpace, judge_in_full_space
 from origami_nlp.judge.handles import handle_minima
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.search import Answer, Record, add_state, run_one, run_starts
@@ -40,6 +41,7 @@ class Minimum:
     hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing,
     not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
     loaded contacts closed, per unit length in the space of all N fold angles.
+    full_space: verdict in the full contact-admissible space, where it was asked for.
     """
 
     energy: float
@@ -53,6 +55,7 @@ class Minimum:
     contacts: tuple[ContactForce, ...]
     certificate: str
     hessian_eigenvalues: tuple[float, ...]
+    full_space: FullSpace | None = None
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,7 @@ def find_minima(
     *,
     seed: int = 0,
     max_starts: int = MOST_STARTS,
+    full: bool = False,
     progress: Progress | None = None,
 ) -> MinimaResult:
     """Find and classify every stable state of `scene` that has its symmetry.
@@ -139,6 +143,8 @@ def find_minima(
         Of the random starts; the same seed gives the same answer.
     max_starts
         Cap on random starts, for scenes where the stopping rule asks for more.
+    full
+        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.
     progress
         Called after each start.
 
@@ -200,6 +206,8 @@ def find_minima(
         )
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
+    if full:
+        minima = _in_full_space(scene, minima)
     rejected.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
     report = SearchReport(
         starts=record.starts,
@@ -214,6 +222,15 @@ def find_minima(
         rejected=tuple(rejected),
     )
     return MinimaResult(scene, model, tuple(minima), report)
+
+
+def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
+    """Add the verdict in the full space to each minimum."""
+    states = tuple(np.array(m.fold_angles) for m in minima)
+    return [
+        replace(m, full_space=judge_in_full_space(scene, x, states))
+        for m, x in zip(minima, states, strict=True)
+    ]
 
 
 def _judge_new(

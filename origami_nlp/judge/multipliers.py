@@ -54,41 +54,79 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> 
         clipped = np.where(np.abs(mu) <= 0.1 * tolerance * size, 0.0, mu)
         residual = float(np.abs(b @ np.maximum(mu, 0.0) - c).max())
         return Multipliers(residual, True, clipped, clipped, clipped, clipped[None])
-    # smallest residual in the maximum norm: min s, |B mu - c| <= s
-    rows = np.block([[b, -np.ones((t, 1))], [b, np.ones((t, 1))]])
-    found = minimise(
-        np.r_[np.zeros(r), 1.0],
-        rows,
-        np.r_[np.full(t, -np.inf), c],
-        np.r_[c, np.full(t, np.inf)],
-        np.zeros(r + 1),
-        np.r_[np.full(r, LARGEST), np.inf],
-    )
-    if found is None:
-        return Multipliers(np.inf, False, np.zeros(r), np.zeros(r), np.zeros(r), np.zeros((0, r)))
-    residual = float(np.abs(b @ found[:r] - c).max())
+    # dependent rows: keep the part of the equations that is more than rounding
+    u, singular, _ = np.linalg.svd(b)
+    rank = int((singular > 1e-9).sum())
+    basis = u[:, :rank]
+    missed = float(np.abs(c - basis @ (basis.T @ c)).max())
+    b, c = basis.T @ b, basis.T @ c
+    t = rank
+    found = nonnegative_least_squares(b, c)
+    residual = max(missed, float(np.abs(b @ found - c).max(initial=0.0)))
     slack = max(residual * 1.01, 1e-12 * size)
     low, high = c - slack, c + slack
-    lower, upper, corners = np.zeros(r), np.zeros(r), [found[:r]]
+    lower, upper, corners = np.zeros(r), np.zeros(r), [found]
     for i in range(r):
         unit = np.zeros(r)
         unit[i] = 1.0
         corner = minimise(unit, b, low, high, 0.0, LARGEST)
         if corner is not None:
-            corners.append(corner)
-            lower[i] = corner[i]
+            corners.append(_refined(b, c, corner))
+            lower[i] = corners[-1][i]
         ray = minimise(-unit, b, np.zeros(t), np.zeros(t), 0.0, 1.0)
         if ray is not None and ray[i] > 1e-9:  # a direction in which the set never ends
             upper[i] = np.inf
             continue
         corner = minimise(-unit, b, low, high, 0.0, LARGEST)
         if corner is not None:
-            corners.append(corner)
-            upper[i] = corner[i]
+            corners.append(_refined(b, c, corner))
+            upper[i] = corners[-1][i]
     tiny = tolerance * size
     lower, upper = np.where(lower <= tiny, 0.0, lower), np.where(upper <= tiny, 0.0, upper)
     smallest = minimise(np.zeros(r), b, low, high, 0.0, LARGEST, squares=True)
-    if smallest is None:
-        smallest = np.mean(corners, axis=0)
+    smallest = found if smallest is None else _refined(b, c, smallest)
     vertices = np.vstack([smallest, corners])
     return Multipliers(residual, False, smallest, lower, upper, vertices)
+
+
+def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Minimise |B mu - c| over mu >= 0 to rounding, by the active-set method of Lawson and Hanson (1974).
+
+    A linear programme would only balance the springs to a solver's tolerance, which hides whether a state
+    is stationary.
+    """
+    r = b.shape[1]
+    free = np.zeros(r, dtype=bool)
+    mu = np.zeros(r)
+    tolerance = 1e-14 * max(1.0, float(np.abs(b).max(initial=0)) * float(np.abs(c).max(initial=0)))
+    for _ in range(10 * r + 10):
+        pull = b.T @ (c - b @ mu)
+        pull[free] = -np.inf
+        if r == 0 or free.all() or pull.max() <= tolerance:
+            break
+        free[int(pull.argmax())] = True
+        while True:
+            trial = np.zeros(r)
+            trial[free] = np.linalg.lstsq(b[:, free], c, rcond=1e-12)[0]
+            blocked = free & (trial <= 0)
+            if not blocked.any():
+                mu = trial
+                break
+            share = mu[blocked] / np.maximum(mu[blocked] - trial[blocked], 1e-300)
+            mu = mu + float(share.min()) * (trial - mu)
+            mu[blocked & (mu <= 1e-14)] = 0.0
+            still = free & (mu > 0)
+            if (still == free).all():
+                still[np.flatnonzero(blocked)[int(share.argmin())]] = False
+            free = still
+    return mu
+
+
+def _refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """Take a solver's solution to rounding by a least-squares correction of its positive entries."""
+    support = mu > 1e-8 * max(1.0, float(mu.max()))
+    better = np.where(support, mu, 0.0)
+    for _ in range(2):
+        better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=1e-12)[0]
+    improved = np.abs(b @ better - c).max() < np.abs(b @ mu - c).max()
+    return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)

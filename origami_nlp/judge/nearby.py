@@ -15,8 +15,8 @@ from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, row_values
 from origami_nlp.solve.starts import broken_gap
 
-RADII = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)
-"""Radii [rad] at which small spheres are searched."""
+RADII = (3e-4, 1e-3, 3e-3)
+"""Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
 SAMPLES = 60
 """Directions tried at each radius."""
 
@@ -145,7 +145,7 @@ def _neighbours(
                 continue
             y, residual = project(model, x + radius * d / np.linalg.norm(d), held)
             distance = float(np.linalg.norm(y - x))
-            if residual > 1e-11 or not 0.05 * radius < distance < 5 * radius:
+            if residual > 1e-11 or not 0.05 * radius < distance < 3 * radius:
                 continue
             if is_admissible(model, y):
                 yield y, held, radius

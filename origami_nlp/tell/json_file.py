@@ -11,11 +11,13 @@ import math
 import os
 import sys
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.classify import ContactForce
+from origami_nlp.judge.full_space import FullSpace, LandsOn
 from origami_nlp.judge.minima import MinimaResult, Minimum, Rejected, SearchReport
 from origami_nlp.state.scene_file import scene_from_dict, scene_to_dict
 
@@ -82,7 +84,34 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
         ],
         "certificate": m.certificate,
         "hessian_eigenvalues": list(m.hessian_eigenvalues),
+        **({"full_space": _full_space_to_dict(m.full_space)} if m.full_space else {}),
     }
+
+
+def _full_space_to_dict(f: FullSpace) -> dict[str, Any]:
+    return {
+        **asdict(f),
+        "hessian_eigenvalues": list(f.hessian_eigenvalues),
+        "breaking_eigenvalues": list(f.breaking_eigenvalues),
+        "descent": f.descent
+        and [{"fold_angles": list(angles), "energy": energy} for angles, energy in f.descent],
+        "lands_on": f.lands_on
+        and {**asdict(f.lands_on), "fold_angles": list(f.lands_on.fold_angles)},
+    }
+
+
+def _full_space_from_dict(data: dict[str, Any]) -> FullSpace:
+    lands_on, descent = data["lands_on"], data["descent"]
+    return FullSpace(
+        **{
+            **data,
+            "hessian_eigenvalues": tuple(data["hessian_eigenvalues"]),
+            "breaking_eigenvalues": tuple(data["breaking_eigenvalues"]),
+            "descent": descent and tuple((tuple(d["fold_angles"]), d["energy"]) for d in descent),
+            "lands_on": lands_on
+            and LandsOn(**{**lands_on, "fold_angles": tuple(lands_on["fold_angles"])}),
+        }
+    )
 
 
 def result_from_dict(data: dict[str, Any]) -> MinimaResult:
@@ -128,6 +157,7 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
                 contacts,
                 m["certificate"],
                 tuple(m["hessian_eigenvalues"]),
+                _full_space_from_dict(m["full_space"]) if "full_space" in m else None,
             )
         )
     return MinimaResult(

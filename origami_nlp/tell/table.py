@@ -14,6 +14,7 @@ from rich.text import Text
 
 if TYPE_CHECKING:
     from origami_nlp.judge.classify import ContactForce
+    from origami_nlp.judge.full_space import FullSpace
     from origami_nlp.judge.minima import MinimaResult
 
 KIND_STYLE = {
@@ -74,6 +75,20 @@ def state_lines(result: MinimaResult) -> list[str]:
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")
+        if m.full_space:
+            lines += [f"   {words}" for words in full_space_lines(m.full_space)]
+    return lines
+
+
+def full_space_lines(f: FullSpace) -> list[str]:
+    """Say what becomes of a state when its symmetry may break."""
+    lines = [f"full space: {f.verdict}: {f.certificate}"]
+    if f.unstable_mode:
+        lines.append(f"the descent {f.unstable_mode}")
+    if f.lands_on:
+        name = f"state #{f.lands_on.symmetric}" if f.lands_on.symmetric else "an asymmetric state"
+        angles = " ".join(f"{a:.2f}" for a in np.degrees(f.lands_on.fold_angles) + 0.0)
+        lines.append(f"it lands on {name} at {f.lands_on.energy:.6g} J, {f.lands_on.kind}: {angles} deg")
     return lines
 
 

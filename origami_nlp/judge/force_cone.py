@@ -1,0 +1,47 @@
+"""The cone of forces that a set of contacts can exert, and how deep inside it a pull lies."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+TOLERANCE = 1e-9
+"""Singular values and components below this, for unit generators, count as zero."""
+
+
+def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Find the distance of c from the boundary of cone(b) = {b mu: mu >= 0} within its span.
+
+    The cone is bounded by planes through its generators; each is found by enumeration (contacts are few).
+
+    Parameters
+    ----------
+    b, c
+        Generators [t, r] (contact gradients in the tangent space) and a point of the cone [t].
+
+    Returns
+    -------
+    distance, direction
+        c - distance * direction lies on the boundary, direction a unit vector [t]; or None where the cone is
+        a linear space and has no boundary: the contacts lock one another.
+    """
+    length = np.linalg.norm(b, axis=0)
+    g = b[:, length > TOLERANCE] / length[length > TOLERANCE]
+    u, s, _ = np.linalg.svd(g, full_matrices=False)
+    rank = int((s > TOLERANCE).sum())
+    if rank == 0:
+        return None
+    span = u[:, :rank]
+    g, p = span.T @ g, span.T @ c
+    best: tuple[float, np.ndarray] | None = None
+    for chosen in itertools.combinations(range(g.shape[1]), rank - 1):
+        wall = g[:, list(chosen)]
+        _, s, vt = np.linalg.svd(wall.T) if rank > 1 else (None, np.zeros(0), np.eye(1))
+        if (s > TOLERANCE).sum() < rank - 1:
+            continue
+        inward = vt[-1]
+        for w in (inward, -inward):
+            if (w @ g >= -TOLERANCE).all() and (best is None or w @ p < best[0]):
+                best = (float(w @ p), span @ w)
+    return best
