@@ -11,7 +11,9 @@ import typer
 from origami_nlp.errors import OptionError
 from origami_nlp.state.scene_file import read_scene
 
-SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")]
+SceneFile = Annotated[
+    str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
+]
 Seed = Annotated[int, typer.Option(help="Seed of the random starts.")]
 JsonFile = Annotated[
     str | None, typer.Option("--json", metavar="FILE", help="Write JSON to FILE, or - for stdout.")
@@ -39,7 +41,8 @@ def minima(
     check_figure(figure)
     stated = read_scene(scene)
     from origami_nlp.judge.minima import check_options, find_minima
-    from origami_nlp.tell.json_file import check_writable, result_to_dict, write_json
+    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.json_file import result_to_dict, write_json
     from origami_nlp.tell.table import print_result
 
     check_options(seed, max_starts)
@@ -47,9 +50,7 @@ def minima(
     check_writable(figure, "--figure")
     console = Console(stderr=json == "-")
     with progress_bar(stated.name or scene) as report:
-        result = find_minima(
-            stated, seed=seed, max_starts=max_starts, full=full, progress=report
-        )
+        result = find_minima(stated, seed=seed, max_starts=max_starts, full=full, progress=report)
     print_result(result, console)
     if json:
         write_json(result_to_dict(result), json)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-
-from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -35,11 +32,12 @@ def verify(
     """
     from rich.console import Console
 
+    from origami_nlp.tell.files import check_writable, write_whole
     from symbolic import report
     from symbolic.catalogue import claim_by_id, claims
 
     for option, path in (("--json", json), ("--markdown", markdown), ("--latex", latex)):
-        _check_writable(option, path)
+        check_writable(path, option)
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     console = Console()
     if not console.is_terminal:
@@ -52,23 +50,9 @@ def verify(
         (latex, report.as_latex),
     ):
         if path is not None:
-            path.write_text(text(results), encoding="utf-8")
+            write_whole(path, text(results).encode("utf-8"))
     if not all(r.verdict.decided for r in results):
         raise typer.Exit(1)
-
-
-def _check_writable(option: str, path: Path | None) -> None:
-    """Refuse a file that cannot be written before any work is done."""
-    if path is None:
-        return
-    folder = path.parent
-    if path.is_dir():
-        raise OptionError(f"{option}: {path} is a directory; give a file name")
-    if not folder.is_dir():
-        raise OptionError(f"{option}: the directory {folder} does not exist; create it first")
-    target = path if path.exists() else folder
-    if not os.access(target, os.W_OK):
-        raise OptionError(f"{option}: no permission to write {path}; choose another place")
 
 
 def _run(chosen: Sequence[Claim], console: Console) -> list[Result]:

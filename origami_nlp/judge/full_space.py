@@ -1,8 +1,9 @@
 """Is a state that is stable within its symmetry stable in the full contact-admissible space?
 
-The state is classified anew in the model without symmetry, with the certificates of `judge.branch`.  A state that is no
-minimum there gets a descent that anyone can replay: states that close, are admissible, have strictly falling
-energy, and end at a lower stable state.
+The state is classified anew in the model without symmetry, with the certificates of `judge.branch`.
+A state that is no
+minimum there gets a descent that anyone can replay: states that close, are admissible, have
+strictly falling energy, and end at a lower stable state.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ FullVerdict = Literal["stable", "unstable", "undecided"]
 class LandsOn:
     """The stable state at the end of a descent.
 
-    fold_angles, energy, kind, certificate: of that state.  symmetric: number (1-based) of the symmetric minimum that it
-    is, or None for a state that breaks the symmetry.
+    fold_angles, energy, kind, certificate: of that state.  symmetric: number (1-based) of the
+    symmetric minimum that it is, or None for a state that breaks the symmetry.
     """
 
     fold_angles: tuple[float, ...]
@@ -45,8 +46,9 @@ class FullSpace:
 
     verdict: ``stable``, ``unstable`` or ``undecided``.  certificate: why, in words.
     kind, local_dimension: as in `judge.minima.Minimum`, in the full space (stable states only).
-    hessian_eigenvalues: of the Hessian of the Lagrangian on the closed states' tangent space [N m/rad]; empty where closure
-    loses rank.  breaking_eigenvalues: of its block on perturbations that break the symmetry.
+    hessian_eigenvalues: of the Hessian of the Lagrangian on the closed states' tangent space [N
+    m/rad]; empty where closure loses rank.  breaking_eigenvalues: of its block on perturbations
+    that break the symmetry.
     unstable_mode: what symmetry the first step of the descent keeps.
     descent: states and energies, or None.  lands_on: where it ends, or None.
     """
@@ -179,11 +181,12 @@ def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = 1e-6) 
 def hessian_spectra(
     model: Model, scene: Scene, x: np.ndarray
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking block.
+    """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
+    block.
 
-    The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent space of closure; the block
-    lives on its part orthogonal to symmetric perturbations (paper, appendix A).  Both empty where closure
-    loses rank or no multipliers balance the springs.
+    The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent
+    space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
+    appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
     """
     local = model.local(x)
     jac = local.closure_jacobian

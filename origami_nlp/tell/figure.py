@@ -6,6 +6,7 @@ a crowded one.  Uses matplotlib's object interface only: no global state, any ba
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import textwrap
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 
 from origami_nlp.errors import OptionError
 from origami_nlp.tell.drawing import draw_state
+from origami_nlp.tell.files import write_whole
 from origami_nlp.tell.landscape import Landscape, landscape
 from origami_nlp.tell.landscape_axes import (
     UNIT,
@@ -87,7 +89,9 @@ def draw_minima(
                 f"figure = {os.fspath(path)!r} must end in a picture format: "
                 + ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
             )
-        figure.savefig(path, format=ending)
+        content = io.BytesIO()
+        figure.savefig(content, format=ending)
+        write_whole(path, content.getvalue())
     return figure
 
 

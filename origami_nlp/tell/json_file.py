@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -20,6 +18,7 @@ from origami_nlp.judge.classify import ContactForce
 from origami_nlp.judge.full_space import FullSpace, LandsOn
 from origami_nlp.judge.minima import MinimaResult, Minimum, Rejected, SearchReport
 from origami_nlp.state.scene_file import scene_from_dict, scene_to_dict
+from origami_nlp.tell.files import write_whole
 
 SCHEMA = "origami-nlp/minima/1"
 
@@ -172,40 +171,6 @@ def write_json(data: Any, target: str | Path) -> None:
         sys.stdout.write(text)
         return
     write_whole(target, text.encode())
-
-
-def write_whole(target: str | Path, content: bytes) -> None:
-    """Write a file by way of a temporary one beside it, so that no reader sees half of it."""
-    check_writable(target, "file")
-    path = Path(target)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def check_writable(target: str | Path | None, option: str) -> None:
-    """Complain early, before long work, about a file that could not be written.
-
-    Raises
-    ------
-    OptionError
-        If the folder does not exist or the target is a folder.
-    """
-    if target is None or str(target) == "-":
-        return
-    path = Path(target)
-    if path.is_dir():
-        raise OptionError(f"{option} = {str(target)!r} is a folder: give a file name")
-    if not path.parent.is_dir():
-        raise OptionError(f"{option} = {str(target)!r}: folder {str(path.parent)!r} does not exist")
-    if not os.access(path.parent, os.W_OK):
-        raise OptionError(f"{option} = {str(target)!r}: folder {str(path.parent)!r} is read-only")
 
 
 def _finite(value: float) -> float | None:

@@ -59,7 +59,7 @@ def test_reports_are_written(tmp_path):
     [
         (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
         (["--json", "no/such/folder/x.json"], ["--json", "does not exist"]),
-        (["--markdown", "."], ["--markdown", "directory"]),
+        (["--markdown", "."], ["--markdown", "folder"]),
     ],
 )
 def test_bad_options_end_with_one_line_and_code_2(args, words):
@@ -72,7 +72,7 @@ def test_bad_options_end_with_one_line_and_code_2(args, words):
 
 def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
     command = importlib.import_module("origami_nlp.cli.verify")
-    monkeypatch.setattr(command.os, "access", lambda *_: False)
+    monkeypatch.setattr("os.access", lambda *_: False)
     monkeypatch.setattr(catalogue, "decide_all", lambda *_: pytest.fail("the work has begun"))
     with pytest.raises(OptionError, match="no permission"):
         command.verify(json=tmp_path / "x.json")
