@@ -19,28 +19,39 @@ rigidity (paper, introduction: Dorn, Li, Pellegrino): below it the contacts stay
 
 from __future__ import annotations
 
-import copy
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from origami_nlp.judge.branch import judge_branch, null_space
+from origami_nlp.judge.follow import follow
 from origami_nlp.judge.force_cone import distance_to_boundary
+from origami_nlp.judge.loads import (
+    Sensitivity,
+    loaded_model,
+    moments_of,
+    row_name,
+    row_weight,
+    sensitivity,
+)
 from origami_nlp.judge.multipliers import Multipliers, find_multipliers
-from origami_nlp.judge.nearby import is_admissible
+from origami_nlp.judge.nearby import is_admissible, project
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import CLOSED, Row, closed_contacts, gap_weights, row_values
-from origami_nlp.solve.polish import newton
+from origami_nlp.solve.active import CLOSED, Row, closed_contacts, row_values
+from origami_nlp.solve.polish import newton, polish
 from origami_nlp.solve.search import Record, solve_without_crossing
-from origami_nlp.solve.polish import polish
 
 CARRIES = 1e-10
 """Multipliers (energy divided by the mean stiffness) up to this carry nothing."""
 BESIDE = 1e-3
 """The re-solves of a check use the critical load times 1 -+ this."""
 MOST_REFINEMENTS = 60
+FARTHEST = 0.2
+"""A re-solved state farther than this [rad] from where it was expected has jumped to another basin."""
+AJAR = 1e-4
+"""Opening [rad] of the contact in the states that checks start from."""
 
 Status = Literal["exact", "zero", "unbounded", "bound", "none"]
 Ending = Literal["opens", "closes", "softens", "cap", "lost"]
@@ -48,14 +59,17 @@ Ending = Literal["opens", "closes", "softens", "cap", "lost"]
 
 @dataclass(frozen=True)
 class Check:
-    """One re-solve with a load, by IPOPT and polish, knowing nothing of the prediction.
+    """One re-solve with a load, from a state with the contact slightly open.
 
-    factor: of the critical load.  gap: opening of the contact in question [rad].  multiplier: what it
-    carries [N m per rad, at each single contact].  moved: distance of the state from the
-    unloaded one [rad, 2-norm over all creases].  closed: whether the contact is closed there.
+    factor: of the critical load.  by: ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because
+    the loaded state is shallow, ``descent`` (`judge.follow`, which cannot jump).  gap: opening of
+    the contact in question [rad].  multiplier: what it carries [N m per rad, at each single
+    contact].  moved: distance of the state from the unloaded one [rad, 2-norm over all creases].
+    closed: whether the contact is closed there.
     """
 
     factor: float
+    by: Literal["IPOPT", "descent"]
     gap: float
     multiplier: float
     moved: float
@@ -129,78 +143,6 @@ class LoadMargin:
     reason: str
 
 
-@dataclass(frozen=True)
-class Sensitivity:
-    """First-order behaviour of a pinned state, in the metric of all N fold angles and scaled energy.
-
-    multipliers: of the rows, [r].  response: D = d multipliers / d load, [r, n].
-    motion: d state / d load, [n, n].  stiffness: smallest eigenvalue of the Hessian on the contact-preserving
-    space, inf if that is a point.
-    """
-
-    multipliers: np.ndarray
-    response: np.ndarray
-    motion: np.ndarray
-    stiffness: float
-
-
-def row_name(model: Model, row: Row) -> str:
-    """Say which contact a row is."""
-    if row.kind == "gap":
-        return model.gap_name(model.structure.gaps[row.index])
-    creases = model.creases_of(row.index)
-    sign = "+" if row.side > 0 else "-"
-    return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
-
-
-def row_weight(model: Model, row: Row) -> int:
-    """Return how many single contacts of the vertex one row stands for."""
-    if row.kind == "gap":
-        return model.structure.gaps[row.index].weight
-    return int(model.multiplicity[row.index])
-
-
-def loaded_model(model: Model, load: np.ndarray) -> Model:
-    """Return the model with energy U - m . phi, for `load` [n] in the metric of all N fold angles, scaled.
-
-    The load moves the rest angles by m_i / k_i, so energies of the two models differ by a constant.
-    """
-    n = model.size
-    loaded = copy.copy(model)
-    loaded.parameters = model.parameters.copy()
-    loaded.parameters[-n:] += np.sqrt(model.multiplicity) * load / model.parameters[-2 * n : -n]
-    return loaded
-
-
-def moments_of(model: Model, load: np.ndarray) -> np.ndarray:
-    """Return the moment [N m] on each of the N creases of a load in the metric, [n] -> [N]."""
-    return model.expand(model.scale * load / np.sqrt(model.multiplicity))
-
-
-def load_of(model: Model, moments: np.ndarray) -> np.ndarray:
-    """Return the load in the metric of symmetric `moments` [N m], [N] -> [n]; inverse of `moments_of`."""
-    return model.reduce(moments) * np.sqrt(model.multiplicity) / model.scale
-
-
-def sensitivity(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> Sensitivity:
-    """Differentiate the KKT system of the state x [n] with `rows` held (independent gradients)."""
-    root = np.sqrt(model.multiplicity)
-    local = model.local(x)
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
-    jac = np.vstack([local.closure_jacobian, a]) / root
-    multipliers = np.linalg.lstsq(jac.T, local.gradient / root, rcond=None)[0]
-    m, n = len(local.closure), model.size
-    hessian = model.hessian(x, -multipliers[:m], -gap_weights(model, rows, multipliers[m:]))
-    hessian = hessian / np.outer(root, root)
-    count = len(jac)
-    system = np.block([[hessian, -jac.T], [jac, np.zeros((count, count))]])
-    right = np.vstack([np.eye(n), np.zeros((count, n))])
-    solution = np.linalg.lstsq(system, right, rcond=1e-14)[0]
-    z = null_space(jac)
-    least = float(np.linalg.eigvalsh(z.T @ hessian @ z)[0]) if z.shape[1] else math.inf
-    return Sensitivity(multipliers[m:], solution[n + m :], solution[:n], least)
-
-
 def load_margin(model: Model, x: np.ndarray, *, check: bool = True) -> LoadMargin:
     """Find the load margin of a minimum x [n] of `model`.
 
@@ -225,14 +167,28 @@ def load_margin(model: Model, x: np.ndarray, *, check: bool = True) -> LoadMargi
         z = null_space(local.closure_jacobian / root)
         _, a = row_values(model, x, b.rows, local.gaps, local.gaps_jacobian)
         return _dependent(model, x, b.rows, a / root @ z, z, local.gradient / root, check)
-    if len(judged) > 1:
-        return _nothing(model, "none", f"{len(judged)} pieces of the feasible set meet at the state")
-    rows, mu = judged[0].rows, judged[0].multipliers.smallest
-    weak = [row for row, value in zip(rows, mu, strict=True) if value <= CARRIES]
+    weak = {
+        row: None
+        for b in judged
+        for row, value in zip(b.rows, b.multipliers.smallest, strict=True)
+        if value <= CARRIES
+    }
     if weak:
         words = "; ".join(row_name(model, row) for row in weak)
         return _nothing(model, "zero", "closed but carrying nothing: any load may open it", words)
-    return _regular(model, x, rows, check)
+    # where pieces of the feasible set meet, the state must stay a minimum on each of them
+    pieces = [_regular(model, x, b.rows, check) for b in judged]
+    least = min(pieces, key=lambda margin: margin.norm)
+    creases = tuple(_smaller([p.creases[v] for p in pieces]) for v in range(model.size))
+    return replace(least, creases=creases)
+
+
+def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
+    """Combine the margins of one orbit over pieces of the feasible set."""
+    up = min(margins, key=lambda m: m.positive)
+    down = min(margins, key=lambda m: m.negative)
+    first = (min(m.first_order[0] for m in margins), min(m.first_order[1] for m in margins))
+    return CreaseMargin(up.creases, up.positive, down.negative, first, (up.ends[0], down.ends[1]))
 
 
 def _nothing(model: Model, status: Status, reason: str, opens: str = "") -> LoadMargin:
@@ -251,20 +207,21 @@ def _regular(model: Model, x: np.ndarray, rows: tuple[Row, ...], check: bool) ->
     first = sensitivity(model, x, rows)
     sizes = np.linalg.norm(first.response, axis=1)
     margins = first.multipliers / np.maximum(sizes, 1e-300)
-    best: tuple[float, np.ndarray, int, Ending] | None = None
+    best: tuple[float, np.ndarray, _Event] | None = None
     for i in range(len(rows)):
         direction = _refine(model, x, rows, i, first)
-        tau, ending, row = _critical(model, x, rows, direction, 4 * float(margins[i]))
-        if best is None or tau < best[0]:
-            best = (tau, tau * direction, i if row is None else row, ending)
+        event = _critical(model, x, rows, direction, 4 * float(margins[i]))
+        if best is None or event.load < best[0]:
+            best = (event.load, event.load * direction, event)
     assert best is not None
-    _, load, i, ending = best
+    _, load, event = best
+    ending, i = event.ending, event.row
     cap = _cap(model)
     creases = tuple(_orbit(model, x, rows, v, first, cap) for v in range(model.size))
     below = above = None
     if check and ending == "opens":
-        below = _resolve(model, x, rows[i], load, 1 - BESIDE)
-        above = _resolve(model, x, rows[i], load, 1 + BESIDE)
+        below = _resolve(model, x, event.state, rows, i, (1 - BESIDE) * load, 1 - BESIDE)
+        above = _resolve(model, x, event.state, rows, i, (1 + BESIDE) * load, 1 + BESIDE)
     checked = (
         below is not None
         and above is not None
@@ -314,44 +271,58 @@ def _refine(
     return start / np.linalg.norm(start)
 
 
+@dataclass(frozen=True)
+class _Event:
+    """First event along a load path: load (scaled), what happens, to which row, and the state there."""
+
+    load: float
+    ending: Ending
+    row: int
+    state: np.ndarray
+
+
 def _critical(
     model: Model, x: np.ndarray, rows: tuple[Row, ...], direction: np.ndarray, cap: float
-) -> tuple[float, Ending, int | None]:
-    """Follow the state under tau * direction from tau = 0 with `rows` held.
+) -> _Event:
+    """Follow the state under tau * direction from tau = 0 with `rows` held, to the first event.
 
-    Returns the load tau (scaled) at the first event, bisected to 1e-10 relative, what it is, and the
-    row that opens.
+    The load is bisected to 1e-10 relative.
     """
-    stiff = 1e-12 * (1 + abs(sensitivity(model, x, rows).stiffness))
+    unloaded = sensitivity(model, x, rows).stiffness
 
-    def state(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int | None] | None:
+    def look(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int] | None:
         loaded = loaded_model(model, tau * direction)
         solved, mu = newton(loaded, near, rows)
-        if solved is None or not solved.converged:
+        if solved is None or not solved.converged or np.linalg.norm(solved.x - near) > FARTHEST:
             return None
         if mu.min() < 0:
             return solved.x, "opens", int(mu.argmin())
-        if sensitivity(loaded, solved.x, rows).stiffness <= stiff:
-            return solved.x, "softens", None
-        return solved.x, None if is_admissible(model, solved.x) else "closes", None
+        if sensitivity(loaded, solved.x, rows).stiffness <= 0:
+            return solved.x, "softens", 0
+        return solved.x, None if is_admissible(model, solved.x) else "closes", 0
 
     low, near, step = 0.0, x, cap / 32
-    event: tuple[Ending, int | None] = ("lost", None)
+    ending: Ending = "lost"
+    row = 0
     while True:
         high = min(low + step, cap)
-        found = state(high, near)
-        far = found is not None and np.linalg.norm(found[0] - near) > 0.2
-        if found is not None and found[1] is None and not far:
+        found = look(high, near)
+        if found is not None and found[1] is None:
             low, near = high, found[0]
             if low >= cap:
-                return cap, "cap", None
+                return _Event(cap, "cap", 0, near)
             step *= 1.5
             continue
-        if found is not None and found[1] is not None and not far:
-            event = (found[1], found[2])
+        if found is not None and found[1] is not None:
+            ending, row = found[1], found[2]
         step /= 2
-        if step <= 1e-10 * max(high, 1e-12):
-            return high, *event
+        if step <= 1e-10 * high:
+            break
+    if ending == "lost":
+        # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
+        left = sensitivity(loaded_model(model, low * direction), near, rows).stiffness
+        ending = "softens" if left <= 1e-2 * unloaded else "lost"
+    return _Event(high, ending, row, near)
 
 
 def _orbit(
@@ -366,28 +337,49 @@ def _orbit(
         slope = first.response @ direction
         falls = slope < -1e-14
         predicted = np.min(-first.multipliers[falls] / slope[falls]) if falls.any() else math.inf
-        tau, ending, _ = _critical(model, x, rows, direction, cap / model.scale)
-        values.append(math.inf if ending == "cap" else float(model.scale * tau / root))
+        event = _critical(model, x, rows, direction, cap / model.scale)
+        tau = math.inf if event.ending == "cap" else event.load
+        values.append(float(model.scale * tau / root))
         linear.append(float(model.scale * predicted / root))
-        ends.append(ending)
+        ends.append(event.ending)
     return CreaseMargin(
         model.creases_of(v), values[0], values[1], (linear[0], linear[1]), (ends[0], ends[1])
     )
 
 
-def _resolve(model: Model, x: np.ndarray, row: Row, load: np.ndarray, factor: float) -> Check:
-    """Solve the loaded scene anew from x by IPOPT and polish; look at the contact `row`."""
-    loaded = loaded_model(model, factor * load)
-    answer = polish(loaded, solve_without_crossing(loaded, x, Record()))
-    local = loaded.local(answer.x)
-    gap = float(row_values(loaded, answer.x, (row,), local.gaps, local.gaps_jacobian)[0][0])
+def _resolve(
+    model: Model,
+    x: np.ndarray,
+    near: np.ndarray,
+    rows: tuple[Row, ...],
+    i: int,
+    load: np.ndarray,
+    factor: float,
+) -> Check:
+    """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
+    loaded = loaded_model(model, load)
+    local = model.local(near)
+    _, a = row_values(model, near, rows, local.gaps, local.gaps_jacobian)
+    jac = np.vstack([local.closure_jacobian, a])
+    wanted = np.zeros(len(jac))
+    wanted[len(local.closure) + i] = AJAR
+    start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
+    start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
+    by: Literal["IPOPT", "descent"] = "IPOPT"
+    answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
+    y, active = answer.x, answer.rows
+    if np.linalg.norm(y - near) > FARTHEST and is_admissible(model, start):
+        by, y = "descent", follow(loaded, start).end
+        active = rows
+    at = loaded.local(y)
+    values, _ = row_values(loaded, y, rows, at.gaps, at.gaps_jacobian)
+    gap = abs(float(values[i]))  # on another piece of the feasible set it opens to the other side
     multiplier = 0.0
-    if row in answer.rows:
-        position = answer.rows.index(row)
-        mu = sensitivity(loaded, answer.x, answer.rows).multipliers[position]
-        multiplier = float(model.scale * mu / row_weight(model, row))
-    moved = float(np.linalg.norm(np.sqrt(model.multiplicity) * (answer.x - x)))
-    return Check(factor, gap, multiplier, moved, gap <= CLOSED)
+    if gap <= CLOSED and rows[i] in active:
+        mu = sensitivity(loaded, y, active).multipliers[active.index(rows[i])]
+        multiplier = float(model.scale * mu / row_weight(model, rows[i]))
+    moved = float(np.linalg.norm(np.sqrt(model.multiplicity) * (y - x)))
+    return Check(factor, by, gap, multiplier, moved, gap <= CLOSED)
 
 
 def _dependent(
