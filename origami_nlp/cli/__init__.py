@@ -11,6 +11,7 @@ from origami_nlp.cli.example import example
 from origami_nlp.cli.grid import grid
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
+from origami_nlp.cli.panels import panels
 from origami_nlp.cli.verify import verify
 from origami_nlp.errors import OrigamiError
 
@@ -20,7 +21,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, model, example, grid, verify):
+for command in (demo, minima, model, example, grid, panels, verify):
     app.command(command.__name__)(command)
 
 

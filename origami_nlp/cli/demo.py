@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from origami_nlp.errors import OptionError
 from origami_nlp.state import examples
+
+if TYPE_CHECKING:
+    from origami_nlp.judge.minima import MinimaResult
+
+
+def search_panels(seed: int, full: bool = False) -> list[MinimaResult]:
+    """Find the minima of all 18 panels of the paper's two landscape figures, with a progress bar each."""
+    from origami_nlp.cli.minima import progress_bar
+    from origami_nlp.judge.minima import check_options, find_minima
+
+    check_options(seed, 1)
+    results = []
+    for scene in examples.panels():
+        with progress_bar(scene.name or "") as report:
+            results.append(find_minima(scene, seed=seed, full=full, progress=report))
+    return results
 
 
 def demo(
@@ -18,21 +34,16 @@ def demo(
     """Find all symmetric stable states of the paper's degree-6 and degree-8 vertices."""
     from rich.console import Console
 
-    from origami_nlp.cli.minima import progress_bar
-    from origami_nlp.judge.minima import find_minima
     from origami_nlp.tell.figure import draw_minima
     from origami_nlp.tell.json_file import result_to_dict, write_json
-    from origami_nlp.tell.table import print_result, summary_table
+    from origami_nlp.tell.table import SUMMARY_HEADS, print_result, rows_table, summary_row
 
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OptionError(f"--out = {str(out)!r}: {error.strerror}") from None
     console = Console()
-    results = []
-    for scene in examples.panels():
-        with progress_bar(scene.name or "") as report:
-            results.append(find_minima(scene, seed=seed, progress=report))
+    results = search_panels(seed)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
@@ -41,7 +52,7 @@ def demo(
         print_result(result, console)
         console.print()
     title = f"all panels of the paper, {sum(r.search.seconds for r in results):.1f} s in total"
-    console.print(summary_table(results, title))
+    console.print(rows_table(SUMMARY_HEADS, [summary_row(r) for r in results], title))
     write_json([result_to_dict(r) for r in results], out / "minima.json")
     for name, result in zip(("degree6", "degree8"), shown, strict=True):
         draw_minima(result, out / f"{name}.png")

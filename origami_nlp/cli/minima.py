@@ -82,7 +82,10 @@ def progress_bar(title: str):  # type: ignore[no-untyped-def]
         TextColumn("expected undiscovered {task.fields[missing]}"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
         task = bar.add_task(title, total=None, found=0, missing="-")
 
         def report(starts: int, found: int, missing: float) -> None:

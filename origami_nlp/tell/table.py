@@ -88,7 +88,9 @@ def full_space_lines(f: FullSpace) -> list[str]:
     if f.lands_on:
         name = f"state #{f.lands_on.symmetric}" if f.lands_on.symmetric else "an asymmetric state"
         angles = " ".join(f"{a:.2f}" for a in np.degrees(f.lands_on.fold_angles) + 0.0)
-        lines.append(f"it lands on {name} at {f.lands_on.energy:.6g} J, {f.lands_on.kind}: {angles} deg")
+        lines.append(
+            f"it lands on {name} at {f.lands_on.energy:.6g} J, {f.lands_on.kind}: {angles} deg"
+        )
     return lines
 
 
@@ -133,29 +135,81 @@ def as_text(result: MinimaResult) -> str:
     return console.file.getvalue().rstrip()
 
 
-def summary_table(results: Sequence[MinimaResult], title: str) -> Table:
-    """Return one row a scene: counts by kind, starts, worst residuals and seconds."""
-    table = Table(title=title, title_justify="left")
-    table.add_column("scene")
-    for head in ("minima", "interior", "pinned", "touching", "degenerate", "handles"):
-        table.add_column(head, justify="right")
-    for head in ("starts", "failed", "closure", "KKT", "seconds"):
-        table.add_column(head, justify="right")
-    for r in results:
-        kinds = [m.kind for m in r.minima]
-        failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
-        table.add_row(
-            r.scene.name or repr(r.scene.vertex),
-            str(len(kinds)),
-            *(
-                str(kinds.count(k))
-                for k in ("interior", "contact-pinned", "contact-touching", "degenerate")
-            ),
-            str(sum(m.local_dimension < r.model.freedom for m in r.minima)),
-            str(r.search.starts),
-            str(failed),
-            f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
-            f"{max((m.kkt_residual for m in r.minima), default=0):.0e}",
-            f"{r.search.seconds:.2f}",
-        )
+SUMMARY_HEADS = (
+    "scene",
+    "minima",
+    "interior",
+    "pinned",
+    "touching",
+    "degenerate",
+    "handles",
+    "starts",
+    "failed",
+    "closure",
+    "KKT",
+    "seconds",
+)
+FULL_HEADS = (
+    "scene",
+    "symmetric minima",
+    "stable",
+    "unstable",
+    "undecided",
+    "how each was decided",
+)
+
+
+def summary_row(r: MinimaResult) -> tuple[str, ...]:
+    """Return one scene's counts by kind, starts, failed solves, worst residuals and seconds."""
+    kinds = [m.kind for m in r.minima]
+    failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
+    return (
+        r.scene.name or repr(r.scene.vertex),
+        str(len(kinds)),
+        *(
+            str(kinds.count(k))
+            for k in ("interior", "contact-pinned", "contact-touching", "degenerate")
+        ),
+        str(sum(m.local_dimension < r.model.freedom for m in r.minima)),
+        str(r.search.starts),
+        str(failed),
+        f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
+        f"{max((m.kkt_residual for m in r.minima), default=0):.0e}",
+        f"{r.search.seconds:.2f}",
+    )
+
+
+def full_space_row(r: MinimaResult) -> tuple[str, ...]:
+    """Return one scene's verdicts in the full space, and the certificates by state."""
+    found = [m.full_space for m in r.minima if m.full_space]
+    verdicts = [f.verdict for f in found]
+    how = []
+    for number, f in enumerate(found, start=1):
+        words = f.certificate.split(":")[0] if f.verdict == "stable" else f.verdict
+        if f.lands_on:
+            target = f"#{f.lands_on.symmetric}" if f.lands_on.symmetric else "an asymmetric state"
+            words += f", descends to {target} at {f.lands_on.energy:.4g} J"
+        how.append(f"#{number} {words}")
+    return (
+        r.scene.name or repr(r.scene.vertex),
+        str(len(r.minima)),
+        *(str(verdicts.count(v)) for v in ("stable", "unstable", "undecided")),
+        "; ".join(how),
+    )
+
+
+def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
+    """Return rows as a table; the first column and long texts to the left, numbers to the right."""
+    table = Table(title=Text(title), title_justify="left")
+    for k, head in enumerate(heads):
+        left = k == 0 or head.startswith("how")
+        table.add_column(head, justify="left" if left else "right")
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
     return table
+
+
+def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as a Markdown table."""
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
