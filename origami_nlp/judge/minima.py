@@ -21,7 +21,8 @@ from origami_nlp.solve.starts import flat_foldings
 from origami_nlp.solve.stopping import enough, expected_undiscovered
 from origami_nlp.state.scene import Scene
 
-FEWEST_STARTS = 64
+FEWEST_STARTS = 128
+"""Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 1000
 """Default cap on starts; the report says when the search stopped there."""
 Progress = Callable[[int, int, float], None]
@@ -66,7 +67,7 @@ class SearchReport:
     with planes).
     statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end
     state is.
-    expected_undiscovered: Boender and Rinnooy Kan's estimate over all distinct answers.
+    expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start reached.
     stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
     reason and hits.
     """
@@ -158,7 +159,7 @@ def find_minima(
     model = scene.model()
     record = Record()
     verdicts: dict[int, Classification] = {}
-    found = 0
+    found, missing = 0, 0.0
     stopped_by = "cap"
     if model.freedom <= 0:
         # a vertex that cannot fold within its symmetry: the flat state is all there is
@@ -172,10 +173,14 @@ def find_minima(
             new = next(stream)
             _judge_new(model, new, verdicts, record)
             found = sum(v.verdict == "minimum" for v in verdicts.values())
-            missing = expected_undiscovered(record.converged, len(record.answers))
+            hits = sum(a.hits for a in record.answers if verdicts[id(a)].verdict == "minimum")
+            reached = sum(
+                a.hits > 0 and verdicts[id(a)].verdict == "minimum" for a in record.answers
+            )
+            missing = expected_undiscovered(hits, reached)
             if progress:
                 progress(record.starts, found, missing)
-            if record.starts >= FEWEST_STARTS and enough(record.converged, len(record.answers)):
+            if record.starts >= FEWEST_STARTS and enough(hits, reached):
                 stopped_by = "rule"
                 break
     minima, rejected, outcomes = [], [], Counter[str]()
@@ -215,7 +220,7 @@ def find_minima(
         solves=record.solves,
         statuses=dict(record.statuses),
         outcomes=dict(outcomes),
-        expected_undiscovered=expected_undiscovered(record.converged, len(record.answers)),
+        expected_undiscovered=missing,
         stopped_by=stopped_by,
         seconds=time.perf_counter() - begin,
         seed=seed,

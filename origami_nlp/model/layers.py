@@ -13,11 +13,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
 Strand = tuple[int, int]
 """(arc, piece): the piece-th part of facet `arc`, cut at the nodes that lie on it."""
+Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
+"""A walk through a node: incoming and outgoing strand, each with the node at its far end."""
 Pair = tuple[Strand, Strand]
 """Two strands of one segment, smaller first: the boolean 'the first is left of the second'."""
 
@@ -169,42 +172,63 @@ def _directions(creases: np.ndarray, w: int, far: set[int]) -> dict[int, float]:
     return {v: float(np.arctan2(creases[v] @ y, creases[v] @ x)) for v in far}
 
 
-def _interleaving_table(w, angle, one, two):  # type: ignore[no-untyped-def]
+def _interleaving_table(
+    w: int, angle: dict[int, float], one: Passage, two: Passage
+) -> tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]] | None:
     """Return the pairs that two passages compare at node w, and the values that keep them apart."""
     ends = [*one, *two]
-    pairs: list[Pair] = []
-    for (s, u), (t, v) in itertools.combinations(ends, 2):
-        if u == v and s != t:
-            pair, _ = ordered(s, t)
+    rank = {v: k for k, v in enumerate(sorted({v for _, v in ends}, key=angle.__getitem__))}
+    names = sorted({s for s, _ in ends})
+    pairs, allowed = _interleaving_pattern(
+        tuple(rank[v] for _, v in ends),
+        tuple(names.index(s) for s, _ in ends),
+        tuple(w < v for _, v in ends),
+    )
+    if not pairs and allowed:
+        return None
+    return tuple((names[a], names[b]) for a, b in pairs), allowed
+
+
+@lru_cache(maxsize=4096)
+def _interleaving_pattern(
+    segment: tuple[int, ...], strand: tuple[int, ...], starts_here: tuple[bool, ...]
+) -> tuple[tuple[tuple[int, int], ...], frozenset[tuple[bool, ...]]]:
+    """Enumerate the orders of the four ends of two passages around a node (ends 0, 1 and ends 2, 3).
+
+    segment: rank of each end's segment, counter-clockwise.  strand: number of its strand.  starts_here: whether
+    the segment's direction leaves the node.  Returns the pairs of strands to compare and their allowed values.
+    """
+    pairs = []
+    for k, m in itertools.combinations(range(4), 2):
+        if segment[k] == segment[m] and strand[k] != strand[m]:
+            pair = (min(strand[k], strand[m]), max(strand[k], strand[m]))
             if pair not in pairs:
                 pairs.append(pair)
     allowed = set()
     for values in itertools.product((False, True), repeat=len(pairs)):
         left = dict(zip(pairs, values, strict=True))
 
-        def before(k: int, m: int, left=left) -> bool:  # type: ignore[no-untyped-def]
+        def before(k: int, m: int, left: dict[tuple[int, int], bool] = left) -> bool:
             """Tell whether end k comes before end m, counter-clockwise around the node."""
-            (s, u), (t, v) = ends[k], ends[m]
-            if u != v:
-                return angle[u] < angle[v]
-            pair, flip = ordered(s, t)
-            s_left = left[pair] != flip
-            # left of the segment's direction is counter-clockwise where it starts, clockwise where it ends
-            return s_left != (w < u)
+            if segment[k] != segment[m]:
+                return segment[k] < segment[m]
+            a, b = strand[k], strand[m]
+            is_left = left[a, b] if a < b else not left[b, a]
+            # left of the segment's direction is counter-clockwise where it starts, clockwise at its end
+            return is_left != starts_here[k]
 
         order = [sum(before(m, k) for m in range(4) if m != k) for k in range(4)]
         if sorted(order) != [0, 1, 2, 3]:
             continue  # not an order: transitivity forbids these values anyway
         a, b = sorted(order[:2])
-        inside = sum(a < o < b for o in order[2:])
-        if inside != 1:
+        if sum(a < o < b for o in order[2:]) != 1:
             allowed.add(values)
-    if not pairs and allowed:
-        return None
     return tuple(pairs), frozenset(allowed)
 
 
-def _solve(tables, assigned):  # type: ignore[no-untyped-def]
+def _solve(
+    tables: list[tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]], assigned: dict[Pair, bool]
+) -> bool:
     """Depth-first search with propagation over table constraints."""
     assigned = dict(assigned)
     changed = True

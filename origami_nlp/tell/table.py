@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -99,7 +100,7 @@ def search_lines(result: MinimaResult) -> list[str]:
     s = result.search
     lines = [
         f"{s.starts} starts ({s.feasible_starts} feasible), {s.solves} IPOPT solves, "
-        f"{s.seconds:.2f} s, seed {s.seed}; expected undiscovered answers "
+        f"{s.seconds:.2f} s, seed {s.seed}; expected undiscovered minima "
         f"{s.expected_undiscovered:.2g}"
         + ("" if s.stopped_by == "rule" else "; stopped at the cap on starts"),
         "IPOPT: " + ", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())),
@@ -135,20 +136,7 @@ def as_text(result: MinimaResult) -> str:
     return console.file.getvalue().rstrip()
 
 
-SUMMARY_HEADS = (
-    "scene",
-    "minima",
-    "interior",
-    "pinned",
-    "touching",
-    "degenerate",
-    "handles",
-    "starts",
-    "failed",
-    "closure",
-    "KKT",
-    "seconds",
-)
+SUMMARY_HEADS = ("scene", "minima", "kinds", "starts", "failed", "closure", "KKT", "seconds")
 FULL_HEADS = (
     "scene",
     "symmetric minima",
@@ -161,22 +149,29 @@ FULL_HEADS = (
 
 def summary_row(r: MinimaResult) -> tuple[str, ...]:
     """Return one scene's counts by kind, starts, failed solves, worst residuals and seconds."""
-    kinds = [m.kind for m in r.minima]
+    kinds = [
+        f"{m.kind.removeprefix('contact-')} on a 1-handle"
+        if m.local_dimension == 1 < r.model.freedom
+        else m.kind.removeprefix("contact-")
+        for m in r.minima
+    ]
     failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
     return (
-        r.scene.name or repr(r.scene.vertex),
+        short_name(r),
         str(len(kinds)),
-        *(
-            str(kinds.count(k))
-            for k in ("interior", "contact-pinned", "contact-touching", "degenerate")
-        ),
-        str(sum(m.local_dimension < r.model.freedom for m in r.minima)),
+        ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)),
         str(r.search.starts),
         str(failed),
         f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
         f"{max((m.kkt_residual for m in r.minima), default=0):.0e}",
         f"{r.search.seconds:.2f}",
     )
+
+
+def short_name(r: MinimaResult) -> str:
+    """Return a scene's name without the words that all rows of a table share."""
+    name = r.scene.name or repr(r.scene.vertex)
+    return name.replace("alpha_1 = ", "").replace("r_k = ", "").replace("degree ", "N = ")
 
 
 def full_space_row(r: MinimaResult) -> tuple[str, ...]:
@@ -191,7 +186,7 @@ def full_space_row(r: MinimaResult) -> tuple[str, ...]:
             words += f", descends to {target} at {f.lands_on.energy:.4g} J"
         how.append(f"#{number} {words}")
     return (
-        r.scene.name or repr(r.scene.vertex),
+        short_name(r),
         str(len(r.minima)),
         *(str(verdicts.count(v)) for v in ("stable", "unstable", "undecided")),
         "; ".join(how),
@@ -200,10 +195,10 @@ def full_space_row(r: MinimaResult) -> tuple[str, ...]:
 
 def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
     """Return rows as a table; the first column and long texts to the left, numbers to the right."""
-    table = Table(title=Text(title), title_justify="left")
+    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for k, head in enumerate(heads):
-        left = k == 0 or head.startswith("how")
-        table.add_column(head, justify="left" if left else "right")
+        text = head == "kinds" or head.startswith("how")
+        table.add_column(head, justify="left" if k == 0 or text else "right", no_wrap=not text)
     for row in rows:
         table.add_row(*(Text(cell) for cell in row))
     return table
