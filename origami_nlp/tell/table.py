@@ -71,7 +71,7 @@ def state_lines(result: MinimaResult) -> list[str]:
     """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
     lines = []
     for number, m in enumerate(result.minima, start=1):
-        angles = " ".join(f"{a:8.3f}" for a in np.degrees(m.fold_angles) + 0.0)
+        angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
         lines.append(f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}")
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
@@ -88,7 +88,7 @@ def full_space_lines(f: FullSpace) -> list[str]:
         lines.append(f"the descent {f.unstable_mode}")
     if f.lands_on:
         name = f"state #{f.lands_on.symmetric}" if f.lands_on.symmetric else "an asymmetric state"
-        angles = " ".join(f"{a:.2f}" for a in np.degrees(f.lands_on.fold_angles) + 0.0)
+        angles = " ".join(f"{a:.2f}" for a in np.round(np.degrees(f.lands_on.fold_angles), 2) + 0.0)
         lines.append(
             f"it lands on {name} at {f.lands_on.energy:.6g} J, {f.lands_on.kind}: {angles} deg"
         )
