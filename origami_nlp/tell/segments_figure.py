@@ -1,0 +1,102 @@
+"""The figure of metastable segments: energy, slope, stiffness and contact moment along each boundary."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.segments import SegmentReport
+
+RED, LINE, BAND = "#c1121f", "#26323f", "#f0d9b5"
+MOST_CURVES = 8
+
+
+def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw U(s), dU/ds, d2U/ds2 and the contact moment along every boundary; metastable parts in red.
+
+    The bands are the thresholds of `judge.segments`; dotted parts of a curve are those where a contact does not
+    push; circles are stable states.  The figure is saved if a path is given.
+
+    Raises
+    ------
+    OptionError
+        If the ending of `path` names no known picture format.
+    """
+    shown = list(range(len(report.curves)))
+    marked = {segment.curve for segment in report.segments}
+    shown.sort(key=lambda k: (k not in marked, not report.states[k], k))
+    left_out = len(shown) - len(shown[:MOST_CURVES])
+    shown = sorted(shown[:MOST_CURVES])
+    columns = max(1, len(shown))
+    figure = Figure(figsize=(0.9 + 3.1 * columns, 8.2), dpi=110, facecolor="white")
+    name = report.scene.name or f"degree {report.scene.degree}"
+    count = len(report.segments)
+    title = f"{name}: {count or 'no'} metastable segment{'s' * (count != 1)}"
+    if count:
+        title += f", {report.length:.2f} rad in all"
+    if left_out:
+        title += f" ({left_out} more boundaries not drawn)"
+    figure.suptitle(title.replace("alpha_1", "α₁").replace("r_k", "rₖ"), fontsize=11)
+    if not shown:
+        figure.text(0.5, 0.5, "No stable state has a closed contact.", ha="center")
+    else:
+        axes = figure.subplots(4, columns, squeeze=False, sharex="col")
+        for column, k in enumerate(shown):
+            _column(axes[:, column], report, k, first=column == 0)
+        figure.tight_layout(rect=(0, 0, 1, 0.97))
+    if path is not None:
+        ending = Path(path).suffix.lstrip(".").lower()
+        if ending not in figure.canvas.get_supported_filetypes():
+            raise OptionError(f"figure = {os.fspath(path)!r} must end in .png, .pdf or .svg")
+        figure.savefig(path, format=ending)
+    return figure
+
+
+def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # type: ignore[no-untyped-def]
+    curve = report.curves[k]
+    total = sum(report.scene.stiffness)
+    rows = (
+        (curve.energy, None, "U  [J]"),
+        (curve.slope / (math.pi * total), report.slope, "dU/ds / (π Σk)"),
+        (curve.stiffness / total, report.stiffness, "d²U/ds² / Σk"),
+        (curve.multipliers, 0.0, "contact moment  [N m]"),
+    )
+    for axis, (values, band, label) in zip(axes, rows, strict=True):
+        if band:
+            axis.axhspan(-band, band, color=BAND, lw=0)
+        elif band is not None:
+            axis.axhline(0.0, color="0.6", lw=0.8)
+        for line in np.atleast_2d(values.T):
+            axis.plot(curve.s, line, color=LINE, lw=1, ls=":")
+            pushing = np.where(curve.pressed, line, np.nan)
+            axis.plot(curve.s, pushing, color=LINE, lw=1.4)
+            # near singular ends values grow without bound: the picture keeps to what most of the curve does
+            low, high = np.percentile(line, [2, 98])
+            if high - low < 0.05 * (line.max() - line.min()):
+                axis.set_ylim(low - 0.2 * (high - low) - 1e-9, high + 0.2 * (high - low) + 1e-9)
+            for segment in report.segments:
+                if segment.curve == k:
+                    s = np.linspace(segment.start, segment.end, 100)
+                    axis.plot(s, np.interp(s, curve.s, line), color=RED, lw=3, alpha=0.75)
+        if report.states[k]:
+            axis.plot(
+                0.0,
+                np.interp(0.0, curve.s, np.atleast_2d(values.T)[0]),
+                "o",
+                ms=6,
+                mfc="w",
+                mec=LINE,
+            )
+        if first:
+            axis.set_ylabel(label, fontsize=9)
+        axis.tick_params(labelsize=8)
+    states = ", ".join(f"#{n}" for n in report.states[k])
+    head = f"from state {states}" if states else "no stable state"
+    contacts = "\n".join(curve.contacts[:2]) + ("\n..." if len(curve.contacts) > 2 else "")
+    axes[0].set_title(f"{head}\n{contacts}", fontsize=8.5)
+    axes[-1].set_xlabel("arclength s  [rad]", fontsize=9)
