@@ -207,7 +207,8 @@ def follow_boundary(
     assert turned is not None
     ahead, why_end = _one_way(model, first, rows, stop_at_release, longest)
     if why_end == "closed curve":
-        behind, why_start = [], why_end
+        behind: list[tuple[Point, float]] = []
+        why_start = why_end
     else:
         behind, why_start = _one_way(model, turned, rows, stop_at_release, longest)
     points = [p for p, _ in reversed(behind)] + [first] + [p for p, _ in ahead]
