@@ -121,6 +121,6 @@ def _search(result: MinimaResult) -> str:
     stop = "" if s.stopped_by == "rule" else "; stopped at the cap on starts"
     text = (
         f"{s.starts} starts, {s.solves} IPOPT solves ({statuses}), {s.seconds:.2f} s, seed {s.seed}; "
-        f"expected undiscovered answers {s.expected_undiscovered:.2g}{stop}"
+        f"expected undiscovered minima {s.expected_undiscovered:.2g}{stop}"
     )
     return f"<p><small>{escape(text)}</small></p>"
