@@ -67,6 +67,7 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
         (curve.multipliers, 0.0, "contact moment  [N m]"),
     )
     for axis, (values, band, label) in zip(axes, rows, strict=True):
+        _limit(axis, curve.s, np.atleast_2d(values.T), band or 0.0)
         if band:
             axis.axhspan(-band, band, color=BAND, lw=0)
         elif band is not None:
@@ -75,10 +76,6 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
             axis.plot(curve.s, line, color=LINE, lw=1, ls=":")
             pushing = np.where(curve.pressed, line, np.nan)
             axis.plot(curve.s, pushing, color=LINE, lw=1.4)
-            # near singular ends values grow without bound: the picture keeps to what most of the curve does
-            low, high = np.percentile(line, [2, 98])
-            if high - low < 0.05 * (line.max() - line.min()):
-                axis.set_ylim(low - 0.2 * (high - low) - 1e-9, high + 0.2 * (high - low) + 1e-9)
             for segment in report.segments:
                 if segment.curve == k:
                     s = np.linspace(segment.start, segment.end, 100)
@@ -100,3 +97,14 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
     contacts = "\n".join(curve.contacts[:2]) + ("\n..." if len(curve.contacts) > 2 else "")
     axes[0].set_title(f"{head}\n{contacts}", fontsize=8.5)
     axes[-1].set_xlabel("arclength s  [rad]", fontsize=9)
+
+
+def _limit(axis, s: np.ndarray, lines: np.ndarray, band: float) -> None:  # type: ignore[no-untyped-def]
+    """Keep the picture to what most of the curve does: near singular ends values grow without bound."""
+    even = np.linspace(s[0], s[-1], 400)
+    values = np.array([np.interp(even, s, line) for line in lines])
+    low, high = np.percentile(values, [1, 99])
+    low, high = min(low, -1.5 * band), max(high, 1.5 * band)
+    pad = 0.12 * (high - low) + 1e-9
+    if lines.max() > high + pad or lines.min() < low - pad:
+        axis.set_ylim(low - pad, high + pad)
