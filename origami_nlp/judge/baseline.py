@@ -1,12 +1,13 @@
 """The paper's own test of a symmetric candidate in the full space, written from appendix A alone.
 
-Contact is ignored.  Around the candidate phi*, states are phi* + Z q + Y eta with Z, Y orthonormal bases of the kernel and
-row space of the deformed crease matrix C (singular-value decomposition), and eta(q) solves ax log F_N = 0 (paper, eq.
-fullspace-retraction).  Gradient and Hessian of U(q) come from centred differences; the candidate is a strict minimum when
-|g| / (pi sum k) <= eps_g and the smallest eigenvalue of H exceeds eps_lambda, at all three steps.
+Contact is ignored.  Around the candidate phi*, states are phi* + Z q + Y eta with Z, Y orthonormal bases of
+the kernel and row space of the deformed crease matrix C (singular-value decomposition), and eta(q) solves
+ax log F_N = 0 (paper, eq. fullspace-retraction).  Gradient and Hessian of U(q) come from centred differences;
+the candidate is a strict minimum when |g| / (pi sum k) <= eps_g and the smallest eigenvalue of H exceeds
+eps_lambda, at all three steps.
 
-A yardstick for the exact verdicts of this package (`judge.classify`, `judge.full_space`); it shares with them nothing but the
-state's fold angles: rotation matrices instead of quaternions, no CasADi, no polish.
+A yardstick for the exact verdicts of this package (`judge.classify`, `judge.full_space`); it shares with them
+nothing but the state's fold angles: rotation matrices instead of quaternions, no CasADi, no polish.
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
 """Published candidate states of the paper's two vertex families: JSON or CSV, read strictly.
 
-A record gives degree (6 or 8), the sector angle alpha_1, the stiffness ratio r_k and fold angles: all N of them, or the
-independent ones (phi_1..phi_4 for degree 6, phi_1..phi_3 for degree 8).  Radians, numbers or text such as ``"pi/4"``.
+A record gives degree (6 or 8), the sector angle alpha_1, the stiffness ratio r_k and fold angles: all N of
+them, or the independent ones (phi_1..phi_4 for degree 6, phi_1..phi_3 for degree 8).  Radians, numbers or
+text such as ``"pi/4"``.
 
-- JSON: ``{"records": [...]}`` or a list of records; keys ``degree``, ``alpha`` or ``alpha1``, ``ratio`` or ``rk``, ``phi``;
-  optional ``branch``, ``kind`` (kept as notes) and ``alpha1_label``, ``alpha1_as_listed``, ``handle``, ``list``,
-  ``closure_at_label_alpha`` (ignored).
+- JSON: ``{"records": [...]}`` or a list of records; keys ``degree``, ``alpha`` or ``alpha1``, ``ratio`` or
+  ``rk``, ``phi``; optional ``branch``, ``kind`` (kept as notes) and ``alpha1_label``, ``alpha1_as_listed``,
+  ``handle``, ``list``, ``closure_at_label_alpha`` (ignored).
 - CSV: columns ``degree``, ``alpha``, ``ratio``, ``phi_1`` .. ``phi_N``; unused angles stay empty.
 
 Files are data: nothing in them is evaluated.
