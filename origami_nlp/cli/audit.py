@@ -29,7 +29,8 @@ def audit(
     from origami_nlp.judge.audit import audit_candidates
     from origami_nlp.judge.minima import check_options
     from origami_nlp.tell.audit_table import as_markdown, audit_to_dict, summary_table
-    from origami_nlp.tell.json_file import check_writable, write_json, write_whole
+    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.json_file import write_json
 
     check_options(seed, 1)
     check_writable(json, "--json")

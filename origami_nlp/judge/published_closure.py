@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from origami_nlp.closed_forms import wedge3
 from origami_nlp.model import quaternion as quat
 from origami_nlp.model.embedding import examine
 from origami_nlp.state.angles import format_angle
