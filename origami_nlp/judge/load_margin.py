@@ -286,7 +286,7 @@ def _critical(
 ) -> _Event:
     """Follow the state under tau * direction from tau = 0 with `rows` held, to the first event.
 
-    The load is bisected to 1e-10 relative.
+    The load is bisected to 1e-8 relative.
     """
     unloaded = sensitivity(model, x, rows).stiffness
 
@@ -316,7 +316,7 @@ def _critical(
         if found is not None and found[1] is not None:
             ending, row = found[1], found[2]
         step /= 2
-        if step <= 1e-10 * high:
+        if step <= 1e-8 * high:
             break
     if ending == "lost":
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
