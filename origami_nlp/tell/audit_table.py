@@ -29,7 +29,8 @@ MEANING = {
 
 def cells(panel: PanelAudit) -> list[str]:
     """Return the numbers of one panel in the order of `HEADS`."""
-    strict = len({a.twin or a.candidate.number for a in panel.audited if _strict(a)})
+    # repeated fold angles are tested once: their `paper_test` is empty
+    strict = sum(a.paper_test == "strict minimum" for a in panel.audited)
     return [
         str(len(panel.audited)),
         *(str(panel.count(cause)) for cause in CAUSES),
@@ -44,10 +45,6 @@ def totals(panels: Sequence[PanelAudit]) -> list[str]:
     """Return the sums of `cells` over panels."""
     columns = zip(*(cells(p) for p in panels), strict=True)
     return [str(sum(int(c) for c in column)) for column in columns]
-
-
-def _strict(a: Audited) -> bool:
-    return a.paper_test == "strict minimum"
 
 
 def _with_totals(panels: Sequence[PanelAudit]) -> list[tuple[str, list[str], bool]]:
@@ -86,7 +83,7 @@ def as_markdown(panels: Sequence[PanelAudit]) -> str:
     lines += [
         "- **exact minima**: of the panel, found by `origami-nlp minima`; **represented**: by an exact candidate; "
         "**reached**: by a candidate or its descent",
-        "- **appendix A strict**: distinct candidates that the paper's own test calls strict minima",
+        "- **appendix A strict**: candidates with different fold angles that the paper's own test calls strict minima",
     ]
     return "\n".join(lines) + "\n"
 
