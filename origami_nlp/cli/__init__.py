@@ -6,6 +6,8 @@ import sys
 
 import typer
 
+from origami_nlp.cli.audit import audit
+from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
 from origami_nlp.cli.grid import grid
@@ -21,7 +23,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, model, example, grid, panels, verify):
+for command in (demo, minima, contacts, model, example, grid, panels, audit, verify):
     app.command(command.__name__)(command)
 
 

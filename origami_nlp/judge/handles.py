@@ -17,10 +17,13 @@ from origami_nlp.judge.branch import cone, null_space
 from origami_nlp.judge.nearby import is_admissible, project
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts, row_values
+from origami_nlp.solve.polish import newton
 from origami_nlp.solve.starts import BATCH, project_batch
 
 MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
+MOST_ON_A_SET = 4
+"""States from which the energy is minimised along one thin set."""
 
 
 def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
@@ -31,7 +34,7 @@ def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
     tried: dict[tuple[Row, ...], int] = {}
     for x in _states_on_limits(model, np.random.default_rng(seed)):
         held = thin_at(model, x)
-        if not held or tried.get(held, 0) >= SAMPLES_ON_A_LIMIT or not is_admissible(model, x):
+        if not held or tried.get(held, 0) >= MOST_ON_A_SET or not is_admissible(model, x):
             continue
         tried[held] = tried.get(held, 0) + 1
         end = minimise_along(model, x, held)
@@ -86,6 +89,10 @@ def minimise_along(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> np.nda
         z = null_space(np.vstack([local.closure_jacobian, a]) / root)
         d = -(z @ (z.T @ (local.gradient / root))) / root
         size = float(np.linalg.norm(d))
+        if size <= 1e-2:  # close enough for Newton
+            state, _ = newton(model, x, held)
+            if state is not None and np.abs(state.x - x).max() <= 0.1:
+                return state.x
         if size <= 1e-13:
             break
         slope = float(local.gradient @ d)

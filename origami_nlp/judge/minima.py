@@ -16,7 +16,7 @@ from origami_nlp.judge.classify import Classification, ContactForce, Kind, class
 from origami_nlp.judge.full_space import FullSpace, judge_in_full_space
 from origami_nlp.judge.handles import handle_minima
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.search import Answer, Record, add_state, run_one, run_starts
+from origami_nlp.solve.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.solve.starts import flat_foldings
 from origami_nlp.solve.stopping import enough, expected_undiscovered
 from origami_nlp.state.scene import Scene
@@ -168,6 +168,8 @@ def find_minima(
     else:
         for state in itertools.chain(flat_foldings(model), handle_minima(model, seed)):
             _judge_new(model, add_state(model, state, record), verdicts, record)
+        for new in run_boundaries(model, seed, record):
+            _judge_new(model, new, verdicts, record)
         stream = run_starts(model, seed, record)
         while record.starts < max_starts:
             new = next(stream)
@@ -247,6 +249,7 @@ def _judge_new(
         answer = pending.pop()
         what = classify(model, answer.polished.x, polished=answer.polished.converged)
         verdicts[id(answer)] = what
+        answer.is_minimum = what.verdict == "minimum"
         if what.descent is not None and answer.hits:
             for sign in (1.0, -1.0):
                 start = answer.polished.x + sign * 0.05 * what.descent

@@ -128,5 +128,5 @@ def _refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
     better = np.where(support, mu, 0.0)
     for _ in range(2):
         better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=1e-12)[0]
-    improved = np.abs(b @ better - c).max() < np.abs(b @ mu - c).max()
+    improved = np.linalg.norm(b @ better - c) < np.linalg.norm(b @ mu - c)
     return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)

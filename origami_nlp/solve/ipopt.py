@@ -13,6 +13,7 @@ import numpy as np
 from origami_nlp.model.contact import separation_rows
 from origami_nlp.model.nlp import Model
 from origami_nlp.model.structure import Structure, compile_structure
+from origami_nlp.solve.active import Row
 
 OPTIONS = {
     "print_level": 0,
@@ -20,7 +21,8 @@ OPTIONS = {
     "max_iter": 120,
     "acceptable_iter": 0,  # no "acceptable" stops: an answer converged or it did not
     "bound_relax_factor": 0.0,  # the default leaves fold angles 1e-8 beyond pi
-    "mu_init": 1e-2,
+    "mu_strategy": "adaptive",  # fewer iterations, and stays in narrow basins that steps of a fixed mu jump over
+    "mu_init": 0.1,
     "bound_push": 1e-3,
     "bound_frac": 1e-3,
 }
@@ -96,6 +98,52 @@ def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> _Progr
         "ipopt": {**OPTIONS, "tol": tolerance},
     }
     return _Programme(ca.nlpsol("origami", "ipopt", nlp, options), np.array(lower), np.array(upper))
+
+
+@lru_cache(maxsize=64)
+def build_boundary_solver(structure: Structure, tolerance: float) -> _Programme:
+    """Build IPOPT without separating planes, with every gap as a row that a call may hold closed (cached)."""
+    f = compile_structure(structure)
+    equalities = f.piece.equations.shape[0]
+    lower = [0.0] * equalities + [
+        -math.inf if gap.type == "facet-pair" else 0.0 for gap in structure.gaps
+    ]
+    upper = [0.0] * equalities + [math.inf] * len(structure.gaps)
+    nlp = {"x": f.x, "p": f.p, "f": f.energy, "g": ca.vertcat(f.piece.equations, f.gaps)}
+    options: dict[str, Any] = {
+        "print_time": False,
+        "error_on_fail": False,
+        "ipopt": {**OPTIONS, "tol": tolerance},
+    }
+    return _Programme(
+        ca.nlpsol("boundary", "ipopt", nlp, options), np.array(lower), np.array(upper)
+    )
+
+
+def solve_on_boundary(model: Model, start: np.ndarray, row: Row) -> Solve:
+    """Minimise the energy among states that keep one contact closed; facet pairs are not kept apart."""
+    programme = build_boundary_solver(model.structure, tolerance_for(model))
+    bound = np.full(model.size, model.bound)
+    low, high = -bound, bound.copy()
+    lower, upper = programme.lower, programme.upper
+    x0 = np.asarray(start, dtype=float).copy()
+    if row.kind == "limit":
+        low[row.index] = high[row.index] = x0[row.index] = row.side * math.pi
+    else:
+        upper = upper.copy()
+        lower = lower.copy()
+        position = len(lower) - len(model.structure.gaps) + row.index
+        lower[position] = upper[position] = 0.0
+    out = programme.solver(x0=x0, p=model.parameters, lbx=low, ubx=high, lbg=lower, ubg=upper)
+    stats = programme.solver.stats()
+    return Solve(
+        x=np.asarray(out["x"]).ravel(),
+        status=str(stats["return_status"]),
+        iterations=int(stats["iter_count"]),
+        residual=math.nan,
+        pull=np.asarray(out["lam_x"]).ravel(),
+        pair_force={},
+    )
 
 
 def tolerance_for(model: Model) -> float:

@@ -43,9 +43,9 @@ class Polished:
     converged: bool
 
 
-def polish(model: Model, answer: Solve) -> Polished:
-    """Polish one answer of IPOPT."""
-    guess = guess_active(model, answer)
+def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) -> Polished:
+    """Polish one answer of IPOPT; `guess` gives the active set to try first, where it is known."""
+    guess = guess_active(model, answer) if guess is None else guess
     firm = tuple(row for row in guess if row.kind == "gap" or abs(answer.pull[row.index]) > 1e-6)
     fallback: Polished | None = None
     for first in dict.fromkeys((guess, firm, ())):
@@ -161,7 +161,7 @@ def newton(
         reached = max(kkt, closure) <= 1e-11 and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
-            state = Polished(x, rows, closure, float(kkt), bool(reached))
+            state = Polished(_closed_exactly(x), rows, closure, float(kkt), bool(reached))
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
             break
@@ -173,6 +173,12 @@ def newton(
     if not state.converged and merit > 1e-5:
         return None, np.zeros(0)
     return state, row_multipliers
+
+
+def _closed_exactly(x: np.ndarray) -> np.ndarray:
+    """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds)."""
+    shut = np.abs(np.abs(x) - math.pi) <= 2e-15
+    return np.where(shut, np.copysign(math.pi, x), x)
 
 
 def _hold_limits(x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:

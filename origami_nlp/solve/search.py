@@ -10,21 +10,28 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.ipopt import Solve, solve
-from origami_nlp.solve.polish import Polished, polish
+from origami_nlp.solve.active import Row, same_gap
+from origami_nlp.solve.ipopt import Solve, solve, solve_on_boundary
+from origami_nlp.solve.polish import Polished, guess_active, polish
 from origami_nlp.solve.starts import StartStream, crossed_pairs
 
 SAME = 1e-6
 """Polished states closer than this in every fold angle [rad] are one state."""
 MOST_PAIR_ROUNDS = 4
+SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
+"""Solves along each contact boundary, and over all of them."""
+FEW_PAIRS = 6
+"""Up to this many facet pairs every solve models all of them from the start."""
 
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, and how many starts reached it."""
+    """A distinct state that solves ended at: its polish, how many starts reached it, and (set by the judge)
+    whether it is a minimum."""
 
     polished: Polished
     hits: int = 1
+    is_minimum: bool = False
 
 
 @dataclass
@@ -47,18 +54,29 @@ class Record:
 
 def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
     """Run starts for ever, one for each `next`; yields the new answer, or None where nothing new was found."""
+    pairs = model.structure.pairs
     for start in StartStream(model, seed):
         record.starts += 1
         record.feasible_starts += start.feasible
-        yield run_one(model, start.x, record)
+        # Minima that a facet pair pins can be reached only by solves that respect the pair from the start: without it
+        # a solve passes through the facets and ends elsewhere.  With many pairs every second start does without.
+        respect = len(pairs) <= FEW_PAIRS or record.starts % 2 == 0
+        yield run_one(model, start.x, record, pairs=pairs if respect else ())
 
 
-def run_one(model: Model, x: np.ndarray, record: Record, *, count: bool = True) -> Answer | None:
+def run_one(
+    model: Model,
+    x: np.ndarray,
+    record: Record,
+    *,
+    pairs: tuple[tuple[int, int], ...] = (),
+    count: bool = True,
+) -> Answer | None:
     """Solve from one start, polish, and file the answer in `record`; returns it if it is new.
 
     With `count` false the solve is not a random start and does not enter the stopping rule.
     """
-    answer = solve_without_crossing(model, x, record)
+    answer = solve_without_crossing(model, x, record, pairs)
     if not answer.succeeded:
         return None
     record.converged += count
@@ -66,16 +84,60 @@ def run_one(model: Model, x: np.ndarray, record: Record, *, count: bool = True) 
         if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
             known.hits += count
             return None
-    polished = polish(model, answer)
+    return _file(polish(model, answer), record, count)
+
+
+def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
+    """Minimise along every contact boundary: where pinned states are, narrow as their basins may be.
+
+    A pinned minimum is a minimum among the states that keep its contact closed; a solver that starts in the
+    interior can miss it.  Yields the new answers; no random starts are counted.
+    """
+    rows = [
+        Row("limit", v, side)
+        for v in range(model.size if model.structure.limits else 0)
+        for side in (-1, 1)
+    ]
+    same = same_gap(model.structure)
+    rows += [Row("gap", i, 1) for i in range(len(same)) if same[i] == i]
+    tries = max(1, min(SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES // max(1, len(rows))))
+    stream = StartStream(model, seed)
+    for row in rows:
+        for _ in range(tries):
+            answer = solve_on_boundary(model, next(stream).x, row)
+            record.solves += 1
+            record.statuses[answer.status] += 1
+            if answer.succeeded:
+                yield _settle_on_boundary(model, answer, row, record)
+
+
+def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -> Answer | None:
+    """Polish a minimum along a boundary with its contact closed; keep it if the contact is loaded."""
+    sides = (row.side,) if row.kind == "limit" else (1, -1)
+    for side in sides:
+        guess = tuple(dict.fromkeys((Row(row.kind, row.index, side), *guess_active(model, answer))))
+        result = polish(model, answer, guess)
+        if result.converged and result.rows:
+            return _file(result, record, 0)
+    return None
+
+
+def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
+    """File a polished state under the answer that it is, or as a new one, which is returned."""
     for known in record.answers:
         if np.abs(known.polished.x - polished.x).max() <= SAME:
-            known.hits += count
+            known.hits += hits
             return None
-    # a solve's answer is stationary where a listed flat folding beside it may not be: it takes its place
-    record.listed = [
-        known for known in record.listed if np.abs(known.polished.x - polished.x).max() > SAME
-    ]
-    new = Answer(polished, int(count))
+    for known in record.listed:
+        if np.abs(known.polished.x - polished.x).max() > SAME:
+            continue
+        record.listed.remove(known)
+        if known.is_minimum:  # exact, where a solve at a singular state is not
+            known.hits += hits
+            record.answers.append(known)
+            return None
+        break  # the solve's answer is stationary, the flat folding beside it is not: it takes its place
+    new = Answer(polished, int(hits))
     record.answers.append(new)
     return new
 
@@ -91,13 +153,10 @@ def add_state(model: Model, x: np.ndarray, record: Record) -> Answer | None:
     return listed
 
 
-def solve_without_crossing(model: Model, x: np.ndarray, record: Record) -> Solve:
-    """Solve; facet pairs enter, with their separating planes, only when a solve makes them cross.
-
-    (Modelling a pair from the first try on, once it has crossed often, was slower: planes cost more than the
-    second solve, and lead to more answers without a layer order.)
-    """
-    pairs: tuple[tuple[int, int], ...] = ()
+def solve_without_crossing(
+    model: Model, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
+) -> Solve:
+    """Solve with separating planes for `pairs`; other facet pairs enter when a solve makes them cross."""
     for _ in range(MOST_PAIR_ROUNDS):
         answer = solve(model, x, pairs)
         record.solves += 1

@@ -40,6 +40,8 @@ def draw_contacts(
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.88))
     draw_state(axes, model.scene.vertex, phi)
     pose = pose_state(model.scene.vertex, phi)
+    lowest = float((pose.creases + pose.offsets)[:, 1].min(initial=0.0))
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], lowest - 0.25))  # nothing is drawn below
     for contact in contacts:
         colour = LOADED if contact.multiplier_range[1] > 0 else IDLE
         creases, facets = images(model, contact)

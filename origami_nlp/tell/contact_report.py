@@ -326,6 +326,6 @@ def _html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def _image(figure: Any, text: str) -> str:
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=80)
+    figure.savefig(buffer, format="png", dpi=80, bbox_inches="tight")
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     return f"<img alt='{escape(text)}' src='data:image/png;base64,{data}'>"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,8 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     left_out = len(shown) - len(shown[:MOST_CURVES])
     shown = sorted(shown[:MOST_CURVES])
     columns = max(1, len(shown))
-    figure = Figure(figsize=(0.9 + 3.1 * columns, 8.2), dpi=110, facecolor="white")
+    width = 1.4 + 3.1 * columns
+    figure = Figure(figsize=(width, 8.6), dpi=110, facecolor="white")
     name = report.scene.name or f"degree {report.scene.degree}"
     count = len(report.segments)
     title = f"{name}: {count or 'no'} metastable segment{'s' * (count != 1)}"
@@ -41,14 +43,15 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
         title += f", {report.length:.2f} rad in all"
     if left_out:
         title += f" ({left_out} more boundaries not drawn)"
-    figure.suptitle(title.replace("alpha_1", "α₁").replace("r_k", "rₖ"), fontsize=11)
+    title = title.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("$", r"\$")
+    figure.suptitle("\n".join(textwrap.wrap(title, int(width * 11))), fontsize=11)
     if not shown:
         figure.text(0.5, 0.5, "No stable state has a closed contact.", ha="center")
     else:
         axes = figure.subplots(4, columns, squeeze=False, sharex="col")
         for column, k in enumerate(shown):
             _column(axes[:, column], report, k, first=column == 0)
-        figure.tight_layout(rect=(0, 0, 1, 0.97))
+        figure.tight_layout(rect=(0, 0, 1, 0.96))
     if path is not None:
         ending = Path(path).suffix.lstrip(".").lower()
         if ending not in figure.canvas.get_supported_filetypes():
