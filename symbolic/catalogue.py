@@ -20,6 +20,7 @@ MODULES = (
     "section2_closure",
     "section2_dihedral",
     "section3_energy",
+    "section3_contact",
     "section3_degree6",
     "section3_topology",
     "section3_degree8",

@@ -32,7 +32,7 @@ def _functional(pattern: str) -> sp.Matrix:
     return sp.Matrix([[sp.Symbol(f"tau_{letter}") for letter in pattern]])
 
 
-def _average(n: int, degree: int) -> sp.Matrix:
+def crease_average(n: int, degree: int) -> sp.Matrix:
     """Average of the permutation matrices of D_n on the creases."""
     images = crease_images(n, degree)
     average = sp.zeros(degree)
@@ -42,11 +42,11 @@ def _average(n: int, degree: int) -> sp.Matrix:
     return average
 
 
-def _check_criticality(statement: tuple[str, str]) -> Verdict:
-    """Torques with the given pattern that vanish on symmetric tangents must vanish on ker C."""
+def criticality(statement: tuple[str, str]) -> list[tuple[str, bool]]:
+    """Exact cases: torques of the given patterns that vanish on symmetric tangents vanish on ker C."""
     cases: list[tuple[str, bool]] = []
     for (name, n, state), pattern in zip(regular_states(), statement, strict=True):
-        c, average = state.crease_matrix(), _average(n, len(state.folds))
+        c, average = state.crease_matrix(), crease_average(n, len(state.folds))
         kernel, torque = state.tangents(), _functional(pattern)
         fixed = sp.Matrix.hstack(*(average * kernel).columnspace())
         generic = sp.Matrix(sp.symbols(f"v_1:{len(state.folds) + 1}"))
@@ -63,14 +63,18 @@ def _check_criticality(statement: tuple[str, str]) -> Verdict:
                 on_fixed.col_join(on_kernel).rank() == on_fixed.rank(),
             )
         )
+    return cases
+
+
+def _check_criticality(statement: tuple[str, str]) -> Verdict:
+    """Torques with the given pattern that vanish on symmetric tangents must vanish on ker C."""
     return by_cases(
-        cases,
+        criticality(statement),
         "C P_g = g C for the creases' permutation P_g, so ker C is invariant; a torque with the "
         "symmetry of the creases takes the same value on v and on its average over the group, "
         "which is a symmetric tangent (and at a regular state all of those are velocities of "
         "symmetric motions).  The value on averages is an identity in v; tangency and ranks are "
-        "verified exactly at rational states of both vertices.  It holds for contact torques summed "
-        "over an orbit as well.",
+        "verified exactly at rational states of both vertices.",
         "equivariance and exact linear algebra",
     )
 

@@ -17,6 +17,8 @@ CORRECTED = {
     "s2.d2h-count": s2d._N / (2 * s2d._M),
     "s3.branch-6": "both",
     "s3.critical-unconstrained": "regular interior",
+    "s3.pinned-criticality": ("smooth gaps, all images", "nonnegative"),
+    "s3.remaining-question": ("regular interior", "smooth gaps"),
     "s3.flat-point": "segment",
     "s3.handles": (s3t.FIRST_HANDLE, s3t.SECOND_HANDLE_RIGHT),
     "s3.morse": "almost all rest angles",

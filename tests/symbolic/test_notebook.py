@@ -9,14 +9,15 @@ NOTEBOOK = Path(__file__).parents[2] / "notebooks" / "02_equations.ipynb"
 
 
 def texts(notebook):
-    """Printed text and Markdown of every code cell."""
-    shown = []
-    for cell in notebook.cells:
-        for out in cell.get("outputs", []):
-            shown.append(
-                out.get("text") or out["data"].get("text/markdown") or out["data"]["text/plain"]
-            )
-    return shown
+    """Printed text and Markdown of every code cell; a kernel may cut one text into several outputs."""
+    return [
+        "".join(
+            out.get("text") or out["data"].get("text/markdown") or out["data"]["text/plain"]
+            for out in cell["outputs"]
+        )
+        for cell in notebook.cells
+        if cell.get("outputs")
+    ]
 
 
 def test_the_committed_notebook_runs_and_is_current():

@@ -1,0 +1,156 @@
+"""Tip-to-tip states: the exact counterexample against finite motions, and the paper's own panels."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from origami_nlp import Vertex, examine, examples, find_minima
+from origami_nlp.model.embedding import fold_vertex
+from symbolic.claims import section3_contact
+from symbolic.claims.section3_energy import crease_average
+from symbolic.rotations import E3
+from symbolic.tips import (
+    TIPS,
+    descent,
+    disjoint,
+    fold_angles,
+    gap_gradient,
+    tip_directions,
+    tip_example,
+    tip_velocity,
+    touching_facets,
+)
+
+
+def floats(values):
+    return np.array([float(v) for v in values])
+
+
+@pytest.fixture(scope="module")
+def tip():
+    """Vertex, fold angles, grad g and d of the exact state, in floating point."""
+    state, c_1, c_2 = tip_example()
+    a = 2 * np.arctan2(1, 3)
+    b = np.pi / 2 - a
+    directions = tip_directions(c_1, c_2)
+    return (
+        Vertex((a, b, b, a, a, b, b, a)),
+        floats(fold_angles(state)),
+        floats(gap_gradient(directions)[0]),
+        floats(descent(c_1, c_2)),
+    )
+
+
+def closed(vertex, phi, average=None):
+    """The nearest closed fold angles, by Gauss-Newton on the quaternion's vector part.
+
+    average: projection on the symmetric fold angles, applied after each step.
+    """
+    for _ in range(8 if average is None else 40):
+        creases, q = fold_vertex(vertex, phi)
+        phi = phi - 2 * np.linalg.pinv(creases.T) @ q[1:]
+        phi = phi if average is None else average @ phi
+    return phi
+
+
+def energy(phi, rest):
+    return ((phi - rest) ** 2).sum() / 2
+
+
+def test_finite_slides_stay_admissible_and_descend_at_the_stated_rate(tip):
+    vertex, phi, gradient, d = tip
+    rest = phi - gradient
+    start = examine(vertex, phi)
+    assert start.admissible and start.touching
+    slopes = []
+    for s in (1e-3, 5e-4, 2.5e-4):
+        moved = closed(vertex, phi + s * d)
+        seen = examine(vertex, moved)
+        assert seen.admissible, seen.reason
+        assert not seen.touching
+        slopes.append((energy(moved, rest) - energy(phi, rest)) / s)
+    assert max(slopes) < 0
+    limit = 2 * slopes[2] - slopes[1]  # Richardson: the slope at the state
+    assert limit == pytest.approx(-35 / 74, rel=1e-3)
+
+
+def test_pressing_without_sliding_crosses(tip):
+    vertex, phi, *_ = tip
+    _, c_1, _ = tip_example()
+    press = floats([1, 0, -c_1[2], 0] * 2)
+    assert not examine(vertex, closed(vertex, phi + 1e-3 * press)).admissible
+    assert examine(vertex, closed(vertex, phi - 1e-3 * press)).admissible
+
+
+def test_no_nearby_symmetric_state_is_admissible_and_lower(tip):
+    vertex, phi, gradient, _ = tip
+    rest = phi - gradient
+    rng = np.random.default_rng(3)
+    average = np.array(crease_average(2, 8), dtype=float)
+    admissible = 0
+    for size in (0.3, 0.03, 0.003):
+        for _ in range(40):
+            a, b, c = size * rng.normal(size=3)
+            near = closed(vertex, phi + np.array([a, b, c, b] * 2), average)
+            if examine(vertex, near).admissible:
+                admissible += 1
+                growth = energy(near, rest) - energy(phi, rest)
+                assert growth >= 5 / 16 * ((near - phi) ** 2).sum() - 1e-14
+    assert admissible > 30
+
+
+def test_velocity_of_the_tips_agrees_with_finite_differences(tip):
+    vertex, phi, _, d = tip
+    state, c_1, c_2 = tip_example()
+    directions = tip_directions(c_1, c_2)
+    exact = floats(tip_velocity(directions, descent(c_1, c_2)))
+    h = 1e-6
+    ends = [fold_vertex(vertex, closed(vertex, phi + s * d))[0] for s in (h, -h)]
+    rates = (ends[0] - ends[1]) / (2 * h)
+    placed = fold_vertex(vertex, phi)[0]
+    wanted = np.array([floats(c) for c in directions])
+    turn = np.linalg.lstsq(placed, wanted, rcond=None)[0]  # row vectors: placed @ turn = wanted
+    assert np.allclose((rates[TIPS[0]] - rates[TIPS[1]]) @ turn, exact, atol=1e-7)
+    assert state.crease_matrix() * descent(c_1, c_2) == sp.zeros(3, 1)
+
+
+@pytest.mark.parametrize("alpha", ["pi/12", "pi/6"])
+def test_the_same_direction_descends_from_the_pinned_states_of_the_panels(alpha):
+    scene = examples.degree8(alpha, 100)
+    minima = find_minima(scene, seed=0).minima
+    found = 0
+    for m in minima:
+        phi = np.array(m.fold_angles)
+        creases = fold_vertex(scene.vertex, phi)[0]
+        axis = creases[TIPS[0]]
+        if not np.allclose(axis, creases[TIPS[1]], atol=1e-8):
+            continue
+        found += 1
+        s = creases[0] @ axis
+        big_c = np.linalg.norm(creases[0] - s * axis)
+        x = creases[1] @ (creases[0] - s * axis) / big_c
+        y = abs(np.cross(axis, creases[0] - s * axis) @ creases[1]) / big_c
+        d = floats(descent((big_c, 0, s), (x, y, creases[1] @ axis)))
+        assert min(big_c, x, y) > 0
+        assert np.allclose(creases.T @ d, 0, atol=1e-8)
+        torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
+        assert torque @ d < -1e-4
+        moved = closed(scene.vertex, phi + 1e-4 * d)
+        assert examine(scene.vertex, moved).admissible
+    assert found == 1
+
+
+def test_facets_apart_and_touching():
+    up, east, north = (sp.Matrix(v) for v in (E3, (1, 0, 0), (0, 1, 0)))
+    assert disjoint((up, east), (north, sp.Matrix([-1, 1, -1])))
+    assert not disjoint((up, east), (sp.Matrix([1, 1, 1]), sp.Matrix([1, -1, 1])))
+    with pytest.raises(ValueError, match="one plane"):
+        disjoint((up, east), (east - up, -up))
+    _, c_1, c_2 = tip_example()
+    assert touching_facets(tip_directions(c_1, c_2)) == {(1, 5), (1, 6), (2, 5), (2, 6)}
+
+
+def test_a_broken_step_leaves_the_claim_undecided(monkeypatch):
+    monkeypatch.setattr(section3_contact, "_broken_steps", lambda: ["C d = 0"])
+    for claim in section3_contact.CLAIMS:
+        assert claim.decide().verdict == "unproved"
