@@ -50,7 +50,7 @@ BESIDE = 1e-3
 MOST_REFINEMENTS = 60
 FARTHEST = 0.2
 """A re-solved state farther than this [rad] from where it was expected has jumped to another basin."""
-AJAR = 1e-4
+AJAR = 1e-6
 """Opening [rad] of the contact in the states that checks start from."""
 
 Status = Literal["exact", "zero", "unbounded", "bound", "none"]

@@ -247,9 +247,16 @@ def _flat_parts(
 
 def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -> float:
     """Return the arclength at which a segment ends between a point inside and its neighbour outside."""
-    if not 0 <= outside < len(excess) or excess[outside] <= 0:  # end of the curve, or of the push
+    if not 0 <= outside < len(excess):  # end of the curve
         return float(curve.s[inside])
-    part = -excess[inside] / (excess[outside] - excess[inside])
+    part = 1.0
+    if excess[outside] > 0:
+        part = -excess[inside] / (excess[outside] - excess[inside])
+    if not curve.pressed[outside]:  # where the moment that changes sign vanishes
+        here, there = curve.multipliers[inside], curve.multipliers[outside]
+        for m, n in zip(here, there, strict=True):
+            if n <= 0 < m:
+                part = min(part, m / (m - n))
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
 
 
