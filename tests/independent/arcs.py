@@ -50,4 +50,4 @@ def nearest_touch(creases: np.ndarray) -> np.ndarray:
     distance = np.where(inside, d, ends)
     j = np.arange(n)
     distance[:, j, j] = distance[:, j, (j + 1) % n] = np.inf
-    return distance.reshape(len(creases), -1).min(axis=1)
+    return distance.min(axis=(1, 2))
