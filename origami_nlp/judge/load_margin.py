@@ -367,16 +367,15 @@ def _resolve(
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
     by: Literal["IPOPT", "descent"] = "IPOPT"
     answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
-    y, active = answer.x, answer.rows
+    y = answer.x
     if np.linalg.norm(y - near) > FARTHEST and is_admissible(model, start):
         by, y = "descent", follow(loaded, start).end
-        active = rows
     at = loaded.local(y)
     values, _ = row_values(loaded, y, rows, at.gaps, at.gaps_jacobian)
     gap = abs(float(values[i]))  # on another piece of the feasible set it opens to the other side
     multiplier = 0.0
-    if gap <= CLOSED and rows[i] in active:
-        mu = sensitivity(loaded, y, active).multipliers[active.index(rows[i])]
+    if gap <= CLOSED:  # the same touch may have been described by another row: read it as row i
+        mu = sensitivity(loaded, y, rows).multipliers[i]
         multiplier = float(model.scale * mu / row_weight(model, rows[i]))
     moved = float(np.linalg.norm(np.sqrt(model.multiplicity) * (y - x)))
     return Check(factor, by, gap, multiplier, moved, gap <= CLOSED)
