@@ -1,0 +1,96 @@
+"""No minimum missing, none extra: each panel against an independently written formulation.
+
+Closed states come from spherical trigonometry over grids of every pair of fold angles, or at random;
+each goes downhill through admissible states only, and must end at a minimum of the package's list;
+every listed minimum must be reached.  Sets that exist only where creases are folded to exactly +-pi
+are enumerated apart.  Nothing here shares code with the package's models, solvers or judges.
+"""
+
+import numpy as np
+import pytest
+from independent.search_descent import descend, grid_minima, starts
+from independent.search_manifold import Piece
+from independent.search_stationary import named_ends
+
+from origami_nlp import examples, find_minima
+
+SAME = 1e-4  # issue: distance [rad] within which an end is a listed minimum
+PANELS = pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
+
+
+@pytest.fixture(scope="module")
+def listed():
+    """Fold angles of the variables and local dimension of every minimum, panel by panel."""
+    known = {}
+
+    def of(scene):
+        if scene.name not in known:
+            minima = find_minima(scene).minima
+            size = Piece.of(scene).size
+            known[scene.name] = (
+                np.array([m.fold_angles[:size] for m in minima]),
+                np.array([m.local_dimension for m in minima]),
+            )
+        return known[scene.name]
+
+    return of
+
+
+def ends_of(piece, x):
+    """Go down from x [B, n] and name the ends; what is left without a name goes down again."""
+    ends, _ = descend(piece, x)
+    named, _ = named_ends(piece, ends)
+    for _ in range(4):
+        lost = np.isnan(named[:, 0])
+        if not lost.any():
+            break
+        ends[lost], _ = descend(piece, ends[lost])
+        named[lost], _ = named_ends(piece, ends[lost])
+    return ends, named
+
+
+def compare(piece, begin, listed):
+    """Check that every descent ends at a listed minimum, and that all of full dimension are reached."""
+    states, dimensions = listed
+    ends, named = ends_of(piece, begin)
+    distance = np.abs(named[:, None] - states).max(axis=2)
+    missing = ~(distance.min(axis=1) <= SAME)  # nan is missing too
+    assert not missing.any(), (
+        f"{missing.sum()} of {len(begin)} descents end elsewhere, the first at {ends[missing][0]}, "
+        f"named {named[missing][0]}, energy {piece.energy(ends[missing][0]):.9g}"
+    )
+    reached = np.bincount(distance.argmin(axis=1), minlength=len(states))
+    extra = (dimensions == 2) & (reached == 0)
+    assert not extra.any(), f"listed, but reached by no descent: {states[extra]}"
+
+
+@PANELS
+def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene, listed):
+    piece = Piece.of(scene)
+    rng = np.random.default_rng(20)
+    begin = np.concatenate([grid_minima(piece, 81), starts(piece, 100, rng)])
+    compare(piece, begin, listed(scene))
+
+
+@pytest.mark.slow
+@PANELS
+def test_2000_random_descents_and_fine_grids_end_at_the_listed_minima(scene, listed):
+    piece = Piece.of(scene)
+    rng = np.random.default_rng(21)
+    begin = np.concatenate([grid_minima(piece, 201), starts(piece, 2000, rng)])
+    compare(piece, begin, listed(scene))
+
+
+@PANELS
+def test_descents_from_around_each_minimum_return_to_it(scene, listed):
+    piece = Piece.of(scene)
+    rng = np.random.default_rng(22)
+    for state, dimension in zip(*listed(scene), strict=True):
+        if dimension < 2:
+            continue
+        near, residual = piece.retract(state + rng.uniform(-0.03, 0.03, (60, piece.size)))
+        near = near[(residual <= 1e-12) & (np.abs(near - state).max(axis=1) <= 0.1)]
+        near = near[piece.admissible(near)]
+        assert len(near) >= 5
+        _, named = ends_of(piece, near[:20])
+        assert np.abs(named - state).max() <= SAME
