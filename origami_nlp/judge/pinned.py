@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,6 +76,9 @@ def report_contacts(
         margin = load_margin(
             result.model, result.model.reduce(np.array(minimum.fold_angles)), check=check
         )
+        if minimum.local_dimension == 0:
+            why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
+            margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
         stiffness = minimum.hessian_eigenvalues
         softness = min(stiffness, default=float("inf")) / total
         states.append(PinnedState(number, minimum, stiffness, softness, margin))
