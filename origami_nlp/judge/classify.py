@@ -10,6 +10,7 @@ import numpy as np
 
 from origami_nlp.judge.branch import STATIONARY, BranchJudgement, judge_branch
 from origami_nlp.judge.nearby import (
+    CLOSES,
     RADII,
     dimension_nearby,
     is_admissible,
@@ -110,9 +111,20 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
     real = [
         b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
     ]
-    # branches that lead nowhere are only points; where all do, and none is certified isolated, look closer
-    isolated = not real and all(b.cone_dimension == 0 for b in judged)
-    decisive = real or judged
+    thickest = max(b.cone_dimension for b in judged)
+    if not real and thickest == 1 and not relaxed:
+        return _isolated(
+            model,
+            x,
+            judged[0],
+            contacts,
+            "isolated: the linearised contacts leave single directions, and facets cross at once "
+            "along each of them (a check, not a proof)",
+        )
+    if not real and thickest > 1:
+        # no piece that the linearised contacts allow is followed by states: isolated, or beyond first order
+        return _by_search(model, x, contacts, judged)
+    decisive = real or judged  # without a real piece every cone is a point: isolated
     dimension = max((b.cone_dimension for b in real), default=0)
     if real and not all(b.regular for b in real):
         dimension = dimension_nearby(model, x, contacts.base)
@@ -128,7 +140,7 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
     if 0 < dimension < model.freedom:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
-    if "undecided" in verdicts or (not real and not isolated):
+    if "undecided" in verdicts:
         return _by_search(model, x, contacts, judged)
     return Classification(
         "minimum",
@@ -138,6 +150,16 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
         _forces(model, x, decisive[0], contacts),
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         decisive[0].multipliers.residual,
+    )
+
+
+def _isolated(
+    model: Model, x: np.ndarray, branch: BranchJudgement, contacts: Contacts, reason: str
+) -> Classification:
+    """Return the classification of an isolated point: a minimum, since it has no neighbours."""
+    forces = _forces(model, x, branch, contacts)
+    return Classification(
+        "minimum", "degenerate", reason, 0, forces, (), branch.multipliers.residual
     )
 
 
@@ -176,11 +198,11 @@ def _follow_descent(
             continue
         d = b.direction / np.linalg.norm(b.direction)
         slope = float(model.local(x).gradient @ d) * model.scale
-        for step in (1e-5, 1e-4, 1e-3, 1e-6, 1e-7):
+        for step in (1e-5, 1e-4, 1e-3):  # shorter ones hide in the snapping of contacts
             y, residual = project(model, x + step * d, b.held)
             change = model.energy_change(x, y)
             if (
-                residual <= 1e-11
+                residual <= CLOSES
                 and np.linalg.norm(y - x) < 3 * step
                 and change < 0.1 * step * slope < 0
                 and is_admissible(model, y)

@@ -8,6 +8,7 @@ what becomes of a minimum that a grid reports.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from origami_nlp.judge.classify import Classification, classify
 from origami_nlp.judge.linear import minimise
 from origami_nlp.judge.nearby import is_admissible, project, search_spheres
 from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Row, closed_contacts, row_values
+from origami_nlp.solve.active import CLOSED, Row, closed_contacts, row_values, same_gap
 from origami_nlp.solve.ipopt import Solve
 from origami_nlp.solve.polish import polish
 
@@ -25,7 +26,9 @@ LONGEST = 0.1
 """Longest step [rad]."""
 CLOSED_TO = 1e-12
 """Every state of a path closes at least this well."""
-SHORTEST = 1e-9
+RESCUE = (3e-2, 1e-2, 1e-3)
+"""Radii [rad] of the search for a lower neighbour: where contacts crowd, the first long step is the easiest."""
+SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
@@ -121,18 +124,22 @@ def _lower_neighbour(
                     and is_admissible(model, y)
                 ):
                     return y
-    rows = closed_contacts(model, x, model.local(x).gaps, 1e-7).base
-    found = search_spheres(model, x, rows)
+    rows = closed_contacts(model, x, model.local(x).gaps).base
+    found = search_spheres(model, x, rows, radii=RESCUE)
     return found.state if found.state is not None and found.lowest < -noise else None
 
 
 def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
     local = model.local(x)
-    contacts = closed_contacts(model, x, local.gaps, 1e-7)
+    contacts = closed_contacts(model, x, local.gaps)
     choices = contacts.combinations() or [contacts.base]
     best: tuple[float, np.ndarray, float] | None = None
-    for rows in choices:
+    near = _nearly_closed(model, x, local.gaps, length)
+    tries = [tuple(dict.fromkeys((*rows, *near))) for rows in choices] if near else []
+    for rows in (*tries, *choices):
+        if best is not None and rows in choices:
+            break  # only where looking ahead to contacts that will close led nowhere
         d = _pull(model, x, rows)
         size = float(np.linalg.norm(d))
         if size < 1e-14:
@@ -158,18 +165,35 @@ def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float
 
 
 def _pull(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
-    """Minimise grad U . d + d'Kd/2 over the linearised feasible cone."""
+    """Minimise grad U . d + d'Kd/2 over the linearised feasible set: gap + gradient . d >= 0 for each row."""
     local = model.local(x)
     n = model.size
     root = np.sqrt(model.parameters[-2 * n : -n])
     z = null_space(local.closure_jacobian / root)
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    gaps, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
     a = a / root @ z
     cost = z.T @ (local.gradient / root)
     if not len(a):
         return -(z @ cost) / root
-    y = minimise(cost, a, np.zeros(len(a)), np.full(len(a), np.inf), -10.0, 10.0, squares=True)
+    lower = -np.maximum(gaps, 0.0)
+    y = minimise(cost, a, lower, np.full(len(a), np.inf), -10.0, 10.0, squares=True)
     return np.zeros(n) if y is None else (z @ y) / root
+
+
+def _nearly_closed(model: Model, x: np.ndarray, gaps: np.ndarray, length: float) -> tuple[Row, ...]:
+    """Return contacts that are open but could close within a step of `length`."""
+    rows = []
+    if model.structure.limits:
+        for v in range(model.size):
+            slack = math.pi - abs(x[v])
+            if CLOSED < slack <= 2 * length:
+                rows.append(Row("limit", v, 1 if x[v] > 0 else -1))
+    same = same_gap(model.structure)
+    for index, gap in enumerate(model.structure.gaps):
+        if same[index] == index and CLOSED < abs(gaps[index]) <= 2 * length:
+            if gap.type != "facet-pair" or gap.pair is None:
+                rows.append(Row("gap", index, 1))
+    return tuple(rows)
 
 
 def _kept(model: Model, x: np.ndarray, rows: tuple[Row, ...], d: np.ndarray) -> tuple[Row, ...]:
@@ -191,4 +215,5 @@ def _polish_nearby(model: Model, x: np.ndarray) -> np.ndarray | None:
     force = {g.pair: 1.0 for g in model.structure.gaps if g.pair is not None}
     done = polish(model, Solve(x, "followed", 0, 0.0, pull, force))
     close = np.abs(done.x - x).max() <= 1e-3
-    return done.x if done.converged and close else None
+    lower = model.energy_change(x, done.x) <= 4e-16 * max(model.energy(x), model.scale)
+    return done.x if done.converged and close and lower else None

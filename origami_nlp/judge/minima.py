@@ -17,7 +17,7 @@ from origami_nlp.judge.full_space import FullSpace, judge_in_full_space
 from origami_nlp.judge.handles import handle_minima
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
-from origami_nlp.solve.starts import flat_foldings
+from origami_nlp.solve.starts import flat_foldings, rigid_states
 from origami_nlp.solve.stopping import enough, expected_undiscovered
 from origami_nlp.state.scene import Scene
 
@@ -161,13 +161,15 @@ def find_minima(
     verdicts: dict[int, Classification] = {}
     found, missing = 0, 0.0
     stopped_by = "cap"
+    # isolated flat foldings, and thin sets at phi = +-pi, are not found by descent
+    thin = handle_minima if model.freedom > 0 else rigid_states
+    for state in itertools.chain(flat_foldings(model), thin(model, seed)):
+        _judge_new(model, add_state(model, state, record), verdicts, record)
     if model.freedom <= 0:
-        # a vertex that cannot fold within its symmetry: the flat state is all there is
-        _judge_new(model, run_one(model, np.zeros(model.size), record), verdicts, record)
-        stopped_by = "rule"
+        stopped_by = (
+            "rule"  # nothing can move within the symmetry: the listed states are all there is
+        )
     else:
-        for state in itertools.chain(flat_foldings(model), handle_minima(model, seed)):
-            _judge_new(model, add_state(model, state, record), verdicts, record)
         for new in run_boundaries(model, seed, record):
             _judge_new(model, new, verdicts, record)
         stream = run_starts(model, seed, record)

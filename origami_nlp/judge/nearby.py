@@ -15,7 +15,7 @@ from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, row_values
 from origami_nlp.solve.starts import broken_gap
 
-RADII = (3e-4, 1e-3, 3e-3)
+RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
 SAMPLES = 60
 """Directions tried at each radius."""
@@ -52,6 +52,8 @@ def is_admissible(model: Model, x: np.ndarray) -> bool:
     return examine(model.scene.vertex, model.expand(x)).admissible
 
 
+CLOSES = 1e-13
+"""A neighbour closes at least this well: at a singular state any point at distance d nearly closes, to d^2."""
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Lengths [rad] at which a direction is tried: other contacts may close soon after the state."""
 
@@ -64,7 +66,7 @@ def leads_somewhere(
         for sign in (1.0, -1.0):
             y, residual = project(model, x + sign * step * tangent, held)
             moved = np.linalg.norm(y - x)
-            if residual <= 1e-11 and 0.1 * step < moved < 10 * step and is_admissible(model, y):
+            if residual <= CLOSES and 0.1 * step < moved < 10 * step and is_admissible(model, y):
                 return True
     return False
 
@@ -86,7 +88,13 @@ class Search:
     dimension: int
 
 
-def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int = 0) -> Search:
+def search_spheres(
+    model: Model,
+    x: np.ndarray,
+    rows: tuple[Row, ...],
+    seed: int = 0,
+    radii: tuple[float, ...] = RADII,
+) -> Search:
     """Look for admissible states at small distances from x, on every stratum of its closed
     contacts.
 
@@ -96,7 +104,7 @@ def search_spheres(model: Model, x: np.ndarray, rows: tuple[Row, ...], seed: int
     noise = 1e-12 * max(energy, model.scale)
     lowest, state, count, smallest, dimension = math.inf, None, 0, math.inf, 0
     seen: set[tuple[Row, ...]] = set()
-    for y, held, radius in _neighbours(model, x, rows, np.random.default_rng(seed)):
+    for y, held, radius in _neighbours(model, x, rows, np.random.default_rng(seed), radii):
         count += 1
         smallest = min(smallest, radius)
         change = model.energy_change(x, y)
@@ -128,7 +136,11 @@ def _dimension_at(model: Model, y: np.ndarray, held: tuple[Row, ...]) -> int:
 
 
 def _neighbours(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], rng: np.random.Generator
+    model: Model,
+    x: np.ndarray,
+    rows: tuple[Row, ...],
+    rng: np.random.Generator,
+    radii: tuple[float, ...] = RADII,
 ) -> Iterator[tuple[np.ndarray, tuple[Row, ...], float]]:
     """Yield admissible states near x with the contacts held closed and the radius tried."""
     limits = [row for row in rows if row.kind == "limit"]
@@ -136,7 +148,7 @@ def _neighbours(
     strata += list(itertools.combinations(limits, 2))
     if len(limits) > 2:
         strata.append(tuple(limits))
-    for held, radius in itertools.product(strata, RADII):
+    for held, radius in itertools.product(strata, radii):
         for _ in range(SAMPLES):
             d = rng.normal(size=model.size)
             for row in limits:  # step into the fold limits, not out of them
@@ -145,7 +157,7 @@ def _neighbours(
                 continue
             y, residual = project(model, x + radius * d / np.linalg.norm(d), held)
             distance = float(np.linalg.norm(y - x))
-            if residual > 1e-11 or not 0.05 * radius < distance < 3 * radius:
+            if residual > CLOSES or not 0.05 * radius < distance < 3 * radius:
                 continue
             if is_admissible(model, y):
                 yield y, held, radius

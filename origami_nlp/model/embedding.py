@@ -20,7 +20,7 @@ from origami_nlp.model import quaternion as quat
 from origami_nlp.model.layers import LayerProblem, layer_problem
 from origami_nlp.state.vertex import Vertex
 
-SNAP = 1e-7
+SNAP = 1e-8
 """Distance on the unit sphere below which two features are taken to touch [rad]."""
 
 

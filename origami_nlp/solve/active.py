@@ -125,7 +125,7 @@ def closed_contacts(
         for option in options:
             rows = []
             for row in option:
-                again = _limit_that_says_the_same(model, x, row, base)
+                again = _limit_that_says_the_same(model, row, base)
                 if again is None:
                     rows.append(row)
                 else:
@@ -228,7 +228,7 @@ def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -
     return False
 
 
-def _limit_that_says_the_same(model: Model, x: np.ndarray, row: Row, base: list[Row]) -> Row | None:
+def _limit_that_says_the_same(model: Model, row: Row, base: list[Row]) -> Row | None:
     """Return the fold limit that makes a ray-on-facet row redundant, if there is one.
 
     Ray k lies on facet j because both belong to the two facets at a crease m folded to +-pi.  The
@@ -253,5 +253,6 @@ def _limit_that_says_the_same(model: Model, x: np.ndarray, row: Row, base: list[
             variable = m % model.size
         for limit in base:
             if limit.kind == "limit" and limit.index == variable:
-                return limit
+                # a valley turns the walk around the vertex to the left: the other facet opens on that side
+                return limit if row.side == limit.side else None
     return None

@@ -131,14 +131,30 @@ MOST_FLAT_VARIABLES = 9
 def flat_foldings(model: Model) -> list[np.ndarray]:
     """Return every state of the model whose fold angles are 0 or +-pi and that closes on the sheet.
 
-    Candidates only: layers are not ordered here.  Empty without fold limits, or for too many
-    variables.
+    Candidates only: layers are not ordered here.  Only the flat state without fold limits, or for too
+    many variables.
     """
     n = model.size
     if not model.structure.limits or n > MOST_FLAT_VARIABLES:
-        return []
+        return [np.zeros(n)]
     x = math.pi * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=n)))
     closure = model.functions.closure.map(len(x))
     g, _ = closure(x.T, np.tile(model.parameters[:, None], (1, len(x))))
     closed = np.abs(np.asarray(g)).max(axis=0) <= 1e-12
     return [state for state in x[closed] if model.on_sheet(state)]
+
+
+def rigid_states(model: Model, seed: int) -> list[np.ndarray]:
+    """Return isolated closed states of a model without freedom, other than flat foldings.
+
+    Gauss-Newton from random fold angles; states next to a flat folding are the slow approach to it.
+    """
+    flat = flat_foldings(model)
+    x = np.random.default_rng(seed).uniform(-math.pi, math.pi, (4 * BATCH, model.size))
+    x, residual = project_batch(model, x, np.zeros_like(x, dtype=bool))
+    found: list[np.ndarray] = []
+    for state in x[(residual <= 1e-12) & (np.abs(x) <= model.bound).all(axis=1)]:
+        known = [*flat, *found]
+        if model.on_sheet(state) and all(np.abs(state - k).max() > 1e-3 for k in known):
+            found.append(state)
+    return found
