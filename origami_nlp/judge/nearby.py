@@ -19,6 +19,8 @@ RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
 SAMPLES = 60
 """Directions tried at each radius."""
+MOST_STRATA = 120
+"""Sets of contacts that are held closed in turn."""
 
 
 def project(
@@ -144,12 +146,29 @@ def _neighbours(
 ) -> Iterator[tuple[np.ndarray, tuple[Row, ...], float]]:
     """Yield admissible states near x with the contacts held closed and the radius tried."""
     limits = [row for row in rows if row.kind == "limit"]
+    # a gap is held at zero whatever its side; two creases that lie on each other may turn as one hinge
+    gaps = list({row.index: row for row in rows if row.kind == "gap"}.values())
     strata: list[tuple[Row, ...]] = [(), *((row,) for row in limits)]
     strata += list(itertools.combinations(limits, 2))
     if len(limits) > 2:
         strata.append(tuple(limits))
+    strata += [(row,) for row in gaps]
+    strata += _hinges(model, x, gaps)
+    strata = list(dict.fromkeys(strata))[:MOST_STRATA]
+    # two creases on one line can turn together as one hinge, all others still
+    for (v, w), signs, radius in itertools.product(
+        itertools.combinations(range(model.size), 2),
+        itertools.product((1.0, -1.0), repeat=2),
+        radii,
+    ):
+        y = x.copy()
+        y[[v, w]] += radius * np.array(signs)
+        closes = np.abs(model.closure(y)[0]).max() <= CLOSES
+        if closes and is_admissible(model, y):
+            still = tuple(row for row in limits if row.index not in (v, w))
+            yield y, still, radius
     for held, radius in itertools.product(strata, radii):
-        for _ in range(SAMPLES):
+        for _ in range(SAMPLES if len(strata) < 30 else SAMPLES // 3):
             d = rng.normal(size=model.size)
             for row in limits:  # step into the fold limits, not out of them
                 d[row.index] = 0.0 if row in held else -row.side * abs(d[row.index])
@@ -161,3 +180,19 @@ def _neighbours(
                 continue
             if is_admissible(model, y):
                 yield y, held, radius
+
+
+def _hinges(model: Model, x: np.ndarray, gaps: list[Row]) -> list[tuple[Row, ...]]:
+    """Return, for each two creases that lie on each other, the gaps that keep them so."""
+    rays = model.rays(x)
+    n = len(rays)
+    together: dict[tuple[int, int], list[Row]] = {}
+    for row in gaps:
+        gap = model.structure.gaps[row.index]
+        if gap.type != "facet-pair":
+            continue
+        k, j = gap.rays
+        for end in (j, (j + 1) % n):
+            if np.linalg.norm(rays[k] - rays[end]) <= 1e-7:
+                together.setdefault((min(k, end), max(k, end)), []).append(row)
+    return [tuple(rows) for rows in together.values() if len(rows) > 1]

@@ -17,6 +17,8 @@ from origami_nlp.solve.starts import StartStream, crossed_pairs
 
 SAME = 1e-6
 """Polished states closer than this in every fold angle [rad] are one state."""
+SAME_UNPOLISHED = 1e-3
+"""The same where one of them is only IPOPT's answer: at singular states it is good to the root of its tolerance."""
 MOST_PAIR_ROUNDS = 4
 SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
 """Solves along each contact boundary, and over all of them."""
@@ -125,11 +127,18 @@ def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -
 def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
     """File a polished state under the answer that it is, or as a new one, which is returned."""
     for known in record.answers:
-        if np.abs(known.polished.x - polished.x).max() <= SAME:
+        exact = known.polished.converged and polished.converged
+        if np.abs(known.polished.x - polished.x).max() <= (SAME if exact else SAME_UNPOLISHED):
             known.hits += hits
+            if polished.converged and not known.polished.converged:
+                known.polished = polished  # judged anew by whoever asks for the answer
+                return known
             return None
     for known in record.listed:
-        if np.abs(known.polished.x - polished.x).max() > SAME:
+        near = SAME if polished.converged else SAME_UNPOLISHED
+        if np.abs(known.polished.x - polished.x).max() > near:
+            continue
+        if not polished.converged and not known.is_minimum:
             continue
         record.listed.remove(known)
         if known.is_minimum:  # exact, where a solve at a singular state is not
