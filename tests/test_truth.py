@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from independent.admissible import admissible
 from independent.neighbours import RADII, Problem, draw, look_around, strata
+from independent.pockets import look_along_contacts
 
 from origami_nlp import examples, find_minima
 
@@ -86,6 +87,18 @@ def test_the_same_look_refutes_unstable_and_moved_states(scene, results):
         moved = moved[admissible(p.sectors, moved[:, p.orbit], p.contact)]
         if m.local_dimension:
             assert len(look_around(p, moved[0], NORMAL, rng, radii=RADII[4:]).lower)
+
+
+@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+def test_no_neighbour_that_keeps_facets_touching_is_lower(scene, results):
+    rng = np.random.default_rng(15)
+    for m in results[scene.name].minima:
+        phi = np.array(m.fold_angles)
+        spaces = [Problem.of(scene)]
+        if m.full_space.verdict == "stable":
+            spaces.append(full_problem(scene))
+        for p in spaces if m.contacts else ():
+            assert not len(look_along_contacts(p, p.reduce(phi), 20, rng)[1])
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)

@@ -10,7 +10,8 @@ closure residual rho moves a state by at most rho / sigma, sigma the smallest si
 closure Jacobian of the state, and so the energy by |torque| rho / sigma.
 
 A lower neighbour refutes a minimum only where the straight way to it, projected onto closure, stays
-admissible: another piece of the feasible set may pass within 1e-1.
+admissible and never climbs: another piece of the feasible set, or another basin, may pass within
+1e-1.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Problem:
     def of(cls, scene: Scene) -> Problem:
         return cls(
             np.array(scene.vertex.sector_angles),
-            np.array(scene.group.orbit),
+            np.unique(scene.group.orbit, return_inverse=True)[1],
             np.array(scene.stiffness),
             np.array(scene.rest_angles),
             scene.contact,
@@ -77,7 +78,7 @@ class Around:
 
     tried, admitted: perturbations projected to closure, and those that are admissible.
     lower: connected admissible states that are lower in energy beyond rounding, [m, n]; change: by
-    how much.  elsewhere: lower states that no admissible straight way leads to.
+    how much.  elsewhere: lower states that no admissible straight way downhill leads to.
     dimension: largest dimension of a stratum with admissible neighbours.
     """
 
@@ -120,12 +121,15 @@ WAY = np.linspace(0, 1, 12)[1:-1]
 
 
 def connected(p: Problem, x: np.ndarray, y: np.ndarray, held: np.ndarray) -> bool:
-    """Tell whether the straight way from x to y, projected onto closure, is admissible."""
+    """Tell whether the straight way from x to y, projected onto closure, is admissible and level."""
     way = x + WAY[:, None] * (y - x)
     z, residual = project(p.sectors, p.orbit, way, held)
     near = np.linalg.norm(z - way, axis=1).max() <= 0.5 * np.linalg.norm(y - x)
     closed = residual.max() <= 1e-13
-    return bool(near and closed and admissible(p.sectors, z[:, p.orbit], p.contact).all())
+    climbs = (p.energy_change(z, x) > energy_noise(p, x, residual)).any()
+    if not (near and closed) or climbs:
+        return False
+    return bool(admissible(p.sectors, z[:, p.orbit], p.contact).all())
 
 
 def strata(p: Problem, x: np.ndarray) -> list[np.ndarray]:
@@ -156,7 +160,7 @@ def look_around(
     candidates that are not polished).
     """
     x = np.asarray(state, dtype=float).copy()
-    near = math.pi - np.abs(x) <= 1e-9
+    near = np.abs(math.pi - np.abs(x)) <= 1e-9 * (p.contact != "none")
     x[near] = np.sign(x[near]) * math.pi
     tried = admitted = dimension = elsewhere = 0
     lower, change = [], []

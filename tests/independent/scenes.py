@@ -97,3 +97,15 @@ def build(
 
 
 SHAPES = [s for s in SHAPES if degree(s) >= 4]
+
+
+def rational(rng: np.random.Generator) -> Scene:
+    """Return a scene of degree 4 to 6 whose sectors are small multiples of one angle, no symmetry."""
+    n = int(rng.integers(4, 7))
+    while True:
+        m = rng.integers(1, 6, n)
+        if 2 * m.max() < m.sum():
+            break
+    rest = rng.choice([-math.pi, math.pi, -math.pi / 2, math.pi / 2, 0.5], n)
+    sectors = tuple((2 * math.pi / m.sum() * m).tolist())
+    return Scene(Vertex(sectors), 10.0 ** rng.uniform(-1, 1, n), rest, "none", "full")

@@ -1,0 +1,71 @@
+"""Random vertices: nothing crashes, and every minimum that is reported is one.
+
+Random groups and mirrors (through creases and facets), stiffness ratios up to 1e4 and 1e-4, every
+contact mode; and vertices of rational sector angles with folded rest angles, where layers stack.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from independent.admissible import admissible
+from independent.neighbours import Problem, look_around
+from independent.pockets import look_along_contacts
+from independent.rotations import fold, spin_sign
+from independent.scenes import SHAPES, build, degree, rational
+
+from origami_nlp import find_minima
+
+RIGID = [("D", 1, 2, (False, False)), ("D", 2, 1, (False, False)), ("D", 3, 1, (False, False))]
+"""As many equations as fold angles: only the flat state."""
+MOVING = [s for s in SHAPES if s not in RIGID and degree(s) <= 9]
+SMALL = np.array([1e-3, 1e-4])
+
+
+def random_scene(seed):
+    rng = np.random.default_rng(seed)
+    contact = ("full", "full", "full", "fold-limits", "none")[rng.integers(5)]
+    return build(rng, MOVING[seed % len(MOVING)], contact, decades=float(rng.choice([0.3, 1, 2])))
+
+
+def check(scene, count, max_starts):
+    """Check every minimum of a scene; returns how many there are."""
+    result = find_minima(scene, max_starts=max_starts)
+    p, rng = Problem.of(scene), np.random.default_rng(1)
+    for m in result.minima:
+        phi, x = np.array(m.fold_angles), p.reduce(m.fold_angles)
+        assert (x[p.orbit] == phi).all()  # symmetric to the last bit
+        assert math.isclose(m.energy, float(p.energy(x)), rel_tol=1e-12, abs_tol=1e-25)
+        if not m.polished:
+            assert m.kind == "degenerate"
+            continue  # known to IPOPT's accuracy only, and said so
+        product = fold(p.sectors, phi)[1][0]
+        assert np.abs(product - np.eye(3)).max() <= 3e-14
+        assert spin_sign(p.sectors, phi)[0] > 0
+        assert admissible(p.sectors, phi, scene.contact)[0]
+        assert m.kkt_residual <= 1e-12 or m.kind == "degenerate"
+        around = look_around(p, x, count, rng)
+        assert not len(around.lower), (scene, m, around)
+        near = look_around(p, x, 60, rng, radii=SMALL)
+        assert near.dimension == m.local_dimension, (scene, m, near)
+        if m.contacts and scene.contact == "full":
+            _, lower = look_along_contacts(p, x, 12, rng)
+            assert not len(lower), (scene, m, lower)
+    return len(result.minima)
+
+
+@pytest.mark.parametrize("seed", range(22))
+def test_every_minimum_of_a_random_vertex_is_one(seed):
+    assert check(random_scene(seed), 300, 150)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1000, 1200))
+def test_every_minimum_of_two_hundred_random_vertices_is_one(seed):
+    assert check(random_scene(seed), 1500, 1000)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_every_minimum_of_a_rational_vertex_is_one(seed):
+    assert check(rational(np.random.default_rng(seed)), 600, 300)
