@@ -158,9 +158,8 @@ def _isolated(
 ) -> Classification:
     """Return the classification of an isolated point: a minimum, since it has no neighbours."""
     forces = _forces(model, x, branch, contacts)
-    return Classification(
-        "minimum", "degenerate", reason, 0, forces, (), branch.multipliers.residual
-    )
+    # nothing has to balance at a point that cannot move: no stationarity residual
+    return Classification("minimum", "degenerate", reason, 0, forces)
 
 
 def _held_words(model: Model, branches: list[BranchJudgement]) -> str:
@@ -241,7 +240,7 @@ def _by_search(
         found.dimension,
         _forces(model, x, judged[0], contacts),
         tuple((model.scale * judged[0].eigenvalues).tolist()),
-        judged[0].multipliers.residual,
+        judged[0].multipliers.residual if found.state is not None else math.nan,
     )
 
 
@@ -257,7 +256,12 @@ def _where_rays_meet(model: Model, x: np.ndarray, gap: Gap) -> str | None:
             and has[end % len(has)]
         ):
             first, second = sorted((model.crease_of_ray(k), model.crease_of_ray(end)))
-            return f"creases {first} and {second} on each other"
+            facet = model.facet_of_ray(j)
+            off = model.crease_of_ray(k)
+            return (
+                f"creases {first} and {second} on each other "
+                f"(opening: crease {off} off the plane of facet {facet})"
+            )
     return None
 
 

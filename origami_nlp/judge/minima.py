@@ -67,7 +67,8 @@ class SearchReport:
     with planes).
     statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end
     state is.
-    expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start reached.
+    expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
+    reached.
     stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
     reason and hits.
     """
@@ -145,7 +146,8 @@ def find_minima(
     max_starts
         Cap on random starts, for scenes where the stopping rule asks for more.
     full
-        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.
+        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
+        included.
     progress
         Called after each start.
 

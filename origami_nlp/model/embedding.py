@@ -117,7 +117,9 @@ def examine(vertex: Vertex, fold_angles: np.ndarray, *, tolerance: float = SNAP)
     over = np.abs(phi) - math.pi
     if over.max() > tolerance:
         crease = int(over.argmax()) + 1
-        return bad(f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}")
+        return bad(
+            f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
+        )
     n = len(phi)
     arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
     i, j = np.triu_indices(n, 2)

@@ -34,6 +34,13 @@ def enumerate_gaps(
         left.append(
             LeftOut("crossing of non-adjacent facets", f'contact = "{scene.contact}" does not ask')
         )
+        if group.order >= 2:
+            left.append(
+                LeftOut(
+                    "symmetric states that wind more than once around the axis",
+                    "their facets cross; closure asks each piece to turn by 2 pi / order",
+                )
+            )
         if scene.contact == "none":
             left.append(LeftOut("fold limits |phi| <= pi", 'contact = "none" does not ask'))
         return (), (), tuple(left)

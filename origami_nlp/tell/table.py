@@ -61,7 +61,8 @@ def minima_table(result: MinimaResult) -> Table:
             Text(m.kind, style=KIND_STYLE[m.kind]),
             freedom_words(m.local_dimension, result.model.freedom),
             f"{m.closure_residual:.0e}",
-            f"{m.kkt_residual:.0e}" + ("" if m.polished else " (IPOPT)"),
+            ("-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}")
+            + ("" if m.polished else " (IPOPT)"),
             str(m.hits),
         )
     return table
@@ -163,7 +164,7 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
         str(r.search.starts),
         str(failed),
         f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
-        f"{max((m.kkt_residual for m in r.minima), default=0):.0e}",
+        f"{max((m.kkt_residual for m in r.minima if not math.isnan(m.kkt_residual)), default=0):.0e}",
         f"{r.search.seconds:.2f}",
     )
 
