@@ -11,7 +11,7 @@ import pytest
 from independent.admissible import admissible
 from independent.neighbours import Problem, look_around
 from independent.pockets import look_along_contacts
-from independent.rotations import fold, spin_sign
+from independent.rotations import fold, project, spin_sign
 from independent.scenes import SHAPES, build, degree, rational
 
 from origami_nlp import find_minima
@@ -57,6 +57,21 @@ def check(scene, count, max_starts):
 @pytest.mark.parametrize("seed", range(22))
 def test_every_minimum_of_a_random_vertex_is_one(seed):
     assert check(random_scene(seed), 300, 150)
+
+
+@pytest.mark.parametrize("shape", RIGID, ids=str)
+def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
+    for seed in range(4):
+        scene = build(np.random.default_rng(seed), shape)
+        assert scene.model().freedom == 0
+        (flat,) = find_minima(scene).minima
+        assert flat.local_dimension == 0 and not any(flat.fold_angles)
+        # own look: from anywhere near, closure leads back to the flat state, or nowhere
+        p, rng = Problem.of(scene), np.random.default_rng(seed)
+        x, residual = project(p.sectors, p.orbit, rng.uniform(-0.5, 0.5, (40, p.size)), steps=400)
+        closed = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
+        closed[closed] = admissible(p.sectors, x[closed][:, p.orbit])
+        assert (np.abs(x[closed]) <= 1e-4).all()
 
 
 @pytest.mark.slow
