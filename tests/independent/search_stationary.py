@@ -18,7 +18,8 @@ import numpy as np
 from independent.search_manifold import E2, Piece
 
 Contact = tuple[str, int, int]
-"""("limit", variable, side), ("tips", 0, side) or ("axis", variable, 1)."""
+"""("limit", variable, side), ("tips", 0, side) or ("axis", variable, 1); or, the same touch as "tips" in
+another measure, ("plane", 0, side): the angle of c_4 off the plane of facet 1."""
 
 
 def contacts(piece: Piece) -> list[Contact]:
@@ -44,6 +45,12 @@ def gap(piece: Piece, contact: Contact, x: np.ndarray) -> tuple[float, np.ndarra
         turn = np.cross(c, c[-1])
         across = np.array([-c[-1, 2], 0.0, c[-1, 0]])
         return side * math.atan2(c[-1, 2], c[-1, 0]), side * weight * (turn @ across)
+    if kind == "plane":
+        normal = np.cross(c[0], c[1]) / math.sin(piece.chain[0])
+        value = float(normal @ c[-1])
+        slope = np.cross(c, c[-1]) @ normal
+        slope[0] = 0.0  # the first fold turns the plane as well
+        return side * math.asin(value), side * weight * slope / math.sqrt(1 - value**2)
     if v == 0:  # the axis is where c_1 is perpendicular to the other mirror's normal K e2
         value, slope = -w[0], -np.cross(c, w)[:, 0]
     else:
