@@ -88,7 +88,9 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
     if not model.on_sheet(x):
         return reject("not admissible", "closes with q = -1: not a sheet of paper")
     if model.scene.contact == "full":
-        embedding = examine(model.scene.vertex, model.expand(x))
+        embedding = examine(
+            model.scene.vertex, model.expand(x), elements=model.scene.group.elements
+        )
         if not embedding.admissible:
             return reject("not admissible", embedding.reason)
     local = model.local(x)

@@ -20,7 +20,6 @@ from origami_nlp.judge.multipliers import find_multipliers
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import closed_contacts, gap_weights, row_values
 from origami_nlp.state.scene import Scene
-from origami_nlp.state.symmetry import shared_symmetries
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 
@@ -140,27 +139,17 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
 
     Rotations are named by their angle, mirrors by the creases (or facets) on them.
     """
-    n, order = scene.degree, scene.group.order
-    shifts, mirrors = shared_symmetries(scene.vertex, scene.stiffness, scene.rest_angles)
+    n = scene.degree
     i = np.arange(n)
-    step = n // order
-    out = [
-        ("identity" if s == 0 else f"rotation by {360 * s // step // order} deg", (i + s) % n)
-        for s in shifts
-        if s % step == 0
-    ]
-    if scene.group.kind == "D":
-        first = scene.group.rays[0]
-        start = None if first.crease is None else 2 * first.crease % n
-        if start is None:
-            neighbour = scene.group.rays[1].crease
-            assert neighbour is not None
-            start = (2 * neighbour - 1) % n
-        for s in mirrors:
-            if (s - start) % step == 0:
-                fixed = [str(j + 1) for j in range(n) if (2 * j - s) % n == 0]
-                name = f"mirror through crease{'s' * (len(fixed) > 1)} {', '.join(fixed)}"
-                out.append((name if fixed else "mirror through facets", (s - i) % n))
+    out = []
+    for s, mirrored in scene.group.elements:
+        if mirrored:
+            fixed = [str(j + 1) for j in range(n) if (2 * j - s) % n == 0]
+            name = f"mirror through crease{'s' * (len(fixed) > 1)} {', '.join(fixed)}"
+            out.append((name if fixed else "mirror through facets", (s - i) % n))
+        else:
+            turn = 360 * s // n
+            out.append(("identity" if s == 0 else f"rotation by {turn} deg", (i + s) % n))
     return out
 
 

@@ -51,7 +51,8 @@ def is_admissible(model: Model, x: np.ndarray) -> bool:
         return True
     if model.structure.gaps and broken_gap(model, model.local(x).gaps) is not None:
         return False
-    return examine(model.scene.vertex, model.expand(x)).admissible
+    state = examine(model.scene.vertex, model.expand(x), elements=model.scene.group.elements)
+    return state.admissible
 
 
 CLOSES = 1e-13

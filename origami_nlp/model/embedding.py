@@ -101,8 +101,18 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
-def examine(vertex: Vertex, fold_angles: np.ndarray, *, tolerance: float = SNAP) -> Embedding:
-    """Tell whether a state of a vertex is admissible with full contact, and why not if not."""
+def examine(
+    vertex: Vertex,
+    fold_angles: np.ndarray,
+    *,
+    tolerance: float = SNAP,
+    elements: tuple[tuple[int, bool], ...] = (),
+) -> Embedding:
+    """Tell whether a state of a vertex is admissible with full contact, and why not if not.
+
+    With `elements` of a group (`Symmetry.elements`), which the fold angles have, touching layers must have an
+    order with that symmetry as well: equal fold angles do not make a stack symmetric.
+    """
     phi = np.asarray(fold_angles, dtype=float)
     creases, q = fold_vertex(vertex, phi)
     residual = float(np.linalg.norm(q[1:]))
@@ -135,5 +145,13 @@ def examine(vertex: Vertex, fold_angles: np.ndarray, *, tolerance: float = SNAP)
     if not problem.solvable():
         return Embedding(
             False, "touching facets have no layer order without crossing", residual, True, problem
+        )
+    if len(elements) > 1 and not problem.with_symmetry(elements, n).solvable():
+        return Embedding(
+            False,
+            "touching facets have a layer order, but none with the symmetry",
+            residual,
+            True,
+            problem,
         )
     return Embedding(True, "", residual, True, problem)

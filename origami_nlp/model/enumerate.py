@@ -43,6 +43,7 @@ def enumerate_gaps(
             )
         if scene.contact == "none":
             left.append(LeftOut("fold limits |phi| <= pi", 'contact = "none" does not ask'))
+            left.append(LeftOut("fold angles beyond 2 pi", "each further turn repeats the shape"))
         return (), (), tuple(left)
     left.append(LeftOut("pairs of adjacent facets", "they cannot cross while |phi| <= pi"))
     gaps: list[Gap] = []

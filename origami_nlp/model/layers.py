@@ -59,6 +59,47 @@ class LayerProblem:
         right = self.solvable({pair: flip})
         return int(left) - int(right)
 
+    def with_symmetry(self, elements: tuple[tuple[int, bool], ...], degree: int) -> LayerProblem:
+        """Ask the layers to have a symmetry: elements (s, mirrored) of the group of a `degree`-crease vertex.
+
+        Seen along its own direction, a strand has another on its left exactly when their images do: a
+        mirror swaps left and right, and turns the direction of the walk round.
+        """
+        pieces: dict[int, int] = {}
+        run: dict[Strand, int] = {}
+        for strands in self.segments.values():
+            for (arc, piece), direction in strands:
+                pieces[arc] = max(pieces.get(arc, 0), piece + 1)
+                run[arc, piece] = direction
+        tables = list(self.tables)
+        feasible = self.feasible
+        for shift, mirrored in elements:
+            for strands in self.segments.values():
+                for (a, _), (b, _) in itertools.combinations(strands, 2):
+                    a2, b2 = (_image(c, shift, mirrored, degree, pieces) for c in (a, b))
+                    one, flip_one = ordered(a, b)
+                    two, flip_two = ordered(a2, b2)
+                    # the first of a pair is left of the second, along the direction of a: v != odd
+                    odd_one, odd_two = flip_one != (run[a] < 0), flip_two != (run[a2] < 0)
+                    if one == two:
+                        feasible = feasible and odd_one == odd_two
+                        continue
+                    equal = odd_one == odd_two
+                    allowed = {(v, v == equal) for v in (False, True)}
+                    tables.append(((one, two), frozenset(allowed)))
+        return LayerProblem(self.segments, tables, self.fixed, feasible)
+
+
+def _image(
+    strand: Strand, shift: int, mirrored: bool, degree: int, pieces: dict[int, int]
+) -> Strand:
+    """Return the strand that an element of the group sends a strand to."""
+    arc, piece = strand
+    if not mirrored:
+        return (arc + shift) % degree, piece
+    target = (shift - arc - 1) % degree
+    return target, pieces[target] - 1 - piece
+
 
 def ordered(a: Strand, b: Strand) -> tuple[Pair, bool]:
     """Return the pair with the smaller strand first, and whether that swapped them."""

@@ -107,8 +107,8 @@ class Model:
 
     @property
     def bound(self) -> float:
-        """Largest |fold angle|: pi, or infinity without contact."""
-        return math.pi if self.structure.limits else math.inf
+        """Largest |fold angle|: pi, or 2 pi without contact, where each further turn repeats the shape."""
+        return math.pi if self.structure.limits else 2 * math.pi
 
     def creases_of(self, variable: int) -> tuple[int, ...]:
         """Return the creases (1-based) whose fold angle is variable number `variable` (0-based)."""

@@ -9,7 +9,7 @@ consistent.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,12 +51,28 @@ def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) ->
     for first in dict.fromkeys((guess, firm, ())):
         result, consistent = _repair(model, answer.x, first)
         if result is not None and consistent:
-            return result
+            return _at_singular_folding(model, result)
         if result is not None and fallback is None:
             fallback = result
     if fallback is not None:
         return fallback
     return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
+
+
+def _at_singular_folding(model: Model, state: Polished) -> Polished:
+    """Move a state beside a flat folding where closure loses rank onto it.
+
+    There any state at distance d closes to d^2, so that Newton stops short of the folding, or next to it.
+    """
+    flat = math.pi * np.round(state.x / math.pi)
+    y = np.where(np.abs(state.x - flat) <= 1e-5, flat, state.x)
+    if (y == state.x).all():
+        return state
+    residual, jacobian = model.closure(y)
+    singular = np.linalg.svd(jacobian, compute_uv=False).min() <= 1e-9
+    if not singular or np.abs(residual).max() > 1e-14:
+        return state
+    return replace(state, x=y, closure_residual=float(np.abs(residual).max()))
 
 
 def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polished | None, bool]:

@@ -49,12 +49,15 @@ class Symmetry:
         included; for C_n the creases of one period of angle 2 pi/n.
     orbit
         For each crease, the position in `rays` of the crease that it is an image of.
+    elements
+        Every element as (s, mirrored): it sends crease i (0-based) to i + s, or to s - i if mirrored.
     """
 
     kind: str
     order: int
     rays: tuple[Ray, ...]
     orbit: tuple[int, ...]
+    elements: tuple[tuple[int, bool], ...] = ((0, False),)
 
     @property
     def name(self) -> str:
@@ -155,7 +158,8 @@ def _parse(wanted: object) -> tuple[str, int]:
 def _period(vertex: Vertex, order: int) -> Symmetry:
     n, period = vertex.degree, vertex.degree // order
     rays = tuple(Ray(i, vertex.sector_angles[i]) for i in range(period))
-    return Symmetry("C", order, rays, tuple(i % period for i in range(n)))
+    rotations = tuple((m * period, False) for m in range(order))
+    return Symmetry("C", order, rays, tuple(i % period for i in range(n)), rotations)
 
 
 def _wedge(vertex: Vertex, order: int, mirrors: list[int], mirror: int | None) -> Symmetry:
@@ -198,4 +202,6 @@ def _wedge(vertex: Vertex, order: int, mirrors: list[int], mirror: int | None) -
         orbit.append(next(position[j] for j in images if j in position))
     total = math.fsum(ray.sector for ray in rays)
     assert abs(total - math.pi / order) < 1e-7, "wedge angle"  # symmetry was checked before
-    return Symmetry("D", order, tuple(rays), tuple(orbit))
+    elements = [(m * step, False) for m in range(order)]
+    elements += [((start + m * step) % n, True) for m in range(order)]
+    return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))
