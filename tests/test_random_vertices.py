@@ -40,17 +40,22 @@ def check(scene, count, max_starts):
             assert m.kind == "degenerate"
             continue  # known to IPOPT's accuracy only, and said so
         product = fold(p.sectors, phi)[1][0]
-        assert np.abs(product - np.eye(3)).max() <= 3e-14
+        # angles of many turns (contact "none") are known to eps times their size only
+        rounding = 3e-14 + 4 * np.finfo(float).eps * np.abs(phi).sum()
+        assert np.abs(product - np.eye(3)).max() <= rounding
         assert spin_sign(p.sectors, phi)[0] > 0
         assert admissible(p.sectors, phi, scene.contact)[0]
         assert m.kkt_residual <= 1e-12 or m.kind == "degenerate"
         around = look_around(p, x, count, rng)
         assert not len(around.lower), (scene, m, around)
         near = look_around(p, x, 60, rng, radii=SMALL)
-        assert near.dimension == m.local_dimension, (scene, m, near)
+        caught = 0
         if m.contacts and scene.contact == "full":
-            _, lower = look_along_contacts(p, x, 12, rng)
+            caught, lower = look_along_contacts(p, x, 12, rng)
             assert not len(lower), (scene, m, lower)
+        # only sets that keep facets touching may be missed by a look that keeps fold limits
+        same = near.dimension == m.local_dimension
+        assert same or (near.dimension < m.local_dimension and caught), (scene, m, near)
     return len(result.minima)
 
 
