@@ -8,9 +8,15 @@ are enumerated apart.  Nothing here shares code with the package's models, solve
 
 import numpy as np
 import pytest
+from independent.neighbours import Problem
 from independent.search_descent import descend, grid_minima, starts
 from independent.search_manifold import Piece
 from independent.search_stationary import named_ends
+from independent.search_thin import (
+    flat_foldings,
+    lowest_on_curves,
+    truly_minimal,
+)
 
 from origami_nlp import examples, find_minima
 
@@ -68,7 +74,7 @@ def compare(piece, begin, listed):
 def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene, listed):
     piece = Piece.of(scene)
     rng = np.random.default_rng(20)
-    begin = np.concatenate([grid_minima(piece, 81), starts(piece, 100, rng)])
+    begin = np.concatenate([grid_minima(piece, 61), starts(piece, 100, rng)])
     compare(piece, begin, listed(scene))
 
 
@@ -94,3 +100,30 @@ def test_descents_from_around_each_minimum_return_to_it(scene, listed):
         assert len(near) >= 5
         _, named = ends_of(piece, near[:20])
         assert np.abs(named - state).max() <= SAME
+
+
+def _thin_sets_hold_nothing_else(scene, listed, size):
+    piece, problem = Piece.of(scene), Problem.of(scene)
+    states, dimensions = listed
+    candidates = np.concatenate([lowest_on_curves(piece, size), flat_foldings(piece)])
+    minimal = truly_minimal(piece, problem, candidates, seed=23)
+    distance = np.abs(minimal[:, None] - states).max(axis=2)
+    missing = ~(distance.min(axis=1) <= SAME)
+    assert not missing.any(), f"minima at phi = +-pi that are not listed: {minimal[missing]}"
+    # a pinned or touching minimum of full dimension may lie on such a curve too
+    for k in np.flatnonzero(dimensions < 2):
+        found = len(minimal) > 0 and distance[:, k].min() <= SAME
+        assert found, f"listed, but no symmetric set at phi = +-pi has this minimum: {states[k]}"
+
+
+@pytest.mark.parametrize(
+    "scene", examples.panels()[3:6] + examples.panels()[12:15], ids=lambda s: s.name
+)
+def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
+    _thin_sets_hold_nothing_else(scene, listed(scene), 24)
+
+
+@pytest.mark.slow
+@PANELS
+def test_fine_sweeps_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
+    _thin_sets_hold_nothing_else(scene, listed(scene), 180)

@@ -60,7 +60,7 @@ def descend(
         fan = _try(
             piece, x[alive[stuck]], basis[stuck], down[stuck], size[stuck], step[alive[stuck]], turn
         )
-        for k, s in enumerate(stuck):
+        for k, s in enumerate(stuck.tolist()):
             if fan[1][k]:
                 x[alive[s]] = fan[0][k]
             else:

@@ -93,7 +93,7 @@ def _refine(
 
 
 def flat_foldings(piece: Piece) -> np.ndarray:
-    """Every admissible state whose fold angles are all 0 or +-pi, [m, n]."""
+    """Every state with symmetric layers whose fold angles are all 0 or +-pi, [m, n]."""
     x = np.array(list(itertools.product((-math.pi, 0.0, math.pi), repeat=piece.size)))
     x = x[closed(piece, x, 1e-12)]
     return x[symmetrically_admissible(piece, x)]
