@@ -57,7 +57,9 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
             assert c["type"] in ("fold-limit", "facet-pair", "mirror", "axis")
             assert ("creases" in c) != ("facets" in c)
             low, high = c["multiplier_range"]
-            assert low <= c["multiplier"] + 1e-12 and (high is None or c["multiplier"] <= high + 1e-12)
+            assert low <= c["multiplier"] + 1e-12 and (
+                high is None or c["multiplier"] <= high + 1e-12
+            )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
     assert "phi = -pi at creases 2, 6" in as_text(result)
@@ -81,7 +83,9 @@ def test_the_same_seed_gives_the_same_answer(scene_file, tmp_path, monkeypatch, 
 
 
 def test_example_prints_a_scene_that_reads_back(monkeypatch, capsys):
-    code, out, _ = run(monkeypatch, capsys, "example", "degree8", "--alpha", "pi/6", "--ratio", "100")
+    code, out, _ = run(
+        monkeypatch, capsys, "example", "degree8", "--alpha", "pi/6", "--ratio", "100"
+    )
     assert code == 0
     assert origami_nlp.parse_scene(out) == origami_nlp.examples.degree8("pi/6", 100.0)
 
@@ -111,5 +115,7 @@ def test_scaling_the_stiffness_scales_the_answer_exactly():
 def test_a_search_stopped_by_its_cap_says_so():
     result = origami_nlp.find_minima(origami_nlp.examples.degree6("pi/3", 1), max_starts=5)
     assert result.search.stopped_by == "cap" and result.search.starts == 5
-    assert math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
+    assert (
+        math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
+    )
     assert "cap" in as_text(result)

@@ -1,5 +1,6 @@
 """The main job on the paper's panels and on hard cases: residuals, kinds, verdicts."""
 
+import itertools
 import math
 
 import numpy as np
@@ -49,7 +50,7 @@ def test_no_state_is_left_undecided_in_the_full_space(scene, results):
             continue
         energies = [e for _, e in f.descent]
         assert f.descent[0][0] == pytest.approx(m.fold_angles, abs=1e-9)
-        assert all(b < a for a, b in zip(energies, energies[1:], strict=False))
+        assert all(b < a for a, b in itertools.pairwise(energies))
         for angles, energy in f.descent:
             state = examine(scene.vertex, np.array(angles))
             assert state.admissible and state.closure_residual <= 1e-12
@@ -76,7 +77,7 @@ def test_handles_need_one_sign_of_the_closed_creases(results):
         assert len(closed) == 3 and len(set(closed)) == 1
         wrong = np.array(m.fold_angles)
         # the same shape with a closed pair turned to its other side has no layer order
-        pair = [i for i in (1, 2) if abs(wrong[i]) == math.pi][0]
+        pair = next(i for i in (1, 2) if abs(wrong[i]) == math.pi)
         for i in (pair, 6 - pair):
             wrong[i] = -wrong[i]
         state = examine(scene.vertex, wrong)

@@ -93,7 +93,13 @@ def test_repr_says_what_was_stated_and_what_is_modelled():
     scene = examples.degree6("pi/3", 100)
     assert "pi/3" in repr(scene) and "D1" in repr(scene)
     words = repr(scene.model())
-    for part in ("variables     4", "equalities    2", "h_x = h_z = 0", "facets 1 and 3", "left out"):
+    for part in (
+        "variables     4",
+        "equalities    2",
+        "h_x = h_z = 0",
+        "facets 1 and 3",
+        "left out",
+    ):
         assert part in words
     assert "facets 1 and 3: too far apart" in repr(examples.degree6("pi/4", 1).model())
     none = repr(examples.degree6("pi/4", 1, contact="none").model())

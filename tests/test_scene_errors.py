@@ -39,7 +39,7 @@ BAD = {
     ),
     "no stiffness": (text().replace("stiffness =", "rest_angles_deg ="), ["exactly one"]),
     "stiffness missing": (
-        '[vertex]\nsector_angles_deg=[90,90,90,90]\n[creases]\nrest_angles_deg=[0,0,0,0]',
+        "[vertex]\nsector_angles_deg=[90,90,90,90]\n[creases]\nrest_angles_deg=[0,0,0,0]",
         ["stiffness", "missing"],
     ),
     "sum too small": (
@@ -102,11 +102,15 @@ BAD = {
     "no mirror there": (text("mirror = 2"), ["mirror = 2"]),
     "name is a number": (text("name = 3"), ["name"]),
     "directions not ccw": (
-        text().replace(f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,-1],[-1,0],[0,1]]"),
+        text().replace(
+            f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,-1],[-1,0],[0,1]]"
+        ),
         ["directions", "counter-clockwise"],
     ),
     "zero direction": (
-        text().replace(f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,0],[-1,0],[0,-1]]"),
+        text().replace(
+            f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,0],[-1,0],[0,-1]]"
+        ),
         ["directions[2]"],
     ),
 }

@@ -230,6 +230,14 @@ def _audit_one(
         return _elsewhere(replace(base, cause="does not close", paper_test=paper), minima)
     stationarity = distance_from_stationary(model, x)
     base = replace(base, paper_test=paper, stationarity=stationarity)
+    group = result.scene.group.elements
+    if (
+        embedding.admissible
+        and not examine(vertex, phi, tolerance=PRINTED, elements=group).admissible
+    ):
+        seen.append((x, c.number))
+        why = "its layers have an order, but none with the symmetry: no symmetric motion leaves it"
+        return replace(base, cause="isolated", reason=why, admissible=True)
     sides = None
     if not embedding.admissible:
         sides = other_sides(vertex, x, c.degree, PRINTED)

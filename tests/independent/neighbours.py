@@ -116,8 +116,9 @@ def draw(
     return y[good], residual[good]
 
 
-WAY = np.linspace(0, 1, 12)[1:-1]
-"""Where the straight way to a lower neighbour is checked."""
+WAY = np.concatenate([np.logspace(-4, -1, 13)[:-1], np.linspace(0, 1, 11)[1:-1]])
+"""Where the straight way to a lower neighbour is checked: closely at its start, where basins can be
+narrow (beside the flat state), and along the rest."""
 
 
 def connected(p: Problem, x: np.ndarray, y: np.ndarray, held: np.ndarray) -> bool:
