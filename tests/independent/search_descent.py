@@ -48,8 +48,8 @@ def descend(
             break
         first = _try(piece, x[alive], basis, down, size, step[alive], np.zeros((len(alive), 1)))
         moved = first[1]
-        for k in np.flatnonzero(moved):
-            x[alive[k]] = first[0][k]
+        for m in np.flatnonzero(moved):
+            x[alive[m]] = first[0][m]
         step[alive[moved]] = np.minimum(LONGEST, 2 * step[alive[moved]])
         stuck = np.flatnonzero(~moved)
         if not len(stuck):
