@@ -87,6 +87,8 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
 
     if not model.on_sheet(x):
         return reject("not admissible", "closes with q = -1: not a sheet of paper")
+    if (np.abs(x) > model.bound + 1e-9).any():
+        return reject("not admissible", f"a fold angle exceeds {model.bound:.4g}: not modelled")
     if model.scene.contact == "full":
         embedding = examine(
             model.scene.vertex, model.expand(x), elements=model.scene.group.elements
