@@ -28,6 +28,8 @@ CLOSED_TO = 1e-12
 """Every state of a path closes at least this well."""
 RESCUE = (3e-2, 1e-2, 1e-3)
 """Radii [rad] of the search for a lower neighbour: where contacts crowd, the first long step is the easiest."""
+NEAR = 3e-5
+"""Contacts open by less [rad] are slid along."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
@@ -132,7 +134,8 @@ def _lower_neighbour(
 def _step(model: Model, x: np.ndarray, length: float) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
     local = model.local(x)
-    contacts = closed_contacts(model, x, local.gaps)
+    # wider than the shortest step, so that a path that cannot come closer slides along the contact
+    contacts = closed_contacts(model, x, local.gaps, NEAR)
     choices = contacts.combinations() or [contacts.base]
     best: tuple[float, np.ndarray, float] | None = None
     near = _nearly_closed(model, x, local.gaps, length)

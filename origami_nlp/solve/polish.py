@@ -174,7 +174,7 @@ def newton(
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
         # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
-        reached = max(kkt, closure) <= 1e-11 and length <= model.step_noise
+        reached = kkt <= 1e-11 and closure <= 1e-14 and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
             state = Polished(_closed_exactly(x), rows, closure, float(kkt), bool(reached))
