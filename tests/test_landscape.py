@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 
 import origami_nlp as o
 from origami_nlp.closed_forms import wedge3
+from origami_nlp.model.chart import wedge_elevation
 from origami_nlp.model.embedding import examine, fold_vertex
 from origami_nlp.solve.starts import StartStream
-from origami_nlp.tell.landscape import landscape, wedge_elevation
+from origami_nlp.tell.landscape import landscape
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61

@@ -19,16 +19,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
 from origami_nlp.errors import OptionError
-from origami_nlp.model import quaternion as quat
-from origami_nlp.model.embedding import crossing_depth, examine, fold_vertex
+from origami_nlp.model.chart import Chart, admissible, chart_of, family_of
+from origami_nlp.model.embedding import examine
 from origami_nlp.state.scene import Scene
-
-CROSSING = 1e-9
-"""Facets that cross deeper than this (sine of an angle) are excluded; touching ones are not."""
-SAME_LINE = 1e-6
-"""Creases whose directions differ by less (sine of the angle) lie on one line for `Place.family`."""
 
 
 @dataclass(frozen=True)
@@ -100,10 +94,8 @@ class Landscape:
             )
         if self.kind == "curve":
             place = _place_on_curve(self, phi)
-        elif self.scene.group.order == 1:
-            place = _place_degree6(self, phi)
         else:
-            place = _place_wedge(self, phi)
+            place = _place_on_area(self, phi)
         return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + 1e-9))
 
 
@@ -122,12 +114,10 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     """
     if isinstance(size, bool) or not isinstance(size, int) or size < 8:
         raise OptionError(f"size = {size!r} must be a whole number, at least 8")
+    chart = chart_of(scene)
+    if chart is not None:
+        return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
     group = scene.group
-    creases_only = all(ray.crease is not None for ray in group.rays)
-    if group.kind == "D" and creases_only and (group.order, len(group.rays)) == (1, 4):
-        return _degree6(scene, size)
-    if group.kind == "D" and creases_only and group.order >= 2 and len(group.rays) == 3:
-        return _wedge(scene, size)
     variables = sum(ray.crease is not None for ray in group.rays)
     freedom = variables - {("C", 1): 3, ("D", 1): 2}.get((group.kind, group.order), 1)
     if freedom == 1:
@@ -147,84 +137,27 @@ def cells(low: float, high: float, size: int) -> np.ndarray:
     return low + (high - low) * (np.arange(size) + 0.5) / size
 
 
-# ---------------------------------------------------------------- contact
-
-
-def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
-    """Tell which closed states [K, N] keep the contact that the scene asks for, shape [K].
-
-    Adjacent facets by |phi| <= pi; non-adjacent ones by crossing of their arcs (pairs that the
-    symmetry maps to one another are looked at once).  Layers of touching facets are not ordered.
-    """
-    phi = np.asarray(fold_angles, dtype=float)
-    good = np.isfinite(phi).all(axis=-1)
-    if scene.contact == "none":
-        return good
-    good &= (np.abs(phi) <= math.pi + 1e-12).all(axis=-1)
-    if scene.contact != "full":
-        return good
-    alive = np.flatnonzero(good)
-    creases, _ = fold_vertex(scene.vertex, phi[alive])
-    ends = np.roll(creases, -1, axis=-2)
-    for i, j in _facet_pairs(scene):
-        first = np.stack([creases[:, i], ends[:, i]], axis=-2)
-        second = np.stack([creases[:, j], ends[:, j]], axis=-2)
-        keep = crossing_depth(first, second) <= CROSSING
-        alive, creases, ends = alive[keep], creases[keep], ends[keep]
-    good[:] = False
-    good[alive] = True
-    return good
-
-
-def _facet_pairs(scene: Scene) -> list[tuple[int, int]]:
-    """Pairs of non-adjacent facets, one for each class under the scene's symmetry."""
-    n, group = scene.degree, scene.group
-    step = n // group.order
-    first = group.rays[0].crease
-    # crease i -> s - i sends facet (i, i+1) to s - 1 - i; a mirror through a facet needs no thrift
-    maps = [[(f + m * step) % n for f in range(n)] for m in range(group.order)]
-    if group.kind == "D" and first is not None:
-        maps += [[(2 * first - 1 - g) % n for g in row] for row in maps]
-    pairs: list[tuple[int, int]] = []
-    seen: set[frozenset[int]] = set()
-    for i in range(n):
-        for j in range(i + 2, n):
-            if (j - i) % n == n - 1 or frozenset((i, j)) in seen:
-                continue
-            seen |= {frozenset((row[i], row[j])) for row in maps}
-            pairs.append((i, j))
-    return pairs
-
-
-def _area(scene: Scene, name: str, axes: tuple[np.ndarray, ...], grid: np.ndarray) -> Branch:
-    """Blank out inadmissible states of fold angles [ny, nx, wedge creases], expanded to all N."""
-    shape = grid.shape[:2]
-    phi = np.full((*shape, scene.degree), np.nan)
-    closed = np.isfinite(grid).all(axis=-1)
-    states = grid[closed][:, list(scene.group.orbit)]
-    states[~admissible(scene, states)] = np.nan
+def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> Branch:
+    """One branch over the grid of `axes`, inadmissible states blanked out."""
+    phi = chart.fold_angles(branch, *np.meshgrid(*axes))
+    closed = np.isfinite(phi).all(axis=-1)
+    states = phi[closed]
+    states[~admissible(chart.scene, states)] = np.nan
     phi[closed] = states
-    return Branch(name, axes, np.asarray(scene.energy(phi)), phi)
+    phi[~closed] = np.nan
+    return Branch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
 
 
-# ---------------------------------------------------------------- D_1, degree 6
-
-
-def _degree6(scene: Scene, size: int) -> Landscape:
-    rays = scene.group.rays
+def _degree6(chart: Chart, size: int) -> Landscape:
     axis = cells(-math.pi, math.pi, size)
-    x, y = np.meshgrid(axis, axis)
-    value = degree6(rays[0].sector, rays[1].sector, x, y).value
-    grid = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
-    names = tuple(f"phi_{_number(scene, r)}" for r in (1, 2))
-    branch = _area(scene, "", (axis, axis), grid)
-    handles = _handles(scene, branch) if scene.contact == "full" else ()
-    return Landscape(scene, "area", names, (branch,), handles=handles)
+    branch = _area(chart, 0, "", (axis, axis))
+    handles = _handles(chart, branch) if chart.scene.contact == "full" else ()
+    return Landscape(chart.scene, "area", chart.coordinates, (branch,), handles=handles)
 
 
-def _handles(scene: Scene, branch: Branch) -> tuple[np.ndarray, ...]:
+def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
     """Stretches of the chart's border with admissible states and none beside them, inside."""
-    rays, size = scene.group.rays, branch.energy.shape[0]
+    scene, size = chart.scene, branch.energy.shape[0]
     t = np.linspace(-math.pi, math.pi, 65)
     cell = np.minimum(((t + math.pi) / (2 * math.pi) * size).astype(int), size - 1)
     found = []
@@ -234,9 +167,7 @@ def _handles(scene: Scene, branch: Branch) -> tuple[np.ndarray, ...]:
             (border, t, branch.energy[cell, edge]),
             (t, border, branch.energy[edge, cell]),
         ):
-            value = degree6(rays[0].sector, rays[1].sector, x, y).value
-            grid = np.stack([value[:, 0], x, y, value[:, 1]], axis=-1)
-            states = grid[:, list(scene.group.orbit)]
+            states = chart.fold_angles(0, x, y)
             alone = np.isnan(inside) & admissible(scene, states)
             # facets lie on each other there: the layers decide
             alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
@@ -247,49 +178,16 @@ def _handles(scene: Scene, branch: Branch) -> tuple[np.ndarray, ...]:
     return tuple(found)
 
 
-def _place_degree6(chart: Landscape, phi: np.ndarray) -> Place:
+def _wedge(chart: Chart, size: int) -> Landscape:
     scene = chart.scene
-    x, y = (float(phi[_number(scene, r) - 1]) for r in (1, 2))
-    return Place(0, (x, y), _family(scene, phi))
-
-
-def _number(scene: Scene, ray: int) -> int:
-    """Crease number (1-based) of a ray of the wedge."""
-    crease = scene.group.rays[ray].crease
-    assert crease is not None
-    return crease + 1
-
-
-def _family(scene: Scene, phi: np.ndarray) -> str:
-    """Say why a whole family of states shares the chart point of `phi`, or return ''."""
-    group = scene.group
-    first, last = _number(scene, 0), _number(scene, len(group.rays) - 1)
-    pairs = [(first, last)]
-    if group.order == 2:  # crease 1 and its image under the half turn, both in one plane
-        pairs.append((first, (first - 1 + scene.degree // 2) % scene.degree + 1))
-    creases, _ = fold_vertex(scene.vertex, phi)
-    for i, j in pairs:
-        a, b = creases[i - 1], creases[j - 1]
-        if np.linalg.norm(np.cross(a, b)) < SAME_LINE:
-            how = "form one straight line" if a @ b < 0 else "coincide"
-            return f"creases {i} and {j} {how}, about which the vertex folds freely"
-    return ""
-
-
-# ---------------------------------------------------------------- D_n, wedge of three creases
-
-
-def _wedge(scene: Scene, size: int) -> Landscape:
-    number = _number(scene, 0)
-    names = (f"phi_{_number(scene, 1)}", f"upsilon (elevation of crease {number})")
     reach = math.pi / 2 if scene.contact == "full" else math.pi
     phi2 = cells(-math.pi, math.pi, size)
     branches = []
-    for sign in (1, -1):
+    for k, sign in enumerate(chart.signs):
         # a coarse look first: each branch fills only a part of the elevations
         coarse = cells(-reach, reach, 81)
-        found = np.isfinite(_wedge_grid(scene, coarse, cells(-math.pi, math.pi, 81), sign))
-        rows = np.flatnonzero(found[..., 0].any(axis=1))
+        look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
+        rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
         low, high = -reach, reach
         if rows.size:
             cell = 2 * reach / 81
@@ -299,63 +197,18 @@ def _wedge(scene: Scene, size: int) -> Landscape:
                 low = 0.0 if abs(low) < 2 * cell else low
                 high = 0.0 if abs(high) < 2 * cell else high
         elevation = cells(low, high, size)
-        grid = _wedge_grid(scene, elevation, phi2, sign)
-        branches.append(_area(scene, f"branch {sign:+d}", (phi2, elevation), grid))
-    return Landscape(scene, "area", names, tuple(branches))
+        branches.append(_area(chart, k, f"branch {sign:+d}", (phi2, elevation)))
+    return Landscape(scene, "area", chart.coordinates, tuple(branches))
 
 
-def _wedge_chart(scene: Scene, elevation: object, phi2: object, sign: int) -> ChartPoint:
-    return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
-
-
-def _wedge_grid(scene: Scene, elevation: np.ndarray, phi2: np.ndarray, sign: int) -> np.ndarray:
-    """Fold angles (phi_1, phi_2, phi_3) over the grid, shape [elevations, phi2s, 3]."""
-    y, x = np.meshgrid(elevation, phi2, indexing="ij")
-    chart = _wedge_chart(scene, y, x, sign)
-    value = chart.value
-    if scene.contact == "full":  # mirror creases on the wrong side of the axis cross their images
-        value = np.where(chart.own_side[..., None], value, np.nan)
-    return np.stack([value[..., 0], x, value[..., 1]], axis=-1)
-
-
-def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> float:
-    """Return the elevation upsilon of crease 1 of a D_n state with a wedge of three creases [rad].
-
-    In the frame of the folded wedge (ray 1 at e1) the last mirror has the inward normal H n_k,
-    n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
-    H n_k = (sin pi/n cos upsilon, -cos pi/n, sin pi/n sin upsilon).
-    """
-    n = scene.group.order
-    azimuth, h = 0.0, quat.IDENTITY
-    for r, ray in enumerate(scene.group.rays):
-        half = fold_angles[_number(scene, r) - 1] / (2 if r == 1 else 4)
-        axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
-        h = quat.multiply(h, quat.fold(math.cos(half), math.sin(half), axis))  # type: ignore[assignment]
-        azimuth += ray.sector
-    normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
-    return math.atan2(normal[2], normal[0])
-
-
-def _place_wedge(chart: Landscape, phi: np.ndarray) -> Place:
-    scene = chart.scene
-    wedge = np.array([phi[_number(scene, r) - 1] for r in range(3)])
-    v = wedge_elevation(scene, phi)
-    # on the fold J = 0, where the branches meet, rounding can move v to where no state is: look around
-    nearby = v + np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
-    misfit, own = [], []
-    for sign in (1, -1):
-        point = _wedge_chart(scene, nearby, wedge[1], sign)
-        error = np.abs(point.value - wedge[[0, 2]]).max(axis=-1)
-        error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
-        misfit.append(float(error.min()))
-        own.append(bool(point.own_side[0]))
-    best = int(np.argmin(misfit))
-    tie = abs(misfit[0] - misfit[1]) < 1e-2 if np.isfinite(misfit).all() else misfit[0] == misfit[1]
-    if tie:  # both branches: prefer the one that is drawn here
-        rows = [b.axes[1] for b in chart.branches]
-        drawn = [a[0] <= v <= a[-1] for a in rows]
-        best = max((0, 1), key=lambda k: (drawn[k], own[k], -misfit[k]))
-    return Place(best, (float(wedge[1]), v), _family(scene, phi))
+def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
+    chart = chart_of(picture.scene)
+    assert chart is not None
+    candidates, point = chart.locate(phi)
+    rows = [b.axes[1] for b in picture.branches]
+    # on both branches: prefer the one that is drawn here
+    drawn = [k for k in candidates if rows[k][0] <= point[1] <= rows[k][-1]]
+    return Place((drawn or candidates)[0], point, family_of(picture.scene, phi))
 
 
 # ---------------------------------------------------------------- one freedom: curves
