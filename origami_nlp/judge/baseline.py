@@ -116,6 +116,8 @@ def crease_matrix(scene: Scene, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray
     for b, angle in zip(scene.vertex.creases, phi, strict=True):
         columns.append(f @ b)
         f = f @ _rotation(b, angle)
+    if not scene.vertex.flat:  # close the unrolled sheet
+        f = f @ _rotation(np.array([0.0, 0.0, 1.0]), scene.vertex.excess)
     return np.stack(columns, axis=1), _axial_log(f)
 
 

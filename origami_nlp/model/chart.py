@@ -73,7 +73,7 @@ class Chart:
 def chart_of(scene: Scene) -> Chart | None:
     """The chart of a scene with two symmetric freedoms, or None where no closed form is known."""
     group = scene.group
-    if group.kind != "D" or any(ray.crease is None for ray in group.rays):
+    if not scene.vertex.flat or group.kind != "D" or any(ray.crease is None for ray in group.rays):
         return None
     if (group.order, len(group.rays)) == (1, 4):
         x, y = (f"phi_{crease_number(scene, r)}" for r in (1, 2))

@@ -11,6 +11,10 @@ e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
 - C_n period, n >= 2: T = q Q(e3, 2 pi/n) is a rotation by 2 pi/n: its scalar part is cos(pi/n) (one equation).
 - no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
   paper, and `is_sheet` tells.
+
+A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, not at pi/n
+or 2 pi/n.  The conditions on the folded state stay the same: H n_k with n_k = (sin s, -cos s, 0), T = q Q(e3, s),
+and q Q(e3, s - 2 pi) = +1 without symmetry.
 """
 
 from __future__ import annotations
@@ -43,7 +47,12 @@ class Folded:
 
 
 def fold_piece(
-    kind: str, order: int, has_crease: tuple[bool, ...], fold_angles: ca.SX, sectors: ca.SX
+    kind: str,
+    order: int,
+    has_crease: tuple[bool, ...],
+    fold_angles: ca.SX,
+    sectors: ca.SX,
+    flat_sheet: bool = True,
 ) -> Folded:
     """Fold the piece of a vertex with group `kind`_`order`.
 
@@ -54,7 +63,9 @@ def fold_piece(
     fold_angles
         Fold angles of the creases of the piece, in order, shape [n].
     sectors
-        Angles between successive rays; the last ray of a wedge lies at pi/order exactly.
+        Angles between successive rays; the last ray of a wedge of a flat sheet lies at pi/order exactly.
+    flat_sheet
+        Whether all sector angles of the vertex sum to 2 pi.
     """
     count = len(has_crease)
     azimuth: Any = ca.SX(0)
@@ -64,7 +75,7 @@ def fold_piece(
     for r in range(count):
         if r == 0:
             flat: tuple[Any, Any, Any] = (ca.SX(1), ca.SX(0), ca.SX(0))
-        elif kind == "D" and r == count - 1:
+        elif kind == "D" and r == count - 1 and flat_sheet:
             flat = (ca.SX(_cos(order)), ca.SX(_sin(order)), ca.SX(0))
         else:
             azimuth = azimuth + sectors[r - 1]
@@ -77,12 +88,20 @@ def fold_piece(
             q = quat.multiply(q, quat.fold(ca.cos(half), ca.sin(half), flat))
             used += 1
     if kind == "D":
+        if (
+            not flat_sheet
+        ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
+            turn = ca.sum1(sectors) - math.pi / order
+            q = quat.multiply(q, (ca.cos(turn / 2), 0, 0, ca.sin(turn / 2)))
         normal = quat.rotate(q, (ca.SX(_sin(order)), ca.SX(-_cos(order)), ca.SX(0)))
         if order == 1:
             equations = ca.vertcat(q[1], q[3])
         else:
             equations = normal[1] + _cos(order)
         return Folded(tuple(rays), q, normal, equations, ca.SX(1))
+    if not flat_sheet:
+        turn = ca.sum1(sectors) - 2 * math.pi / order
+        q = quat.multiply(q, (ca.cos(turn / 2), 0, 0, ca.sin(turn / 2)))
     if order == 1:
         return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order

@@ -57,7 +57,10 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
     creases
         Deformed unit creases c_i = F_{i-1} b_i, shape [..., N, 3].
     q
-        Product of all folds as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
+        Product of all folds, and of the turn by `Vertex.excess` about e3 that closes the unrolled sheet of a
+        vertex that is not flat, as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
+        Every embedded vertex has +1: simple spherical polygons are deformed into each other through simple
+        ones, along which the sign cannot change.
     """
     phi = np.asarray(fold_angles, dtype=float)
     half = phi / 2
@@ -66,6 +69,9 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
     for i, b in enumerate(vertex.creases):
         creases.append(np.stack(quat.rotate(q, b), axis=-1))
         q = quat.multiply(q, quat.fold(np.cos(half[..., i]), np.sin(half[..., i]), b))
+    if not vertex.flat:
+        turn = vertex.excess / 2
+        q = quat.multiply(q, (math.cos(turn), 0.0, 0.0, math.sin(turn)))
     return np.stack(creases, axis=-2), np.stack(q, axis=-1)
 
 

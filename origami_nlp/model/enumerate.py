@@ -30,6 +30,13 @@ def enumerate_gaps(
                 f"tied to the other {kept} by {group.name}",
             )
         )
+    if scene.adjusted:
+        left.append(
+            LeftOut(
+                f"asymmetry of the data, up to {scene.adjusted:.1e}",
+                f"averaged over {group.name}: symmetry_tolerance = {scene.symmetry_tolerance:g}",
+            )
+        )
     if scene.contact != "full":
         left.append(
             LeftOut("crossing of non-adjacent facets", f'contact = "{scene.contact}" does not ask')

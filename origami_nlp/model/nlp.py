@@ -60,6 +60,7 @@ class Model:
             limits=scene.contact != "none",
             gaps=gaps,
             pairs=pairs,
+            flat_sheet=scene.vertex.flat,
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}

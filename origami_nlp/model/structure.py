@@ -24,6 +24,7 @@ class Structure:
     limits: whether |phi| <= pi is imposed.
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
     pairs: facet pairs that may cross, each as positions of their first rays.
+    flat_sheet: whether the sector angles of the vertex sum to 2 pi.
     """
 
     kind: str
@@ -32,6 +33,7 @@ class Structure:
     limits: bool
     gaps: tuple[Gap, ...]
     pairs: tuple[tuple[int, int], ...]
+    flat_sheet: bool = True
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def compile_structure(structure: Structure) -> Functions:
     sectors = ca.SX.sym("alpha", sector_count)
     stiffness, rest = ca.SX.sym("k", n), ca.SX.sym("phi0", n)
     p = ca.vertcat(sectors, stiffness, rest)
-    piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors)
+    piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors, s.flat_sheet)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2)
     gaps = ca.vertcat(ca.SX(0, 1), *(gap_expression(g, piece, sines) for g in s.gaps))

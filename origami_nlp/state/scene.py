@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from origami_nlp.errors import SceneError
 from origami_nlp.state.angles import format_angle, parse_angles
-from origami_nlp.state.symmetry import Symmetry, find_symmetry
+from origami_nlp.state.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
 from origami_nlp.state.vertex import Vertex
 
 if TYPE_CHECKING:
@@ -42,6 +42,10 @@ class Scene:
     mirror
         For ``"D<n>"`` only: a crease (1-based) that lies on a mirror, where the vertex has several
         sets of mirrors to choose from.  Default: the mirror through the crease of lowest number.
+    symmetry_tolerance
+        Angles [rad] and relative stiffnesses that differ by less count as equal when the symmetry is looked
+        for.  Above the default 1e-9 (measured data) the scene is made symmetric by averaging over the group;
+        `adjusted` says by how much.
     name
         A title for tables and figures.
 
@@ -58,7 +62,10 @@ class Scene:
     contact: Contact = "full"
     mirror: int | None = None
     name: str | None = None
+    symmetry_tolerance: float = TOLERANCE
     group: Symmetry = field(init=False, repr=False, compare=False)
+    adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
+    """Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
@@ -84,8 +91,36 @@ class Scene:
             raise SceneError(f"name = {self.name!r} must be text")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
-        group = find_symmetry(self.vertex, stiffness, rest, self.symmetry, self.mirror)
+        tolerance = self.symmetry_tolerance
+        if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
+            raise SceneError(f"symmetry_tolerance = {tolerance!r} must be a number [rad]")
+        if not TOLERANCE <= tolerance <= 0.1:
+            raise SceneError(
+                f"symmetry_tolerance = {tolerance!r} must lie between 1e-9 and 0.1 rad"
+            )
+        wanted = self.symmetry, self.mirror, tolerance
+        group = find_symmetry(self.vertex, stiffness, rest, *wanted)
         object.__setattr__(self, "group", group)
+        if tolerance > TOLERANCE and not group.is_trivial:
+            self._make_symmetric(*wanted)
+
+    def _make_symmetric(self, *wanted: Any) -> None:
+        """Average sector angles, stiffness and rest angles over the group, then cut the piece anew."""
+        elements = self.group.elements
+        sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+        vertex = Vertex(sectors, self.vertex.flat)
+        k = averaged(self.stiffness, elements, facets=False)
+        rest = averaged(self.rest_angles, elements, facets=False)
+        changes = [
+            np.abs(np.subtract(sectors, self.vertex.sector_angles)),
+            np.abs(np.subtract(rest, self.rest_angles)),
+            np.abs(np.divide(k, self.stiffness) - 1),
+        ]
+        object.__setattr__(self, "adjusted", float(np.max(changes)))
+        object.__setattr__(self, "vertex", vertex)
+        object.__setattr__(self, "stiffness", k)
+        object.__setattr__(self, "rest_angles", rest)
+        object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
 
     @property
     def degree(self) -> int:

@@ -15,12 +15,13 @@ from typing import Any
 from origami_nlp.errors import SceneFileError
 from origami_nlp.state.angles import format_angle, parse_angles
 from origami_nlp.state.scene import Scene
+from origami_nlp.state.symmetry import TOLERANCE
 from origami_nlp.state.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
-    "vertex": ("sector_angles", "sector_angles_deg", "directions"),
+    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg"),
-    "model": ("symmetry", "contact", "mirror", "name"),
+    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance"),
 }
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
 
@@ -77,14 +78,17 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
                     f"unknown key {key!r} in [{table}]: it takes {_listed(_KEYS[table])}"
                 )
     vertex, creases = dict(data.get("vertex", {})), dict(data.get("creases", {}))
-    given = _one_of(vertex, "vertex", _KEYS["vertex"])
+    flat = vertex.pop("flat", True)
+    given = _one_of(vertex, "vertex", ("sector_angles", "sector_angles_deg", "directions"))
     value = vertex[given]
     if given == "directions":
+        if flat is not True:
+            raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
         the_vertex = Vertex.from_directions(value)
     elif given == "sector_angles_deg":
-        the_vertex = Vertex.from_degrees(value)
+        the_vertex = Vertex.from_degrees(value, flat)
     else:
-        the_vertex = Vertex(value)
+        the_vertex = Vertex(value, flat)
     rest_key = _one_of(creases, "creases", ("rest_angles", "rest_angles_deg"))
     rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
     if "stiffness" not in creases:
@@ -99,8 +103,13 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         model["mirror"] = scene.mirror
     if scene.name is not None:
         model["name"] = scene.name
+    if scene.symmetry_tolerance != TOLERANCE:
+        model["symmetry_tolerance"] = scene.symmetry_tolerance
+    vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
+    if not scene.vertex.flat:
+        vertex["flat"] = False
     return {
-        "vertex": {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]},
+        "vertex": vertex,
         "creases": {
             "stiffness": list(scene.stiffness),
             "rest_angles": [_exact(a) for a in scene.rest_angles],
@@ -134,6 +143,8 @@ def _toml(value: Any) -> str:
             f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c for c in escaped
         )
         return f'"{escaped}"'
+    if isinstance(value, bool):
+        return str(value).lower()
     return repr(value)
 
 

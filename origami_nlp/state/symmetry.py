@@ -18,6 +18,9 @@ import numpy as np
 from origami_nlp.errors import SymmetryError
 from origami_nlp.state.vertex import Vertex
 
+Elements = tuple[tuple[int, bool], ...]
+"""Symmetries as (s, mirrored): crease i (0-based) goes to i + s, or to s - i if mirrored."""
+
 TOLERANCE = 1e-9
 """Angles [rad] and relative stiffnesses that differ by less are taken for equal."""
 
@@ -46,7 +49,8 @@ class Symmetry:
         n of C_n or D_n.
     rays
         The piece, counter-clockwise.  For D_n the rays of a wedge of angle pi/n, both mirror rays
-        included; for C_n the creases of one period of angle 2 pi/n.
+        included; for C_n the creases of one period of angle 2 pi/n (more or less in the unrolled sheet of a
+        vertex that is not flat).
     orbit
         For each crease, the position in `rays` of the crease that it is an image of.
     elements
@@ -57,7 +61,7 @@ class Symmetry:
     order: int
     rays: tuple[Ray, ...]
     orbit: tuple[int, ...]
-    elements: tuple[tuple[int, bool], ...] = ((0, False),)
+    elements: Elements = ((0, False),)
 
     @property
     def name(self) -> str:
@@ -76,6 +80,7 @@ def find_symmetry(
     rest_angles: Sequence[float],
     wanted: str = "auto",
     mirror: int | None = None,
+    tolerance: float = TOLERANCE,
 ) -> Symmetry:
     """Find the piece of the vertex for the symmetry `wanted`, or for the largest one (``"auto"``).
 
@@ -84,7 +89,7 @@ def find_symmetry(
     SymmetryError
         If `wanted` is no group, or geometry and mechanics do not share it.
     """
-    shifts, mirrors = shared_symmetries(vertex, stiffness, rest_angles)
+    shifts, mirrors = shared_symmetries(vertex, stiffness, rest_angles, tolerance)
     kind, order = _parse(wanted)
     if kind == "auto":
         kind, order = ("D", len(shifts)) if mirrors else ("C", len(shifts))
@@ -103,13 +108,16 @@ def find_symmetry(
             f"symmetry = {wanted!r} is not shared by geometry, stiffness and rest angles: "
             f"the largest common group is {largest}"
         )
-    return _wedge(vertex, order, mirrors, mirror)
+    return _wedge(vertex, order, mirrors, mirror, tolerance)
 
 
 def shared_symmetries(
-    vertex: Vertex, stiffness: Sequence[float], rest_angles: Sequence[float]
+    vertex: Vertex,
+    stiffness: Sequence[float],
+    rest_angles: Sequence[float],
+    tolerance: float = TOLERANCE,
 ) -> tuple[list[int], list[int]]:
-    """Find all rotations and mirrors that geometry and mechanics share.
+    """Find all rotations and mirrors that geometry and mechanics share within `tolerance`.
 
     Returns
     -------
@@ -126,22 +134,30 @@ def shared_symmetries(
 
     def mechanics(j: np.ndarray) -> bool:
         return bool(
-            np.all(np.abs(k[j] - k) <= TOLERANCE * np.maximum(k[j], k))
-            and np.all(np.abs(rest[j] - rest) <= TOLERANCE)
+            np.all(np.abs(k[j] - k) <= tolerance * np.maximum(k[j], k))
+            and np.all(np.abs(rest[j] - rest) <= tolerance)
         )
 
     shifts = [
         s
         for s in range(n)
-        if np.all(np.abs(a[(i + s) % n] - a) <= TOLERANCE) and mechanics((i + s) % n)
+        if np.all(np.abs(a[(i + s) % n] - a) <= tolerance) and mechanics((i + s) % n)
     ]
     # crease i -> s - i sends the facet (i, i+1) to (s - i - 1, s - i)
     mirrors = [
         s
         for s in range(n)
-        if np.all(np.abs(a[(s - i - 1) % n] - a) <= TOLERANCE) and mechanics((s - i) % n)
+        if np.all(np.abs(a[(s - i - 1) % n] - a) <= tolerance) and mechanics((s - i) % n)
     ]
     return shifts, mirrors
+
+
+def averaged(values: Sequence[float], elements: Elements, *, facets: bool) -> tuple[float, ...]:
+    """Average values of creases (or of facets, facet i from crease i on) over the elements of a group."""
+    v, n = np.array(values), len(values)
+    i = np.arange(n)
+    images = [v[((s - i - facets) if mirrored else (i + s)) % n] for s, mirrored in elements]
+    return tuple(np.mean(images, axis=0).tolist())
 
 
 def _parse(wanted: object) -> tuple[str, int]:
@@ -162,7 +178,9 @@ def _period(vertex: Vertex, order: int) -> Symmetry:
     return Symmetry("C", order, rays, tuple(i % period for i in range(n)), rotations)
 
 
-def _wedge(vertex: Vertex, order: int, mirrors: list[int], mirror: int | None) -> Symmetry:
+def _wedge(
+    vertex: Vertex, order: int, mirrors: list[int], mirror: int | None, tolerance: float
+) -> Symmetry:
     """Cut the wedge of D_order that starts at the wanted mirror."""
     n = vertex.degree
     step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
@@ -201,7 +219,8 @@ def _wedge(vertex: Vertex, order: int, mirrors: list[int], mirror: int | None) -
         images += [(start - j) % n for j in images]
         orbit.append(next(position[j] for j in images if j in position))
     total = math.fsum(ray.sector for ray in rays)
-    assert abs(total - math.pi / order) < 1e-7, "wedge angle"  # symmetry was checked before
+    whole = math.fsum(a)  # 2 pi unless the vertex is not flat
+    assert abs(total - whole / (2 * order)) <= max(1e-7, n * tolerance), "wedge angle"
     elements = [(m * step, False) for m in range(order)]
     elements += [((start + m * step) % n, True) for m in range(order)]
     return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))

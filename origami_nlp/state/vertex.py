@@ -1,7 +1,10 @@
-"""A flat origami vertex: its sector angles, and the crease directions they make.
+"""An origami vertex: its sector angles, and the crease directions they make.
 
 Creases b_1..b_N lie in the e1-e2 plane, numbered counter-clockwise, b_1 = e1; the sector angle
 alpha_i lies between b_i and b_{i+1} (the paper's conventions, section 2).  Radians.
+
+A vertex whose sector angles do not sum to 2 pi is a cone of paper (below) or a ruffled sheet (above):
+cut along b_1 it unrolls into the plane, with a gap or an overlap of `excess` there.
 """
 
 from __future__ import annotations
@@ -21,28 +24,35 @@ SUM_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Vertex:
-    """A flat sheet with N creases that meet at a point.
+    """A sheet of paper with N creases that meet at a point.
 
     Parameters
     ----------
     sector_angles
-        The N >= 4 sector angles alpha_i in (0, pi) [rad], counter-clockwise; they sum to 2 pi.
-        Numbers, or strings such as ``"pi/4"``.
+        The N >= 3 sector angles alpha_i in (0, pi) [rad], counter-clockwise.  Numbers, or strings such
+        as ``"pi/4"``.
+    flat
+        Whether the sheet lies flat: the angles must sum to 2 pi (to `SUM_TOLERANCE`).  With False they
+        may sum to anything from which a closed vertex can be made, and fold angle 0 still means that
+        two facets lie in one plane.
 
     Raises
     ------
     VertexError
-        If the angles do not make a flat vertex that can fold; `AngleError` if one is no angle.
+        If the angles make no such vertex; `AngleError` if one is no angle.
     """
 
     sector_angles: tuple[float, ...]
+    flat: bool = True
 
     def __post_init__(self) -> None:
         angles = parse_angles(self.sector_angles, "sector_angles")
-        if len(angles) < 4:
+        if len(angles) < 3:
             raise VertexError(
-                f"sector_angles has {len(angles)} entries: a rigid vertex needs at least 4 to fold"
+                f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
             )
+        if not isinstance(self.flat, bool):
+            raise VertexError(f"flat = {self.flat!r} must be true or false")
         for i, a in enumerate(angles, start=1):
             if a <= 0:
                 raise VertexError(f"sector_angles[{i}] = {a:.6g} must be positive")
@@ -52,19 +62,27 @@ class Vertex:
                     "split the facet with a crease, or leave the vertex flat"
                 )
         total = math.fsum(angles)
-        if abs(total - 2 * math.pi) > SUM_TOLERANCE:
+        if self.flat:
+            if abs(total - 2 * math.pi) > SUM_TOLERANCE:
+                raise VertexError(
+                    f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi: correct "
+                    f'them, write exact multiples such as "pi/3", or state flat = false for paper '
+                    f"that does not lie flat"
+                )
+            if abs(total - 2 * math.pi) > 1e-14:  # typed digits: spread what is missing evenly
+                angles = tuple(a * (2 * math.pi / total) for a in angles)
+        elif abs(total - 2 * math.pi) <= SUM_TOLERANCE:
             raise VertexError(
-                f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi (flat "
-                f'sheets only): correct them, or write exact multiples such as "pi/3"'
+                "sector_angles sum to 2 pi: this sheet lies flat, leave out flat = false"
             )
-        if abs(total - 2 * math.pi) > 1e-14:  # typed digits: spread what is missing evenly
-            angles = tuple(a * (2 * math.pi / total) for a in angles)
+        else:
+            _check_closes(angles)
         object.__setattr__(self, "sector_angles", angles)
 
     @classmethod
-    def from_degrees(cls, sector_angles: Sequence[float]) -> Vertex:
+    def from_degrees(cls, sector_angles: Sequence[float], flat: bool = True) -> Vertex:
         """Make a vertex from sector angles in degrees."""
-        return cls(parse_angles(sector_angles, "sector_angles_deg", degrees=True))
+        return cls(parse_angles(sector_angles, "sector_angles_deg", degrees=True), flat)
 
     @classmethod
     def from_directions(cls, directions: object) -> Vertex:
@@ -99,16 +117,41 @@ class Vertex:
         return len(self.sector_angles)
 
     @property
+    def excess(self) -> float:
+        """Sum of the sector angles less 2 pi [rad]: 0 for a flat sheet, negative for a cone."""
+        return 0.0 if self.flat else math.fsum(self.sector_angles) - 2 * math.pi
+
+    @property
     def azimuths(self) -> np.ndarray:
-        """Angles [N] of the creases from e1, in [0, 2 pi) [rad]."""
+        """Angles [N] of the creases from e1 in the unrolled sheet, from 0 [rad]."""
         return np.concatenate([[0.0], np.cumsum(self.sector_angles)[:-1]])
 
     @property
     def creases(self) -> np.ndarray:
-        """Unit crease directions b_i of the flat sheet, shape [N, 3]."""
+        """Unit crease directions b_i of the unrolled sheet, shape [N, 3]."""
         a = self.azimuths
         return np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
 
     def __repr__(self) -> str:
         inner = ", ".join(format_angle(a) for a in self.sector_angles)
-        return f"Vertex(degree {self.degree}, sector_angles=[{inner}])"
+        bent = "" if self.flat else f", not flat: {math.degrees(self.excess):+.6g} deg"
+        return f"Vertex(degree {self.degree}, sector_angles=[{inner}]{bent})"
+
+
+def _check_closes(angles: Sequence[float]) -> None:
+    """Refuse sides of which no closed spherical polygon can be made.
+
+    Arcs a_i in (0, pi) close up exactly when, for every odd set S of them, sum_S a - sum_rest a <=
+    (|S| - 1) pi (the spherical polygon inequalities).  The worst set of each size holds the longest.
+    """
+    longest = sorted(angles, reverse=True)
+    total = math.fsum(angles)
+    for size in range(1, len(angles) + 1, 2):
+        chosen = math.fsum(longest[:size])
+        if 2 * chosen - total > (size - 1) * math.pi + 1e-12:
+            what = (
+                f"the largest, {longest[0]:.6g}, is more than all the others together"
+                if size == 1
+                else f"the {size} largest sum to {chosen:.6g}: too much for the others to bring back"
+            )
+            raise VertexError(f"sector_angles cannot close around a vertex: {what}")
