@@ -83,7 +83,9 @@ def run_one(
         return None
     record.converged += count
     for known in record.answers:  # most starts end where another did: no need to polish again
-        if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
+        near = np.abs(known.polished.x - answer.x).max() <= SAME
+        # beside a state that is no minimum there may be one (sectors within 1e-6 of a special vertex)
+        if known.is_minimum and known.polished.converged and near:
             known.hits += count
             return None
     return _file(polish(model, answer), record, count)
@@ -128,7 +130,10 @@ def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
     """File a polished state under the answer that it is, or as a new one, which is returned."""
     for known in record.answers:
         exact = known.polished.converged and polished.converged
-        if np.abs(known.polished.x - polished.x).max() <= (SAME if exact else SAME_UNPOLISHED):
+        apart = np.abs(known.polished.x - polished.x).max()
+        if exact and not known.is_minimum and known.polished.rows != polished.rows and apart > 1e-9:
+            continue  # another active set: a minimum can lie this near to a state that a contact only seems to pin
+        if apart <= (SAME if exact else SAME_UNPOLISHED):
             known.hits += hits
             if polished.converged and not known.polished.converged:
                 known.polished = polished  # judged anew by whoever asks for the answer
