@@ -29,5 +29,9 @@ class SceneFileError(OrigamiError):
     """A scene file cannot be read, or has unknown or missing keys."""
 
 
+class FoldFileError(OrigamiError):
+    """A FOLD file cannot be read, or what is asked of it is not in it."""
+
+
 class OptionError(OrigamiError):
     """A command-line or keyword option has a value it cannot take."""

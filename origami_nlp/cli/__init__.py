@@ -15,6 +15,7 @@ from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.panels import panels
 from origami_nlp.cli.verify import verify
+from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
 
 app = typer.Typer(
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, contacts, model, example, grid, panels, audit, verify):
+for command in (demo, minima, contacts, model, example, grid, panels, audit, verify, vertices):
     app.command(command.__name__)(command)
 
 

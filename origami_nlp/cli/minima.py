@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from origami_nlp.errors import OptionError
+from origami_nlp.state.scene import Scene
 from origami_nlp.state.scene_file import read_scene
 
 SceneFile = Annotated[
     str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
+]
+SceneOrFold = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for TOML on stdin."),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of the random starts.")]
 JsonFile = Annotated[
@@ -26,20 +32,56 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def minima(
-    scene: SceneFile,
+    scene: SceneOrFold,
     seed: Seed = 0,
     json: JsonFile = None,
     figure: FigureFile = None,
+    fold: Annotated[
+        str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
+    ] = None,
+    mesh: Annotated[
+        str | None,
+        typer.Option(
+            "--mesh", metavar="FILE", help="Write the states as .obj, .stl or .glb (extra mesh)."
+        ),
+    ] = None,
     max_starts: Annotated[int, typer.Option(help="Cap on random starts.")] = 1000,
     full: Annotated[
         bool, typer.Option("--full", help="Also decide each state in the full space.")
     ] = False,
+    vertex: Annotated[
+        int | None, typer.Option(help="FOLD file: the vertex, numbered from 0 as in the file.")
+    ] = None,
+    frame: Annotated[int | None, typer.Option(help="FOLD file: the frame, from 0.")] = None,
+    symmetry: Annotated[
+        str | None, typer.Option(help="FOLD file: none, auto, C<n> or D<n> (default auto).")
+    ] = None,
+    contact: Annotated[
+        str | None, typer.Option(help="FOLD file: full, fold-limits or none (default full).")
+    ] = None,
+    stiffness: Annotated[
+        float | None, typer.Option(help="FOLD file: of creases without one [N m/rad] (default 1).")
+    ] = None,
+    rest_angle: Annotated[
+        float | None,
+        typer.Option(
+            help="FOLD file: size for M and V creases without an angle [deg] (default 180)."
+        ),
+    ] = None,
 ) -> None:
     """Find every stable state of SCENE, classify it, and show it."""
     from rich.console import Console
 
     check_figure(figure)
-    stated = read_scene(scene)
+    options = {
+        "vertex": vertex,
+        "frame": frame,
+        "symmetry": symmetry,
+        "contact": contact,
+        "stiffness": stiffness,
+        "rest_angle": rest_angle,
+    }
+    stated = _read(scene, {key: value for key, value in options.items() if value is not None})
     from origami_nlp.judge.minima import check_options, find_minima
     from origami_nlp.tell.files import check_writable
     from origami_nlp.tell.json_file import result_to_dict, write_json
@@ -48,6 +90,12 @@ def minima(
     check_options(seed, max_starts)
     check_writable(json, "--json")
     check_writable(figure, "--figure")
+    check_writable(fold, "--fold")
+    check_writable(mesh, "--mesh")
+    if mesh:
+        from origami_nlp.tell.fold_out import check_mesh
+
+        check_mesh(mesh)
     console = Console(stderr=json == "-")
     with progress_bar(stated.name or scene) as report:
         result = find_minima(stated, seed=seed, max_starts=max_starts, full=full, progress=report)
@@ -59,6 +107,37 @@ def minima(
 
         draw_minima(result, figure)
         console.print(f"figure written to {figure}")
+    if fold or mesh:
+        from origami_nlp.tell.fold_out import write_fold, write_mesh
+
+        for target, write in ((fold, write_fold), (mesh, write_mesh)):
+            if target:
+                write(result, target)
+                console.print(f"states written to {target}")
+
+
+def _read(source: str, options: dict[str, Any]) -> Scene:
+    """Read a scene file, or one vertex of a FOLD file with its options."""
+    if not source.lower().endswith((".fold", ".json")):
+        if options:
+            raise OptionError(
+                f"--{next(iter(options)).replace('_', '-')} is for FOLD files (.fold); "
+                "a scene file states it itself"
+            )
+        return read_scene(source)
+    from origami_nlp.cli.vertices import read_fold_scene
+
+    if "rest_angle" in options:
+        options["rest_angle"] = math.radians(options["rest_angle"])
+        if not 0 <= options["rest_angle"] <= math.pi:
+            raise OptionError(
+                f"--rest-angle = {math.degrees(options['rest_angle']):g} must be 0 to 180"
+            )
+    if not options.get("stiffness", 1.0) > 0 or not math.isfinite(options.get("stiffness", 1.0)):
+        raise OptionError(f"--stiffness = {options['stiffness']:g} must be positive and finite")
+    return read_fold_scene(
+        source, options.pop("vertex", None), options.pop("frame", None), **options
+    )
 
 
 def check_figure(figure: Path | None) -> None:

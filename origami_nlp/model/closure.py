@@ -91,8 +91,8 @@ def fold_piece(
         if (
             not flat_sheet
         ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
-            turn = ca.sum1(sectors) - math.pi / order
-            q = quat.multiply(q, (ca.cos(turn / 2), 0, 0, ca.sin(turn / 2)))
+            gap = ca.sum1(sectors) - math.pi / order
+            q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
         normal = quat.rotate(q, (ca.SX(_sin(order)), ca.SX(-_cos(order)), ca.SX(0)))
         if order == 1:
             equations = ca.vertcat(q[1], q[3])
@@ -100,8 +100,8 @@ def fold_piece(
             equations = normal[1] + _cos(order)
         return Folded(tuple(rays), q, normal, equations, ca.SX(1))
     if not flat_sheet:
-        turn = ca.sum1(sectors) - 2 * math.pi / order
-        q = quat.multiply(q, (ca.cos(turn / 2), 0, 0, ca.sin(turn / 2)))
+        gap = ca.sum1(sectors) - 2 * math.pi / order
+        q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
         return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order

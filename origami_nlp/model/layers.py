@@ -47,7 +47,21 @@ class LayerProblem:
         for pair, value in (assume or {}).items():
             if start.setdefault(pair, value) != value:
                 return False
-        return _solve(self.tables, start)
+        return _solve(self.tables, start) is not None
+
+    def order(self) -> dict[Pair, bool] | None:
+        """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
+        found = _solve(self.tables, dict(self.fixed)) if self.feasible else None
+        if found is None:
+            return None
+        for strands in self.segments.values():  # two strands alone in a segment may be in no table
+            for (a, _), (b, _) in itertools.combinations(strands, 2):
+                pair, _ = ordered(a, b)
+                if pair not in found:
+                    found = _solve(self.tables, {**found, pair: True})
+                    assert found is not None
+                    found.setdefault(pair, True)
+        return found
 
     def forced_side(self, one: Strand, other: Strand) -> int:
         """Tell on which side strand `one` must lie of `other`, in the direction of their segment.
@@ -269,8 +283,8 @@ def _interleaving_pattern(
 
 def _solve(
     tables: list[tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]], assigned: dict[Pair, bool]
-) -> bool:
-    """Depth-first search with propagation over table constraints."""
+) -> dict[Pair, bool] | None:
+    """Depth-first search with propagation over table constraints; returns a solution, or None."""
     assigned = dict(assigned)
     changed = True
     while changed:
@@ -282,7 +296,7 @@ def _solve(
                 if all(assigned.get(p, x) == x for p, x in zip(pairs, v, strict=True))
             ]
             if not fits:
-                return False
+                return None
             for k, pair in enumerate(pairs):
                 if pair not in assigned and len({v[k] for v in fits}) == 1:
                     assigned[pair] = fits[0][k]
@@ -290,5 +304,6 @@ def _solve(
     for pairs, _ in tables:
         for pair in pairs:
             if pair not in assigned:
-                return any(_solve(tables, {**assigned, pair: value}) for value in (False, True))
-    return True
+                answers = (_solve(tables, {**assigned, pair: v}) for v in (False, True))
+                return next((a for a in answers if a is not None), None)
+    return assigned

@@ -1,0 +1,139 @@
+"""`origami-nlp vertices`: the interior vertices of a FOLD file, and what can be analysed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from origami_nlp.cli.minima import JsonFile
+from origami_nlp.errors import FoldFileError, OptionError
+from origami_nlp.state.fold_file import Frame, read_fold
+from origami_nlp.state.fold_vertices import FoldVertex, fold_vertices, scene_at
+from origami_nlp.state.scene import Scene
+
+SCHEMA = "origami-nlp/vertices/1"
+FrameNumber = Annotated[
+    int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
+]
+
+
+def vertices(
+    fold: Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")],
+    frame: FrameNumber = None,
+    json: JsonFile = None,
+) -> None:
+    """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.json_file import write_json
+
+    check_writable(json, "--json")
+    frames = read_fold(fold)
+    wanted = frames if frame is None else (choose_frame(frames, frame),)
+    console = Console(stderr=json == "-")
+    everything = []
+    for one in wanted:
+        found, notes = fold_vertices(one)
+        everything.append(_to_dict(one, found, notes))
+        kind = "folded form" if one.folded else "crease pattern"
+        title = f"frame {one.number} ({kind}){': ' + one.title if one.title else ''}"
+        table = Table(
+            title=f"{title}: {len(found)} interior vertices with creases", title_justify="left"
+        )
+        for head in (
+            "vertex",
+            "degree",
+            "assignment",
+            "sector angles [deg]",
+            "Kawasaki [deg]",
+            "Maekawa",
+        ):
+            table.add_column(head, justify="left" if head.startswith(("ass", "sec")) else "right")
+        table.add_column("analysis")
+        for v in found:
+            table.add_row(*_row(v))
+        console.print(table)
+        for note in (*one.notes, *notes):
+            console.print(f"note: {note}", highlight=False)
+        for v in found:
+            for note in v.notes:
+                console.print(f"vertex {v.number}: {note}", highlight=False)
+    if json:
+        write_json({"schema": SCHEMA, "frames": everything}, json)
+
+
+def choose_frame(frames: tuple[Frame, ...], number: int | None) -> Frame:
+    """Return a frame by its number in the file; the first one with geometry by default."""
+    if number is None:
+        return frames[0]
+    for frame in frames:
+        if frame.number == number:
+            return frame
+    there = ", ".join(str(f.number) for f in frames[:12])
+    raise FoldFileError(f"--frame {number} is no frame with geometry: there is {there}")
+
+
+def read_fold_scene(
+    source: str | Path, vertex: int | None, frame: int | None, **options: Any
+) -> Scene:
+    """Read one vertex of a FOLD file as a scene; its only vertex that can be analysed by default."""
+    chosen = choose_frame(read_fold(source), frame)
+    if vertex is None:
+        good = [v.number for v in fold_vertices(chosen)[0] if not v.reason]
+        if len(good) != 1:
+            raise OptionError(
+                f"--vertex is needed: {len(good)} interior vertices can be analysed"
+                + (
+                    f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
+                    if good
+                    else ""
+                )
+                + "; origami-nlp vertices lists them"
+            )
+        vertex = good[0]
+    return scene_at(chosen, vertex, **options)
+
+
+def _row(v: FoldVertex) -> tuple[str, ...]:
+    angles = " ".join(f"{math.degrees(a):.5g}" for a in v.sector_angles)
+    kawasaki = "-" if v.kawasaki is None else f"{math.degrees(v.kawasaki):.2g}"
+    maekawa = "-" if v.maekawa is None else f"{v.maekawa:+d}"
+    return (
+        str(v.number),
+        str(v.degree),
+        v.assignment,
+        angles,
+        kawasaki,
+        maekawa,
+        v.reason or "yes",
+    )
+
+
+def _to_dict(frame: Frame, found: tuple[FoldVertex, ...], notes: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        "frame": frame.number,
+        "title": frame.title,
+        "folded": frame.folded,
+        "notes": [*frame.notes, *notes],
+        "vertices": [
+            {
+                "vertex": v.number,
+                "degree": v.degree,
+                "edges": list(v.edges),
+                "assignment": v.assignment,
+                "sector_angles": [None if math.isnan(a) else a for a in v.sector_angles],
+                "fold_angles": [None if math.isnan(a) else a for a in v.fold_angles],
+                "kawasaki": v.kawasaki if v.kawasaki is None or math.isfinite(v.kawasaki) else None,
+                "maekawa": v.maekawa,
+                "can_be_analysed": not v.reason,
+                "reason": v.reason,
+                "notes": list(v.notes),
+            }
+            for v in found
+        ],
+    }

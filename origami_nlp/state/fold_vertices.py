@@ -1,0 +1,380 @@
+"""Interior vertices of a FOLD frame: sector angles, fold angles, flat-foldability, and each as a scene.
+
+Around a vertex the facets follow each other counter-clockwise: by azimuth in a flat crease pattern, by its
+faces in a folded form.  There the fold angle of a crease is the angle from the normal of the facet before it
+to the normal of the facet after it, about the crease, which is positive for a valley.  Facets joined by an
+edge that is no crease (J, or F) are one facet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.state.fold_file import FOLDS, NOISE, Frame
+from origami_nlp.state.scene import Contact, Scene
+from origami_nlp.state.vertex import Vertex
+
+CLOSED = 1e-6
+"""Folded facets whose normals are opposite to this [rad] are shut: the file says to which side."""
+NOISY = 1e-4
+"""Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
+
+
+@dataclass(frozen=True)
+class FoldVertex:
+    """One vertex of a frame.
+
+    number: in the file, from 0.
+    edges: numbers in the file of its creases, counter-clockwise.
+    sector_angles: [N] [rad], from crease to crease.  assignment: a letter a crease.
+    fold_angles: [N] [rad] of a folded form, or the targets of a crease pattern; NaN where not given.
+    kawasaki: |alternating sum of the sector angles| [rad], None for an odd degree.
+    maekawa: |mountains - valleys| - 2, None unless every crease is one or the other.
+    reason: why it cannot be analysed; empty if it can.
+    notes: what was assumed.
+    """
+
+    number: int
+    edges: tuple[int, ...]
+    sector_angles: tuple[float, ...]
+    assignment: str
+    fold_angles: tuple[float, ...]
+    kawasaki: float | None
+    maekawa: int | None
+    reason: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def degree(self) -> int:
+        """Number of creases."""
+        return len(self.edges)
+
+
+def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
+    """Return every interior vertex of `frame` at which two or more creases meet, and notes on its border."""
+    found, notes = _look(frame, turned=False)
+    if (
+        frame.folded
+    ):  # which side valleys open to is a matter of how the faces run; the assignments decide
+        votes = sum(
+            {"M": -1, "V": 1}.get(letter, 0) * math.copysign(1.0, angle)
+            for v in found
+            for letter, angle in zip(v.assignment, v.fold_angles, strict=True)
+            if CLOSED < abs(angle) < math.pi
+        )
+        if votes < 0:
+            found, notes = _look(frame, turned=True)
+            notes = (*notes, "faces run the other way round than the assignments say: turned over")
+    return found, notes
+
+
+def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
+    ring = _Rings(frame, turned)
+    found = []
+    for v in range(len(frame.coords)):
+        if v in ring.interior:
+            vertex = _analyse(frame, v, *ring.around(v))
+            if vertex is not None:
+                found.append(vertex)
+    return tuple(found), ring.notes
+
+
+def scene_at(
+    frame: Frame,
+    number: int,
+    *,
+    symmetry: str = "auto",
+    contact: Contact = "full",
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+) -> Scene:
+    """Make a scene of interior vertex `number` (from 0, as in the file).
+
+    Parameters
+    ----------
+    stiffness
+        Of creases for which the file gives none [N m/rad].
+    rest_angle
+        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
+        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
+
+    Raises
+    ------
+    FoldFileError
+        If the vertex is not there, or cannot be analysed.
+    """
+    vertices, _ = fold_vertices(frame)
+    here = [v for v in vertices if v.number == number]
+    if not here:
+        some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
+        raise FoldFileError(
+            f"--vertex {number} is no interior vertex with creases in frame {frame.number}: "
+            f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
+        )
+    v = here[0]
+    if v.reason:
+        raise FoldFileError(f"vertex {number} cannot be analysed: {v.reason}")
+    position = {int(e): k for k, e in enumerate(frame.numbers)}
+    at = [position[e] for e in v.edges]
+    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
+    sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
+    rest = np.where(np.isnan(v.fold_angles), sign * rest_angle, v.fold_angles)
+    rest = np.where(np.isnan(frame.rest_angles[at]), rest, frame.rest_angles[at])
+    return Scene(
+        _vertex(v.sector_angles),
+        tuple(k.tolist()),
+        tuple(np.clip(rest, -math.pi, math.pi).tolist()),
+        symmetry,
+        contact,
+        name=f"{frame.title or 'FOLD'}, vertex {number}",
+        symmetry_tolerance=NOISY,
+    )
+
+
+def _vertex(sectors: tuple[float, ...]) -> Vertex:
+    """Make a vertex; an angle sum that is 2 pi but for noise is 2 pi."""
+    total = math.fsum(sectors)
+    if abs(total - 2 * math.pi) > NOISE * len(sectors):
+        return Vertex(sectors, flat=False)
+    return Vertex(tuple(a * (2 * math.pi / total) for a in sectors))
+
+
+# ---------------------------------------------------------------- around a vertex
+
+
+class _Rings:
+    """Which vertices are interior, and the edges and facets around each, counter-clockwise."""
+
+    def __init__(self, frame: Frame, turned: bool = False) -> None:
+        self.frame = frame
+        self.turned = turned
+        self.edge = {}
+        neighbours: list[list[int]] = [[] for _ in frame.coords]
+        for e, (a, b) in enumerate(frame.edges.tolist()):
+            self.edge[a, b] = self.edge[b, a] = e
+            neighbours[a].append(b)
+            neighbours[b].append(a)
+        self.notes: tuple[str, ...] = ()
+        self.next: dict[tuple[int, int], int] = {}
+        border = self._by_faces() if frame.folded else self._by_azimuth(neighbours)
+        cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
+        drawn = sorted(e for e in border - cut)
+        if drawn:
+            numbers = [int(frame.numbers[e]) for e in drawn]
+            shown = ", ".join(map(str, numbers[:8])) + (", ..." if len(numbers) > 8 else "")
+            self.notes = (
+                *self.notes,
+                f"edges {shown} lie on the border but are drawn as folds: read as borders",
+            )
+        outside = {int(v) for e in border | cut for v in frame.edges[e]}
+        self.interior = {v for v, n in enumerate(neighbours) if n and v not in outside}
+
+    def around(self, v: int) -> tuple[list[int], str]:
+        """Return the neighbours of v counter-clockwise, and why they do not close up (or '')."""
+        start = min(b for a, b in self.next if a == v) if any(a == v for a, _ in self.next) else -1
+        if start < 0:
+            return [], "no face of the file touches it: a folded form needs faces_vertices"
+        ring, here = [start], self.next[v, start]
+        while here != start:
+            if here in ring or (v, here) not in self.next:
+                return ring, "the faces around it do not close up"
+            ring.append(here)
+            here = self.next[v, here]
+        return ring, ""
+
+    def _by_azimuth(self, neighbours: list[list[int]]) -> set[int]:
+        """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
+        xy = self.frame.coords
+        for v, others in enumerate(neighbours):
+            d = xy[others] - xy[v]
+            order = [others[k] for k in np.argsort(np.arctan2(d[:, 1], d[:, 0]), kind="stable")]
+            for a, b in zip(order, order[1:] + order[:1], strict=True):
+                self.next[v, a] = b
+        # walk around every face, keeping it on the left; the outer face of a piece has a negative area
+        border: set[int] = set()
+        unseen = dict.fromkeys((a, b) for a in range(len(neighbours)) for b in neighbours[a])
+        before = {(v, b): a for (v, a), b in self.next.items()}
+        while unseen:
+            a, b = walk = next(iter(unseen))
+            area, sides = 0.0, []
+            while walk in unseen:
+                del unseen[walk]
+                a, b = walk
+                area += xy[a, 0] * xy[b, 1] - xy[b, 0] * xy[a, 1]
+                sides.append(self.edge[a, b])
+                walk = (b, before[b, a])
+            if area <= 0:
+                border |= set(sides)
+        return border
+
+    def _by_faces(self) -> set[int]:
+        """Order by faces; edges with one face only are the border."""
+        sides = np.zeros(len(self.frame.edges), dtype=int)
+        missing, twisted = set(), False
+        for face in self._oriented():
+            n = len(face)
+            for i, v in enumerate(face):
+                after, before = face[(i + 1) % n], face[i - 1]
+                twisted |= (v, after) in self.next
+                self.next[v, after] = before
+                if (v, after) in self.edge:
+                    sides[self.edge[v, after]] += 1
+                else:
+                    missing.add((v, after))
+        if missing:
+            self.notes = (*self.notes, f"{len(missing)} sides of faces are no edges of the file")
+        if twisted:
+            self.notes = (*self.notes, "some faces overlap at a vertex or cannot be oriented alike")
+        return set(np.flatnonzero(sides < 2).tolist())
+
+    def _oriented(self) -> list[tuple[int, ...]]:
+        """Turn faces so that neighbours run along a common side in opposite directions."""
+        faces = [f[::-1] if self.turned else f for f in self.frame.faces]
+        at: dict[frozenset[int], list[int]] = {}
+        for f, face in enumerate(faces):
+            for i in range(len(face)):
+                at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
+        done: set[int] = set()
+        against = 0
+        for seed in range(len(faces)):
+            queue = [seed] if seed not in done else []
+            done.add(seed)
+            while queue:
+                f = queue.pop()
+                along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
+                for a, b in along:
+                    for g in at[frozenset((a, b))]:
+                        if g in done:
+                            continue
+                        done.add(g)
+                        queue.append(g)
+                        if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
+                            faces[g] = faces[g][::-1]
+                            against += 1
+        if against:
+            self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
+        return faces
+
+
+def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex | None:
+    """Measure the vertex whose neighbours `ring` follow each other counter-clockwise."""
+    edge = {int(w): e for e, pair in enumerate(frame.edges) for w in pair if v in pair and w != v}
+    letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
+    creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
+    if not creases:
+        return None
+    notes = []
+    d = frame.coords[ring] - frame.coords[v]
+    length = np.linalg.norm(d, axis=1)
+    if not length.all():
+        return _refused(frame, v, creases, edge, "an edge has no length")
+    d = d / length[:, None]
+    following = np.roll(d, -1, axis=0)
+    normals = np.cross(d, following)
+    sectors = np.arctan2(np.linalg.norm(normals, axis=1), np.einsum("ij,ij->i", d, following))
+    if not frame.folded:
+        azimuth = np.arctan2(d[:, 1], d[:, 0])
+        sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
+        if len(ring) == 1:
+            sectors = np.array([2 * math.pi])
+    # facets joined by an F edge are one, unless it would span half a turn or more
+    keep = [k for k, w in enumerate(ring) if w in creases and letters[w] != "F"]
+    merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
+    if len(keep) < len(creases):
+        if len(keep) < 3 or merged.max() >= math.pi - 1e-9:
+            keep = [k for k, w in enumerate(ring) if w in creases]
+            merged = _merge(sectors, keep)
+            notes.append(
+                "F edges are kept as creases: without them a facet would span 180 degrees or more"
+            )
+        else:
+            notes.append("facets joined by F edges are one facet")
+    if any(a == "J" for a in letters.values()):
+        notes.append("facets joined by J edges are one facet")
+    names = [ring[k] for k in keep]
+    at = [edge[w] for w in names]
+    phi = frame.fold_angles[at].copy()
+    if frame.folded and not broken:
+        phi, unsure = _measured(d, normals, keep, frame, at)
+        if unsure:
+            notes.append("a shut crease without assignment or fold angle: taken for a valley")
+    reason = broken or _why_not(frame, at, merged)
+    if not reason:
+        try:
+            vertex = _vertex(tuple(merged.tolist()))
+            if not vertex.flat:
+                notes.append(
+                    f"sector angles sum to 360 {math.degrees(vertex.excess):+.4g} degrees: not flat"
+                )
+        except OrigamiError as error:
+            reason = str(error)
+    signs = "".join(frame.assignment[e] for e in at)
+    n = len(at)
+    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else None
+    both = signs.count("M") + signs.count("V") == n
+    maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
+    return FoldVertex(
+        v,
+        tuple(int(frame.numbers[e]) for e in at),
+        tuple(merged.tolist()),
+        signs,
+        tuple(phi.tolist()),
+        alternating,
+        maekawa,
+        reason,
+        tuple(notes),
+    )
+
+
+def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
+    """Sum sectors from one kept ray to the next."""
+    rolled = np.roll(sectors, -keep[0])
+    return np.add.reduceat(rolled, [k - keep[0] for k in keep])
+
+
+def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
+    clash = [int(frame.numbers[e]) for e in at if e in frame.conflicts]
+    if clash:
+        return f"edge {clash[0]} has conflicting assignments: keep one of the copies"
+    if len(at) < 3:
+        return f"{len(at)} crease{'s' if len(at) > 1 else ''}: a vertex needs at least 3"
+    if sectors.max() >= math.pi - 1e-12:
+        facet = int(sectors.argmax())
+        return (
+            f"the facet after edge {int(frame.numbers[at[facet]])} spans "
+            f"{math.degrees(sectors.max()):.6g} degrees: split it with a crease (F) below 180"
+        )
+    return ""
+
+
+def _refused(
+    frame: Frame, v: int, creases: list[int], edge: dict[int, int], why: str
+) -> FoldVertex:
+    at = [edge[w] for w in creases]
+    nan = (math.nan,) * len(at)
+    signs = "".join(frame.assignment[e] for e in at)
+    return FoldVertex(v, tuple(int(frame.numbers[e]) for e in at), nan, signs, nan, None, None, why)
+
+
+def _measured(
+    d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
+) -> tuple[np.ndarray, bool]:
+    """Fold angles from the facets' normals; where a crease is shut the file says to which side."""
+    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    phi, unsure = [], False
+    for k, e in zip(keep, at, strict=True):
+        before, after = unit[k - 1], unit[k]
+        angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
+        if math.pi - abs(angle) < CLOSED:
+            given = frame.fold_angles[e]
+            sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
+            if not math.isnan(given) and given:
+                sign = math.copysign(1.0, given)
+            unsure |= sign == 0.0
+            angle = math.copysign(math.pi, sign or 1.0)
+        phi.append(angle)
+    return np.array(phi), unsure
