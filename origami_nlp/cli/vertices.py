@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from origami_nlp.cli.minima import JsonFile
@@ -15,6 +16,8 @@ from origami_nlp.state.fold_vertices import FoldVertex, fold_vertices, scene_at
 from origami_nlp.state.scene import Scene
 
 SCHEMA = "origami-nlp/vertices/1"
+FLAT = 1e-4
+"""Gaps [rad] that noise in coordinates may leave in a flat folding."""
 FrameNumber = Annotated[
     int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
 ]
@@ -52,6 +55,7 @@ def vertices(
             "sector angles [deg]",
             "Kawasaki [deg]",
             "Maekawa",
+            "folds flat",
         ):
             table.add_column(head, justify="left" if head.startswith(("ass", "sec")) else "right")
         table.add_column("analysis")
@@ -103,15 +107,20 @@ def _row(v: FoldVertex) -> tuple[str, ...]:
     angles = " ".join(f"{math.degrees(a):.5g}" for a in v.sector_angles)
     kawasaki = "-" if v.kawasaki is None else f"{math.degrees(v.kawasaki):.2g}"
     maekawa = "-" if v.maekawa is None else f"{v.maekawa:+d}"
-    return (
-        str(v.number),
-        str(v.degree),
-        v.assignment,
-        angles,
-        kawasaki,
-        maekawa,
-        v.reason or "yes",
-    )
+    flat = {True: "yes", False: "no", None: "-"}[folds_flat(v)]
+    first = (str(v.number), str(v.degree), v.assignment, angles)
+    return (*first, kawasaki, maekawa, flat, v.reason or "yes")
+
+
+def folds_flat(v: FoldVertex) -> bool | None:
+    """Tell whether the vertex folds flat with its mountains and valleys; None where that is not stated."""
+    if v.reason or v.maekawa is None:
+        return None
+    from origami_nlp.model.embedding import examine
+    from origami_nlp.state.fold_vertices import make_vertex
+
+    phi = np.array([math.pi if letter == "V" else -math.pi for letter in v.assignment])
+    return examine(make_vertex(v.sector_angles), phi, tolerance=FLAT).admissible
 
 
 def _to_dict(frame: Frame, found: tuple[FoldVertex, ...], notes: tuple[str, ...]) -> dict[str, Any]:
@@ -130,6 +139,7 @@ def _to_dict(frame: Frame, found: tuple[FoldVertex, ...], notes: tuple[str, ...]
                 "fold_angles": [None if math.isnan(a) else a for a in v.fold_angles],
                 "kawasaki": v.kawasaki if v.kawasaki is None or math.isfinite(v.kawasaki) else None,
                 "maekawa": v.maekawa,
+                "folds_flat": folds_flat(v),
                 "can_be_analysed": not v.reason,
                 "reason": v.reason,
                 "notes": list(v.notes),

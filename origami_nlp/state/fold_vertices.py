@@ -125,7 +125,7 @@ def scene_at(
     rest = np.where(np.isnan(v.fold_angles), sign * rest_angle, v.fold_angles)
     rest = np.where(np.isnan(frame.rest_angles[at]), rest, frame.rest_angles[at])
     return Scene(
-        _vertex(v.sector_angles),
+        make_vertex(v.sector_angles),
         tuple(k.tolist()),
         tuple(np.clip(rest, -math.pi, math.pi).tolist()),
         symmetry,
@@ -135,7 +135,7 @@ def scene_at(
     )
 
 
-def _vertex(sectors: tuple[float, ...]) -> Vertex:
+def make_vertex(sectors: tuple[float, ...]) -> Vertex:
     """Make a vertex; an angle sum that is 2 pi but for noise is 2 pi."""
     total = math.fsum(sectors)
     if abs(total - 2 * math.pi) > NOISE * len(sectors):
@@ -305,7 +305,7 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
     reason = broken or _why_not(frame, at, merged)
     if not reason:
         try:
-            vertex = _vertex(tuple(merged.tolist()))
+            vertex = make_vertex(tuple(merged.tolist()))
             if not vertex.flat:
                 notes.append(
                     f"sector angles sum to 360 {math.degrees(vertex.excess):+.4g} degrees: not flat"

@@ -150,7 +150,7 @@ def write_mesh(result: MinimaResult, target: str | Path) -> None:
         parts.append(trimesh.Trimesh(points, faces, process=False))
     if not parts:
         raise OptionError(f"--mesh = {str(target)!r}: no stable state was found to write")
-    content = trimesh.util.concatenate(parts).export(file_type=suffix[1:])
+    content = trimesh.util.concatenate(parts).export(None, file_type=suffix[1:])
     write_whole(target, content.encode() if isinstance(content, str) else content)
 
 
