@@ -35,3 +35,7 @@ class FoldFileError(OrigamiError):
 
 class OptionError(OrigamiError):
     """A command-line or keyword option has a value it cannot take."""
+
+
+class SweepError(OrigamiError):
+    """A sweep file or the store of a sweep is not what it should be."""

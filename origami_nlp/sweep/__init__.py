@@ -1,0 +1,1 @@
+"""Many scenes: a sweep over parameters, run on any executor, stored as it goes."""

@@ -1,0 +1,94 @@
+"""Results of a sweep as pandas or xarray objects (extra ``sweep``)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origami_nlp.errors import SweepError
+from origami_nlp.sweep.store import read_table
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+KINDS = ("interior", "contact-pinned", "contact-touching", "degenerate")
+
+
+def _need(module: str) -> Any:
+    from importlib import import_module
+
+    try:
+        return import_module(module)
+    except ImportError:
+        raise SweepError(f'{module} is not installed: pip install "origami_nlp[sweep]"') from None
+
+
+def load_states(folder: str | Path) -> pandas.DataFrame:
+    """One row a stable state: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad]."""
+    pandas = _need("pandas")
+    names, rows = read_table(folder, "scenes")
+    scenes = pandas.DataFrame(rows, columns=names)
+    names, rows = read_table(folder, "states")
+    states = pandas.DataFrame(rows, columns=names)
+    angles = [json.loads(a) for a in states.pop("fold_angles")]
+    degree = max(map(len, angles), default=0)
+    for i in range(degree):
+        states[f"phi_{i + 1}"] = [a[i] if i < len(a) else np.nan for a in angles]
+    own = ["status", "reason", "seconds", "starts", "expected_undiscovered"]
+    return scenes.drop(columns=own).merge(states, on="scene")
+
+
+def load_sweep(folder: str | Path) -> xarray.Dataset:
+    """Counts and lowest energies over the axes of the sweep, labelled.
+
+    Variables: ``count`` (stable states), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is not
+    done has count -1 and energy NaN.
+    """
+    xarray = _need("xarray")
+    grid = sweep_grid(folder)
+    dims = tuple(grid["axes"])
+    coords = {name: (dims[k], v) for k, (name, v) in enumerate(grid["axes"].items())}
+    if grid["mode"] == "list":
+        dims = ("scene",)
+        coords = {name: ("scene", v) for name, v in grid["axes"].items()}
+    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "mode")}
+    return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
+
+
+def sweep_grid(folder: str | Path) -> dict[str, Any]:
+    """The same as plain NumPy arrays over the sweep's shape (what figures use)."""
+    keys = dict(read_table(folder, "sweep")[1])
+    sweep, shape = json.loads(keys["sweep"]), tuple(json.loads(keys["shape"]))
+    axes = {name: np.array(values) for name, _, values in sweep["axes"]}
+    total = int(np.prod(shape))
+    status = np.full(total, "waiting", dtype="<U8")
+    count = np.full(total, -1)
+    by_kind = {kind: np.full(total, -1) for kind in KINDS}
+    energy = np.full(total, np.nan)
+    names, rows = read_table(folder, "scenes")
+    for row in rows:
+        scene = dict(zip(names, row, strict=True))
+        status[scene["scene"]] = scene["status"]
+        if scene["status"] == "done":
+            for array in (count, *by_kind.values()):
+                array[scene["scene"]] = 0
+    names, rows = read_table(folder, "states")
+    for row in rows:
+        state = dict(zip(names, row, strict=True))
+        k = state["scene"]
+        count[k] += 1
+        by_kind[state["kind"]][k] += 1
+        energy[k] = np.fmin(energy[k], state["energy"])
+    arrays = {f"count_{kind.replace('-', '_')}": v.reshape(shape) for kind, v in by_kind.items()}
+    return {
+        "axes": axes,
+        "mode": sweep["search"]["mode"],
+        "count": count.reshape(shape),
+        **arrays,
+        "lowest_energy": energy.reshape(shape),
+        "status": status.reshape(shape),
+    }

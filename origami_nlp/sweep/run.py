@@ -1,0 +1,172 @@
+"""Run a sweep on any executor of `concurrent.futures`: processes, a Dask cluster, MPI.
+
+Scenes run in chains of neighbours (`Sweep.chains`): the states of one are tried first in the next.  The chain is
+walked in order whatever happens, and a resumed chain takes the states of its last finished scene from the store
+to the last bit; so the answers depend on neither workers, nor interruptions, nor the order of completion.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.sweep.spec import Sweep
+from origami_nlp.sweep.store import Outcome, Store
+
+Progress = Callable[[int, int, int], None]
+"""Called with scenes finished, scenes in all, and stable states found since the run began."""
+
+
+@dataclass(frozen=True)
+class SweepReport:
+    """How a run ended: statuses of all scenes, scenes run now, seconds, and whether it was interrupted."""
+
+    counts: dict[str, int]
+    ran: int
+    seconds: float
+    interrupted: bool
+
+
+def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> Outcome:
+    """Find the states of one scene; errors become its outcome (this is what a worker does)."""
+    begin = time.perf_counter()
+    try:
+        scene = sweep.scene(index)
+    except OrigamiError as error:
+        return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
+    try:
+        from origami_nlp.judge.minima import find_minima
+
+        s = sweep.search
+        result = find_minima(
+            scene,
+            seed=s["seed"],
+            max_starts=s["max_starts"],
+            fewest_starts=s["starts"],
+            full=s["full"],
+            guesses=[np.array(g) for g in guesses],
+        )
+    except (
+        Exception
+    ) as error:  # one scene must not end the sweep: it is reported as failed, by name
+        reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
+    states = tuple(
+        (
+            m.energy,
+            m.kind,
+            m.local_dimension,
+            m.closure_residual,
+            m.kkt_residual if np.isfinite(m.kkt_residual) else None,
+            int(m.polished),
+            m.full_space.verdict if m.full_space else None,
+            list(m.fold_angles),
+        )
+        for m in result.minima
+    )
+    missing = result.search.expected_undiscovered
+    return Outcome(
+        index,
+        "done",
+        "",
+        time.perf_counter() - begin,
+        result.search.starts,
+        missing if np.isfinite(missing) else None,
+        states,
+    )
+
+
+def run_sweep(
+    sweep: Sweep,
+    folder: str | Path,
+    *,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> SweepReport:
+    """Run what is left of `sweep`, adding to the store in `folder`.
+
+    Parameters
+    ----------
+    executor
+        Any `concurrent.futures.Executor`: a process pool of `workers` by default; `dask.distributed`'s
+        ``Client.get_executor()``, `mpi4py.futures.MPIPoolExecutor` and others have the same interface.
+    progress
+        Called after each scene.
+
+    Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
+    goes on from there.
+    """
+    begin = time.perf_counter()
+    own = executor is None
+    with Store(folder, sweep) as store:
+        pool = _processes(workers) if executor is None else executor
+        try:
+            ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress)
+        finally:
+            if own:
+                pool.shutdown(wait=False, cancel_futures=True)
+        return SweepReport(store.counts(), ran, time.perf_counter() - begin, interrupted)
+
+
+def _processes(workers: int | None) -> ProcessPoolExecutor:
+    import multiprocessing
+
+    # a fresh interpreter per worker: CasADi's state does not survive a fork of a process with threads
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+
+
+def _size(pool: Any) -> int:
+    """Scenes to keep in flight: the workers of the pool where it says, else as many as there are processors."""
+    import os
+
+    count = getattr(pool, "_max_workers", None) or getattr(pool, "num_workers", None)
+    return int(count or os.cpu_count() or 1)
+
+
+def _walk(
+    sweep: Sweep, store: Store, pool: Executor, workers: int, progress: Progress | None
+) -> tuple[int, bool]:
+    done = store.done()
+    waiting = iter([chain for chain in sweep.chains() if not done.issuperset(chain)])
+    running: dict[Future[Outcome], tuple[range, int]] = {}
+    finished, ran, states = len(done), 0, 0
+
+    def submit(chain: range, at: int) -> bool:
+        """Submit the first scene of `chain` from position `at` that is not done."""
+        for k in range(at, len(chain)):
+            if chain[k] not in done:
+                guesses = store.angles(chain[k - 1]) if k else []
+                running[pool.submit(run_scene, sweep, chain[k], guesses)] = chain, k
+                return True
+        return False
+
+    try:
+        while True:
+            while len(running) < 2 * workers:  # one in work, one at hand
+                chain = next(waiting, None)
+                if chain is None:
+                    break
+                submit(chain, 0)
+            if not running:
+                return ran, False
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                chain, k = running.pop(future)
+                outcome = future.result()
+                store.add(outcome, sweep.parameters(outcome.scene))
+                done.add(outcome.scene)
+                finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
+                if progress:
+                    progress(finished, sweep.count, states)
+                submit(chain, k + 1)
+    except KeyboardInterrupt:
+        for future in running:
+            future.cancel()
+        return ran, True

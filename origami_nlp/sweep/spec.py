@@ -1,0 +1,311 @@
+"""What a sweep file says: a scene, and parameters of it that take many values.
+
+```toml
+[scene]
+example = "degree6"            # degree6 or degree8, or file = "scene.toml", or the tables of a scene file
+alpha = "pi/3"
+ratio = 1
+
+[[axes]]
+set = "ratio"                  # an argument of the example, or a place in the scene file
+from = 0.01
+to = 100
+count = 41
+scale = "log"                  # linear (default) or log; or values = [...] in place of from, to, count
+
+[[axes]]
+set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several places take the same value
+values = ["pi/4", 1.2]
+
+[search]
+mode = "grid"                  # every combination (default), or list: axes run together
+starts = 128                   # fewest random starts a scene
+max_starts = 1000
+seed = 0
+full = false                   # also decide each state in the full space
+```
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import SweepError
+from origami_nlp.state import examples
+from origami_nlp.state.angles import parse_angle
+from origami_nlp.state.scene import Scene
+from origami_nlp.state.scene_file import scene_from_dict
+
+MOST_SCENES = 10_000_000
+_EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
+_EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
+_PLACE = re.compile(r"(vertex|creases|model)\.([a-z_]+)(?:\[(\d{1,4})\])?")
+_SEARCH = {"mode": "grid", "starts": 128, "max_starts": 1000, "seed": 0, "full": False}
+_LARGEST = 10_000_000
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One parameter of a sweep.
+
+    name: for tables and figures.  places: what it sets.  values: [m] numbers (angles in radians).
+    """
+
+    name: str
+    places: tuple[str, ...]
+    values: tuple[float, ...] = field(repr=False)
+    scale: str = "linear"
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep: `scene(index)` is scene number `index` of `count`.
+
+    base: the [scene] table.  shape: entries along each axis (a list sweep has one dimension).
+    """
+
+    base: dict[str, Any] = field(repr=False)
+    axes: tuple[Axis, ...]
+    search: dict[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Scenes along each dimension."""
+        lengths = tuple(len(a.values) for a in self.axes)
+        return lengths if self.search["mode"] == "grid" else lengths[:1]
+
+    @property
+    def count(self) -> int:
+        """Number of scenes."""
+        return math.prod(self.shape)
+
+    def parameters(self, index: int) -> dict[str, float]:
+        """Values of the axes of scene `index`; the last axis runs fastest."""
+        if self.search["mode"] == "grid":
+            where = np.unravel_index(index, self.shape)
+        else:
+            where = (index,) * len(self.axes)
+        return {a.name: a.values[int(i)] for a, i in zip(self.axes, where, strict=True)}
+
+    def scene(self, index: int) -> Scene:
+        """Make scene `index`.
+
+        Raises
+        ------
+        OrigamiError
+            If these values make no scene (sector angles that do not sum to 2 pi, say).
+        """
+        data = copy.deepcopy(self.base)
+        values = self.parameters(index)
+        for axis in self.axes:
+            for place in axis.places:
+                _put(data, place, values[axis.name])
+        if "example" in data:
+            arguments = {k: v for k, v in data.items() if k != "example"}
+            return _EXAMPLES[data["example"]](**arguments)
+        return scene_from_dict(data)
+
+    def chains(self, length: int = 32) -> Iterator[range]:
+        """Cut the scenes into runs of neighbours along the last axis: each warm-starts the next of its run.
+
+        Runs depend on the sweep alone, not on what was interrupted when, and so does every answer.
+        """
+        row = self.shape[-1]
+        for start in range(0, self.count, row):
+            for a in range(start, start + row, length):
+                yield range(a, min(a + length, start + row))
+
+    def fingerprint(self) -> str:
+        """The whole sweep as text: two sweeps are the same when these agree."""
+        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
+        return json.dumps({"scene": self.base, "axes": axes, "search": self.search}, sort_keys=True)
+
+
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file (TOML); a scene ``file`` in it is found beside it.
+
+    Raises
+    ------
+    SweepError
+        If the file cannot be read, or a key is unknown, missing or wrong; other `OrigamiError` for the scene.
+    """
+    try:
+        raw = Path(path).read_bytes()
+    except OSError as error:
+        raise SweepError(f"cannot read sweep {str(path)!r}: {error.strerror}") from None
+    if len(raw) > _LARGEST:
+        raise SweepError(f"sweep {str(path)!r} is larger than 10 MB: not a sweep file")
+    try:
+        data = tomllib.loads(raw.decode())
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SweepError(f"sweep is not valid TOML: {str(error).splitlines()[0]}") from None
+    return parse_sweep(data, Path(path).parent)
+
+
+def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
+    """Make a sweep from the tables of a sweep file; `folder` is where a scene ``file`` is looked for."""
+    for key in data:
+        if key not in ("scene", "axes", "search"):
+            raise SweepError(f"unknown table [{key}]: a sweep has [scene], [[axes]], [search]")
+    base = _base(data.get("scene"), folder)
+    stated = data.get("axes")
+    if (
+        not isinstance(stated, list)
+        or not stated
+        or not all(isinstance(a, Mapping) for a in stated)
+    ):
+        raise SweepError(
+            "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
+        )
+    axes = tuple(_axis(a, k, base) for k, a in enumerate(stated, start=1))
+    names = [a.name for a in axes]
+    if len(set(names)) < len(names):
+        raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
+    search = _search(data.get("search", {}))
+    if search["mode"] == "list" and len({len(a.values) for a in axes}) > 1:
+        lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in axes)
+        raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
+    sweep = Sweep(base, axes, search)
+    if sweep.count > MOST_SCENES:
+        raise SweepError(f"the sweep has {sweep.count:,} scenes: at most {MOST_SCENES:,}")
+    sweep.scene(0)  # a mistake in the scene is found now, not in every worker
+    return sweep
+
+
+def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
+    if not isinstance(scene, Mapping):
+        raise SweepError(
+            "a sweep needs [scene]: example = ..., file = ..., or the tables of a scene file"
+        )
+    data = copy.deepcopy(dict(scene))
+    if "example" in data:
+        if data["example"] not in _EXAMPLES:
+            raise SweepError(
+                f"example = {data['example']!r} is unknown: use {', '.join(_EXAMPLES)}"
+            )
+        for key in data:
+            if key not in ("example", *_EXAMPLE_KEYS):
+                raise SweepError(
+                    f"unknown key {key!r} in [scene]: an example takes {', '.join(_EXAMPLE_KEYS)}"
+                )
+        return data
+    if "file" not in data:
+        return data
+    if len(data) > 1 or not isinstance(data["file"], str):
+        raise SweepError('[scene] with file = "..." takes nothing else')
+    path = (folder or Path()) / data["file"]
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SweepError(f"scene file {data['file']!r} cannot be read: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise SweepError(
+            f"scene file {data['file']!r} is not valid TOML: {str(error).splitlines()[0]}"
+        ) from None
+
+
+def _axis(stated: Mapping[str, Any], number: int, base: dict[str, Any]) -> Axis:
+    where = f"axes[{number}]"
+    for key in stated:
+        if key not in ("name", "set", "values", "from", "to", "count", "scale"):
+            raise SweepError(
+                f"unknown key {key!r} in {where}: name, set, values, from, to, count, scale"
+            )
+    places = stated.get("set")
+    places = [places] if isinstance(places, str) else places
+    if not isinstance(places, list) or not places or not all(isinstance(p, str) for p in places):
+        raise SweepError(f'{where}.set must name what it changes, such as "creases.stiffness[1]"')
+    for place in places:
+        _check_place(place, where, base)
+    scale = stated.get("scale", "linear")
+    if scale not in ("linear", "log"):
+        raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
+    if "values" in stated:
+        if not isinstance(stated["values"], list) or not stated["values"]:
+            raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
+        if {"from", "to", "count"} & set(stated):
+            raise SweepError(f"{where} has both values and from, to, count: give one")
+        values = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(stated["values"], 1)]
+    else:
+        values = _spaced(stated, where, scale)
+    name = stated.get("name", places[0])
+    if not isinstance(name, str) or not name:
+        raise SweepError(f"{where}.name = {name!r} must be text")
+    return Axis(name, tuple(places), tuple(values), scale)
+
+
+def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
+    for key in ("from", "to", "count"):
+        if key not in stated:
+            raise SweepError(f"{where}.{key} is missing: give values, or from, to and count")
+    low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
+    count = stated["count"]
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SCENES:
+        raise SweepError(
+            f"{where}.count = {count!r} must be a whole number from 1 to {MOST_SCENES:,}"
+        )
+    if scale == "linear":
+        return np.linspace(low, high, count).tolist()
+    if low <= 0 or high <= 0:
+        raise SweepError(f"{where}: a log scale needs from and to above 0")
+    return np.geomspace(low, high, count).tolist()
+
+
+def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
+    if "example" in base:
+        if place not in ("alpha", "ratio"):
+            raise SweepError(f"{where}.set = {place!r}: an example takes alpha or ratio")
+        return
+    match = _PLACE.fullmatch(place)
+    table = base.get(match[1], {}) if match else None
+    if match is None or not isinstance(table, Mapping) or match[2] not in table:
+        raise SweepError(
+            f'{where}.set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]"'
+        )
+    entry = table[match[2]]
+    if match[3] is None:
+        if isinstance(entry, list):
+            raise SweepError(
+                f"{where}.set = {place!r} is a list: say which entry, {place}[1] to [{len(entry)}]"
+            )
+    elif not isinstance(entry, list) or not 1 <= int(match[3]) <= len(entry):
+        size = len(entry) if isinstance(entry, list) else 0
+        raise SweepError(f"{where}.set = {place!r}: the list has {size} entries, numbered from 1")
+
+
+def _put(data: dict[str, Any], place: str, value: float) -> None:
+    match = _PLACE.fullmatch(place)
+    if match is None:
+        data[place] = value
+    elif match[3] is None:
+        data[match[1]][match[2]] = value
+    else:
+        data[match[1]][match[2]][int(match[3]) - 1] = value
+
+
+def _search(stated: Any) -> dict[str, Any]:
+    if not isinstance(stated, Mapping):
+        raise SweepError("search must be a table: write [search]")
+    for key in stated:
+        if key not in _SEARCH:
+            raise SweepError(f"unknown key {key!r} in [search]: it takes {', '.join(_SEARCH)}")
+    search = {**_SEARCH, **stated}
+    if search["mode"] not in ("grid", "list"):
+        raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
+    for key, least in (("starts", 1), ("max_starts", 1), ("seed", 0)):
+        value = search[key]
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least {least}")
+    if not isinstance(search["full"], bool):
+        raise SweepError(f"search.full = {search['full']!r} must be true or false")
+    return search

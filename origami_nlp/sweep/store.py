@@ -1,0 +1,160 @@
+"""The store of a sweep: one SQLite file that grows by a transaction a scene.
+
+SQLite is in Python's standard library, readable from anywhere, and keeps what it said it kept through
+kill -9: a scene is there whole or not at all.  Tables (documented, so that other programs can read them):
+
+- ``sweep(key, value)``: the sweep as JSON, schema and version;
+- ``scenes(scene, <one column an axis>, status, reason, seconds, starts, expected_undiscovered)``: status is
+  ``done``, ``invalid`` (these values make no scene) or ``failed``;
+- ``states(scene, state, energy, kind, dimension, closure, kkt, polished, full_space, fold_angles)``: the minima
+  of each scene by energy; fold angles [rad] as a JSON list.
+
+Only the process that runs the sweep writes.
+"""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from origami_nlp.errors import SweepError
+from origami_nlp.sweep.spec import Sweep
+
+SCHEMA = "origami-nlp/sweep/1"
+FILE = "sweep.sqlite"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one scene; states: rows (energy, kind, dimension, closure, kkt, polished, full, angles)."""
+
+    scene: int
+    status: str
+    reason: str
+    seconds: float
+    starts: int
+    missing: float | None
+    states: tuple[tuple[Any, ...], ...]
+
+
+class Store:
+    """An open store; use as a context manager."""
+
+    def __init__(self, folder: str | Path, sweep: Sweep) -> None:
+        """Open the store of `sweep` in `folder`, or make it.
+
+        Raises
+        ------
+        SweepError
+            If the folder holds another sweep, or is no store.
+        """
+        path = Path(folder) / FILE
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._db = sqlite3.connect(path)
+            self._db.execute("PRAGMA journal_mode = WAL")
+            self._db.execute("PRAGMA synchronous = NORMAL")
+            known = _read_key(self._db, "sweep")
+            if known is None:
+                self._make(sweep)
+            elif known != sweep.fingerprint():
+                self._db.close()
+                raise SweepError(
+                    f"--out {str(folder)!r} holds another sweep: choose another folder"
+                )
+        except (OSError, sqlite3.Error) as error:
+            raise SweepError(f"--out {str(folder)!r} cannot be used: {error}") from None
+        self._axes = [a.name for a in sweep.axes]
+
+    def _make(self, sweep: Sweep) -> None:
+        axes = ", ".join(f"{_quoted(a.name)} REAL" for a in sweep.axes)
+        with self._db:
+            self._db.execute("BEGIN IMMEDIATE")
+            self._db.execute("CREATE TABLE sweep (key TEXT PRIMARY KEY, value TEXT)")
+            self._db.execute(
+                f"CREATE TABLE scenes (scene INTEGER PRIMARY KEY, {axes}, status TEXT, reason TEXT, "
+                "seconds REAL, starts INTEGER, expected_undiscovered REAL)"
+            )
+            self._db.execute(
+                "CREATE TABLE states (scene INTEGER, state INTEGER, energy REAL, kind TEXT, "
+                "dimension INTEGER, closure REAL, kkt REAL, polished INTEGER, full_space TEXT, "
+                "fold_angles TEXT, PRIMARY KEY (scene, state))"
+            )
+            rows = [
+                ("schema", SCHEMA),
+                ("shape", json.dumps(sweep.shape)),
+                ("sweep", sweep.fingerprint()),
+            ]
+            self._db.executemany("INSERT INTO sweep VALUES (?, ?)", rows)
+
+    def done(self) -> set[int]:
+        """Return the scenes that need no more work (failed ones are tried again)."""
+        rows = self._db.execute("SELECT scene FROM scenes WHERE status != 'failed'")
+        return {int(r[0]) for r in rows}
+
+    def angles(self, scene: int) -> list[list[float]]:
+        """Return the fold angles of a scene's states, as they were found to the last bit."""
+        rows = self._db.execute(
+            "SELECT fold_angles FROM states WHERE scene = ? ORDER BY state", (scene,)
+        )
+        return [json.loads(r[0]) for r in rows]
+
+    def add(self, outcome: Outcome, parameters: dict[str, float]) -> None:
+        """Add a scene, whole."""
+        with self._db:
+            self._db.execute("DELETE FROM states WHERE scene = ?", (outcome.scene,))
+            values = [parameters[name] for name in self._axes]
+            o = outcome
+            row = [o.scene, *values, o.status, o.reason, o.seconds, o.starts, o.missing]
+            self._db.execute(
+                f"INSERT OR REPLACE INTO scenes VALUES ({', '.join('?' * len(row))})", row
+            )
+            self._db.executemany(
+                "INSERT INTO states VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                [(o.scene, k, *s[:-1], json.dumps(s[-1])) for k, s in enumerate(o.states, start=1)],
+            )
+
+    def counts(self) -> dict[str, int]:
+        """Return how many scenes have each status."""
+        return dict(self._db.execute("SELECT status, COUNT(*) FROM scenes GROUP BY status"))
+
+    def close(self) -> None:
+        """Close the file."""
+        self._db.close()
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def read_table(folder: str | Path, table: str) -> tuple[list[str], list[tuple[Any, ...]]]:
+    """Return column names and rows of a table of a store, in order (see the module)."""
+    path = Path(folder) / FILE
+    if not path.is_file():
+        raise SweepError(f"{str(folder)!r} holds no sweep: {FILE} is not there")
+    order = {"scenes": "scene", "states": "scene, state", "sweep": "key"}[table]
+    try:
+        with closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as db:
+            cursor = db.execute(f"SELECT * FROM {table} ORDER BY {order}")
+            return [c[0] for c in cursor.description], cursor.fetchall()
+    except sqlite3.Error as error:
+        raise SweepError(f"{str(path)!r} is no store of a sweep: {error}") from None
+
+
+def _read_key(db: sqlite3.Connection, key: str) -> str | None:
+    there: Iterable[tuple[str]] = db.execute("SELECT name FROM sqlite_master WHERE name = 'sweep'")
+    if not list(there):
+        return None
+    row = db.execute("SELECT value FROM sweep WHERE key = ?", (key,)).fetchone()
+    return row[0] if row else None
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""').replace("\x00", "") + '"'
