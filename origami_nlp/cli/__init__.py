@@ -14,6 +14,7 @@ from origami_nlp.cli.grid import grid
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.panels import panels
+from origami_nlp.cli.reproduce import reproduce
 from origami_nlp.cli.verify import verify
 from origami_nlp.errors import OrigamiError
 
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, contacts, model, example, grid, panels, audit, verify):
+for command in (demo, minima, contacts, model, example, grid, panels, audit, verify, reproduce):
     app.command(command.__name__)(command)
 
 
