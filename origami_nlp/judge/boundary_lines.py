@@ -10,41 +10,28 @@ closes.  Only geometry enters: the lines are the same for every stiffness (`with
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.judge.boundary_curve import BoundaryCurve, Point, advance, correct, evaluate
-from origami_nlp.judge.chart_grid import (
-    allowed,
-    cells_away,
-    chart_limits,
-)
-from origami_nlp.judge.chart_grid import (
-    crossings as crossings_of,
-)
+from origami_nlp.judge.boundary_curve import BoundaryCurve, Point, correct, evaluate
+from origami_nlp.judge.boundary_walk import LONGEST, walk
+from origami_nlp.judge.chart_grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.judge.handles import thin_at
 from origami_nlp.judge.loads import row_name, row_weight
 from origami_nlp.judge.nearby import is_admissible
-from origami_nlp.model.chart import Chart, admissible, chart_of, wedge_elevation
+from origami_nlp.model.chart import Chart, chart_of, crease_number, wedge_elevation
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts, row_values
-from origami_nlp.solve.starts import broken_gap
 from origami_nlp.state.scene import Scene
 
-LONGEST, SHORTEST = 0.04, 1e-10
-"""Longest step, and the step [rad] to which the end of a line is bisected."""
-TURN = 0.06
-"""The tangent turns by about this much [rad] a step."""
-CHUNK = 12
-"""Steps made before admissibility is looked at, for all of them at once."""
-MOST_POINTS = 3000
 CLOSED = 1e-6
 """Gap [rad] of a contact at a bisected point, before Newton closes it."""
 SAME, SHORT = 1e-7, 1e-3
 """States closer than this [rad] are one corner; shorter lines are dropped."""
+HIDDEN = 1e-6
+"""Extent [rad] in the chart of a line that is one point there."""
 NEAR = 0.35
 """A bisected point within this many cells of a line belongs to it."""
 
@@ -72,6 +59,11 @@ class BoundaryLine:
     def length(self) -> float:
         """Arclength [rad] in the space of all N fold angles."""
         return float(self.s[-1])
+
+    @property
+    def hidden(self) -> bool:
+        """Whether all its states share one point of the chart."""
+        return bool(np.ptp(self.points, axis=0).max() < HIDDEN)
 
 
 @dataclass(frozen=True)
@@ -132,9 +124,10 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
             line = _line_at(chart, model, branch, states[k])
             if line is not None:
                 lines.append(line)
-                left &= cells_away(at, line.points, cell) > NEAR
+                left &= distance_from(at / cell, line.points / cell) > NEAR
         missed.append(at[left])
     lines += _thin_lines(chart, model, lines, cell)
+    lines += _hidden_lines(chart, model, lines)
     lines = [piece for line in lines for piece in _pieces(model, line, lines)]
     return Boundary(tuple(lines), tuple(crossings), tuple(missed), cell)
 
@@ -254,7 +247,7 @@ def _thin_lines(
             for k in np.flatnonzero(good):
                 at = np.array([[x[k], y[k]]])
                 known = [ln for ln in (*lines, *found) if ln.branch == branch]
-                if any(cells_away(at, ln.points, cell)[0] < NEAR for ln in known):
+                if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
                     continue
                 start = model.reduce(states[k])
                 rows = thin_at(model, start)
@@ -266,137 +259,50 @@ def _thin_lines(
     return found
 
 
+def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list[BoundaryLine]:
+    """Trace contacts of facet pairs from corners: a family of states on one point of the chart has no cells."""
+    found: list[BoundaryLine] = []
+    for line in lines:
+        for phi in line.fold_angles[[0, -1]]:
+            x = model.reduce(phi)
+            closed = closed_contacts(model, x, model.local(x).gaps)
+            for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
+                if row.kind != "gap" or model.structure.gaps[row.index].type != "facet-pair":
+                    continue
+                at = [model.reduce(ln.fold_angles) for ln in (*lines, *found) if row in ln.rows]
+                if any(np.abs(y - x).max(axis=1).min() < CLOSED for y in at):
+                    continue
+                new = _trace(chart, model, line.branch, x, (row,))
+                if new is None or new.length < SHORT:
+                    continue
+                # dependent contacts describe one line twice
+                middle = new.fold_angles[len(new.s) // 2]
+                known = (*lines, *found)
+                if all(distance_from(middle[None], ln.fold_angles)[0] > SHORT for ln in known):
+                    found.append(new)
+    return found
+
+
 def _trace(
-    chart: Chart,
-    model: Model,
-    branch: int,
-    x: np.ndarray,
-    rows: tuple[Row, ...],
+    chart: Chart, model: Model, branch: int, x: np.ndarray, rows: tuple[Row, ...]
 ) -> BoundaryLine | None:
     """Follow `rows` from the admissible state x [n] both ways; None where no motion keeps them closed."""
-    first = evaluate(model, x, rows)
-    if first is None or first.dimension != 1:
+    walked = walk(model, x, rows)
+    if walked is None:
         return None
-    turned = evaluate(model, x, rows, -first.tangent)
-    assert turned is not None
-    ahead, why_end = _one_way(model, first, rows)
-    behind: list[tuple[np.ndarray, float]] = []
-    why_start = why_end
-    if why_end != "closed curve":
-        behind, why_start = _one_way(model, turned, rows)
-    states = np.array([*(y for y, _ in reversed(behind)), x, *(y for y, _ in ahead)])
-    if len(states) < 3:
-        return None
-    s = np.array([*(-v for _, v in reversed(behind)), 0.0, *(v for _, v in ahead)])
-    phi = model.expand(states)
-    return BoundaryLine(
-        tuple(row_name(model, row) for row in rows),
-        rows,
-        branch,
-        chart_points(chart, phi),
-        phi,
-        s - s[0],
-        why_start,
-        why_end,
-    )
+    phi = model.expand(walked.states)
+    names = tuple(row_name(model, row) for row in rows)
+    points = chart_points(chart, phi)
+    return BoundaryLine(names, rows, branch, points, phi, walked.s, walked.start, walked.end)
 
 
 def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
     """Return the chart coordinates of states [m, N], shape [m, 2]."""
-    rays = chart.scene.group.rays
     if chart.kind == "degree6":
-        return fold_angles[:, [rays[1].crease, rays[2].crease]]
+        return fold_angles[:, [_crease(chart, 1), _crease(chart, 2)]]
     elevation = [wedge_elevation(chart.scene, phi) for phi in fold_angles]
-    return np.stack([fold_angles[:, rays[1].crease], elevation], axis=-1)
+    return np.stack([fold_angles[:, _crease(chart, 1)], elevation], axis=-1)
 
 
-def _one_way(
-    model: Model, first: Point, rows: tuple[Row, ...]
-) -> tuple[list[tuple[np.ndarray, float]], str]:
-    """Follow the tangent of `first`: states with their arclength, and why they end."""
-    out: list[tuple[np.ndarray, float]] = []
-    point, s, h = first, 0.0, 1e-2
-    root = np.sqrt(model.multiplicity)
-    while len(out) < MOST_POINTS:
-        ahead: list[tuple[Point, float, float]] = []
-        last, total, step = point, s, h
-        why = ""
-        while len(ahead) < CHUNK:
-            moved = advance(model, last, rows, step)
-            turn = math.inf
-            if moved is not None:
-                turn = float(np.linalg.norm(moved[0].tangent - last.tangent))
-            if turn > 3 * TURN:
-                if step <= 1e-5:
-                    why = "singular: closure or contacts lose rank, or no solution beyond"
-                    break
-                step /= 2
-                continue
-            assert moved is not None
-            last, total = moved[0], total + moved[1]
-            ahead.append((last, total, step))
-            step = min(LONGEST, step * min(2.0, TURN / max(turn, 1e-3 * TURN)))
-        kept = _admissible_run(model, [p.x for p, _, _ in ahead])
-        for p, value, _ in ahead[:kept]:
-            out.append((p.x, value))
-            back = float(np.linalg.norm(root * (p.x - first.x)))
-            if len(out) > 5 and back <= LONGEST and p.tangent @ first.tangent > 0.9:
-                out.append((first.x, value + back))
-                return out, "closed curve"
-        if kept:
-            point, s, h = ahead[kept - 1][0], ahead[kept - 1][1], step
-        if kept < len(ahead):
-            return _last_stretch(model, point, s, ahead[kept][2], rows, out)
-        if why:
-            return _last_stretch(model, point, s, 1e-5, rows, out)
-    return out, f"more than {MOST_POINTS} points"
-
-
-def _admissible_run(model: Model, states: list[np.ndarray]) -> int:
-    """How many of the states, from the first on, are admissible."""
-    count = 0
-    for x in states:
-        beyond = model.structure.limits and (np.abs(x) > model.bound + 1e-11).any()
-        if beyond or broken_gap(model, model.local(x).gaps) is not None:
-            break
-        count += 1
-    if count:
-        good = admissible(model.scene, model.expand(np.array(states[:count])))
-        count = count if good.all() else int(np.argmin(good))
-    # the order of layers is looked at where a run ends: it changes at corners, and then stays
-    low, high = -1, count
-    if count and not is_admissible(model, states[count - 1]):
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if is_admissible(model, states[middle]) else (low, middle)
-    return high
-
-
-def _last_stretch(
-    model: Model,
-    point: Point,
-    s: float,
-    h: float,
-    rows: tuple[Row, ...],
-    out: list[tuple[np.ndarray, float]],
-) -> tuple[list[tuple[np.ndarray, float]], str]:
-    """Bisect to the end of a line, put its last point on the corner, and say what closes there."""
-    while h > SHORTEST:
-        moved = advance(model, point, rows, h)
-        if moved is None or not is_admissible(model, moved[0].x):
-            h /= 2
-            continue
-        point, s = moved[0], s + moved[1]
-        out.append((point.x, s))
-        h *= 0.9
-    found = closed_contacts(model, point.x, model.local(point.x).gaps, CLOSED)
-    extra = dict.fromkeys(found.base)
-    for options in found.branches:
-        extra.update(dict.fromkeys(options[0]))
-    new = tuple(row for row in extra if row not in rows)
-    if not new:
-        return out, "singular: closure or contacts lose rank, or no solution beyond"
-    corner = correct(model, point.x.copy(), (*rows, *new))
-    if corner is not None and np.abs(corner - point.x).max() < CLOSED:
-        out.append((corner, s + float(np.linalg.norm(corner - point.x))))
-    return out, "another contact closes (" + "; ".join(row_name(model, row) for row in new) + ")"
+def _crease(chart: Chart, ray: int) -> int:
+    return crease_number(chart.scene, ray) - 1

@@ -18,7 +18,7 @@ def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
     return -math.pi, math.pi, -reach, reach
 
 
-def crossings(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.ndarray]:
+def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.ndarray]:
     """Bisect between admissible cell centres and excluded neighbours; return points [k, 2], states [k, N]."""
     x0, x1, y0, y1 = chart_limits(chart)
     x = x0 + (x1 - x0) * (np.arange(size) + 0.5) / size
@@ -57,11 +57,10 @@ def allowed(
     return good, phi
 
 
-def cells_away(points: np.ndarray, line: np.ndarray, cell: tuple[float, float]) -> np.ndarray:
-    """Distance [cells] of each point [k, 2] from a polyline [m, 2]."""
-    p, q = points / cell, line / np.asarray(cell)
-    a, d = q[:-1], np.diff(q, axis=0)
+def distance_from(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Distance of each point [k, d] from a polyline [m, d], shape [k]."""
+    a, d = line[:-1], np.diff(line, axis=0)
     size = np.maximum((d * d).sum(axis=1), 1e-300)
-    t = np.clip(((p[:, None] - a) * d).sum(axis=2) / size, 0.0, 1.0)
-    away = p[:, None] - (a + t[..., None] * d)
+    t = np.clip(((points[:, None] - a) * d).sum(axis=2) / size, 0.0, 1.0)
+    away = points[:, None] - (a + t[..., None] * d)
     return np.asarray(np.sqrt((away * away).sum(axis=2)).min(axis=1))

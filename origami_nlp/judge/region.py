@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 CORNER = 1e-5
 """Ends of lines closer than this [rad] are one corner of the polygons."""
 
+SLIVER = 1e-10
+"""Faces with less area [rad^2] are rounding between two lines that touch."""
+
 
 def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPolygon:
     """Return the admissible part of one branch of the chart as polygons in its coordinates [rad].
@@ -40,7 +43,7 @@ def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPol
 
     pieces: list[Any] = []
     for line in boundary.lines:
-        if line.branch != branch or line.thin:
+        if line.branch != branch or line.thin or line.hidden:
             continue
         points = line.points.copy()
         points[0], points[-1] = corner(points[0]), corner(points[-1])
@@ -48,6 +51,8 @@ def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPol
     faces = list(shapely.polygonize([shapely.unary_union(pieces)]).geoms) if pieces else []
     inside = []
     for face in faces:
+        if face.area < SLIVER:
+            continue
         at = face.representative_point()
         if allowed(chart, branch, np.array([at.x]), np.array([at.y]))[0][0]:
             inside.append(face)
