@@ -7,6 +7,7 @@ import sys
 import typer
 
 from origami_nlp.cli.audit import audit
+from origami_nlp.cli.bench import bench
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
@@ -24,7 +25,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, contacts, model, example, grid, panels, audit, verify, reproduce):
+for command in (
+    demo,
+    minima,
+    contacts,
+    model,
+    example,
+    grid,
+    panels,
+    audit,
+    verify,
+    reproduce,
+    bench,
+):
     app.command(command.__name__)(command)
 
 
