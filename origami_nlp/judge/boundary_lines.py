@@ -269,18 +269,27 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
             for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
                 if row.kind != "gap" or model.structure.gaps[row.index].type != "facet-pair":
                     continue
-                at = [model.reduce(ln.fold_angles) for ln in (*lines, *found) if row in ln.rows]
-                if any(np.abs(y - x).max(axis=1).min() < CLOSED for y in at):
-                    continue
-                new = _trace(chart, model, line.branch, x, (row,))
-                if new is None or new.length < SHORT:
+                if not _stays(chart, model, x, row):
                     continue
                 # dependent contacts describe one line twice
-                middle = new.fold_angles[len(new.s) // 2]
-                known = (*lines, *found)
-                if all(distance_from(middle[None], ln.fold_angles)[0] > SHORT for ln in known):
+                if any(distance_from(phi[None], ln.fold_angles)[0] < SHORT for ln in found):
+                    continue
+                new = _trace(chart, model, line.branch, x, (row,))
+                if new is not None and new.length > SHORT:
                     found.append(new)
     return found
+
+
+def _stays(chart: Chart, model: Model, x: np.ndarray, row: Row) -> bool:
+    """Tell whether moving from x along the zero set of `row` stays on the same point of the chart."""
+    point = evaluate(model, x, (row,))
+    if point is None or point.dimension != 1:
+        return False
+    y = correct(model, x + 1e-3 * point.tangent / np.sqrt(model.multiplicity), (row,))
+    if y is None:
+        return False
+    both = chart_points(chart, model.expand(np.array([x, y])))
+    return bool(np.ptp(both, axis=0).max() < HIDDEN)
 
 
 def _trace(
