@@ -174,18 +174,22 @@ def _meet(
 def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool) -> list[Edge]:
     """Cut a traced curve at every event, and keep the parts that belong to X.
 
-    Events: another contact's opening changes sign, or the curve crosses itself (det (C; t) changes sign, C the
-    Jacobian of closure and contact).  Between events the touching features stay the same.
+    Events: another contact's opening changes sign, or the curve of a contact that is closed all along crosses
+    itself (det (C; t) changes sign, C the Jacobian of closure and that contact): there a handle may begin.
+    Between events the touching features stay the same.
     """
     rows = tuple(r for r in possible_rows(model) if r != row)
     values, _ = batch.row_values(model, x, rows)
-    _, jac = batch.held_constraints(model, x, (row,))
-    node = np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))
     events: dict[int, list[np.ndarray]] = {}
     sure = np.abs(values) > SURE
     changes = sure[:-1] & sure[1:] & ((values[:-1] > 0) != (values[1:] > 0))
-    for k in np.flatnonzero(node[:-1] * node[1:] < 0):
-        events.setdefault(int(k), []).append(_crossing(model, x[k], x[k + 1], tangent[k], row))
+    along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= SURE).all()]
+    for held in (row, *along_all):
+        node = _orientation(model, x, tangent, held)
+        for k in np.flatnonzero((node[:-1] > 0) != (node[1:] > 0)):
+            known = events.setdefault(int(k), [])
+            if not known:
+                known.append(_crossing(model, x[k], x[k + 1], tangent[k], row, held))
     for k, r in zip(*np.nonzero(changes), strict=True):
         at = _meet(model, x[k], x[k + 1], row, rows[r])
         known = events.setdefault(int(k), [])
@@ -221,21 +225,30 @@ def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool)
     ]
 
 
-def _crossing(
-    model: Model, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Row
+def _orientation(
+    model: Model, x: np.ndarray, tangent: np.ndarray, row: Row
 ) -> np.ndarray:
-    """Return the state between a and b at which the curve crosses itself (closure and contact lose rank)."""
+    """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
+    _, jac = batch.held_constraints(model, x, (row,))
+    return np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))
 
-    def side(x: np.ndarray) -> float:
+
+def _crossing(
+    model: Model, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Row, held: Row
+) -> np.ndarray:
+    """Return the state of row's curve between a and b at which closure and `held` lose rank."""
+
+    def side(x: np.ndarray) -> bool:
         _, jac = batch.held_constraints(model, x[None], (row,))
         t = np.linalg.svd(jac[0])[2][-1]
-        return float(np.linalg.det(np.vstack([jac[0], np.copysign(1.0, t @ tangent) * t])))
+        t = np.copysign(1.0, t @ tangent) * t
+        return bool(_orientation(model, x[None], t[None], held)[0] > 0)
 
-    first = side(a) > 0
+    first = side(a)
     for _ in range(50):
         middle, _ = _correct(model, 0.5 * (a + b), row)
-        a, b = (middle, b) if (side(middle) > 0) == first else (a, middle)
-        if np.abs(a - b).max() < 1e-14:
+        a, b = (middle, b) if side(middle) == first else (a, middle)
+        if np.abs(a - b).max() < 1e-15:
             break
     return 0.5 * (a + b)
 

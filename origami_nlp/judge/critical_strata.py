@@ -45,11 +45,16 @@ class StratumVertex:
 
 @dataclass(frozen=True)
 class Strata:
-    """Faces as a cloud of states [S, n] in X, edges and vertices of X."""
+    """Faces as a cloud of states [S, n] in X, edges and vertices of X.
+
+    sides: for each edge the sign of its contact's opening inside X; 0 where X is not one half-plane beside the
+    edge, as on handles.
+    """
 
     model: Model
     faces: np.ndarray
     edges: tuple[Edge, ...]
+    sides: tuple[int, ...]
     vertices: tuple[StratumVertex, ...]
 
 
@@ -91,7 +96,19 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     states = np.array(found).reshape(-1, model.size)
     states = states[batch.distinct(states, SAME)]
     keep = [x for x in states if is_admissible(model, x)]
-    return Strata(model, cloud, edges, tuple(_vertex(model, x) for x in keep))
+    sides = tuple(_side(model, edge) for edge in edges)
+    return Strata(model, cloud, edges, sides, tuple(_vertex(model, x) for x in keep))
+
+
+def _side(model: Model, edge: Edge) -> int:
+    """Return the sign of the contact's opening in X beside the middle of an edge, 0 if X is on neither or both."""
+    circles = link_of(model, edge.x[len(edge.x) // 2], RADII[-1], 24).circles
+    if len(circles) != 1:
+        return 0
+    values = batch.row_values(model, circles[0].x, (edge.row,))[0][:, 0]
+    inside = circles[0].inside
+    signs = np.unique(np.sign(values[inside & (np.abs(values) > 1e-9)]))
+    return int(signs[0]) if len(signs) == 1 else 0
 
 
 def _vertex(model: Model, x: np.ndarray) -> StratumVertex:
