@@ -7,14 +7,14 @@ space, red where not, grey where undecided, their shape says the kind; red lines
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
+import matplotlib
 import numpy as np
-from matplotlib.colors import Normalize, PowerNorm
+from matplotlib.colors import Colormap, ListedColormap, Normalize, PowerNorm
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
@@ -26,7 +26,7 @@ from origami_nlp.tell.landscape import Branch
 
 VERDICTS = {
     "stable": ("#FFC107", "stable in the full space"),
-    "unstable": ("#D81B60", "unstable when the symmetry may break"),
+    "unstable": ("#D81B60", "unstable in the full space"),
     "undecided": ("#9E9E9E", "undecided"),
     None: ("#FFFFFF", "full space not asked"),
 }
@@ -39,7 +39,12 @@ SHAPES: dict[str, tuple[Any, float]] = {
 }
 """Marker of a minimum by its kind, and its relative size."""
 RED, EDGE, HANDLE, PASS = "#E10000", "#1B1B1B", "#7B1FA2", "#00E5FF"
-COLOURS = "cividis"
+
+
+def energy_colours() -> Colormap:
+    """Dark blue (low) to pale green: stars and red lines stand out, and none of it is white."""
+    scale = matplotlib.colormaps["YlGnBu_r"](np.linspace(0.03, 0.90, 256))
+    return ListedColormap(scale, name="energy")
 
 
 @dataclass(frozen=True)
@@ -76,7 +81,7 @@ def draw_panel(axes: Any, exact: ExactLandscape, branches: list[int], style: Pan
                 if line.thin:
                     dashes = (0, (3.0, 1.6))
                     look = {"color": HANDLE, "linewidth": 1.9 * style.line, "linestyle": dashes}
-                axes.plot(*line.points.T, **look, clip_on=False, solid_capstyle="round")
+                axes.plot(*line.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
     for part in exact.metastable:
         if part.branch not in branches:
             continue
@@ -86,28 +91,26 @@ def draw_panel(axes: Any, exact: ExactLandscape, branches: list[int], style: Pan
             axes.plot(*part.points[:1].T, **ring, markeredgewidth=2.2 * style.line, **top)
         else:
             axes.plot(*part.points.T, linewidth=3.4 * style.line, solid_capstyle="butt", **top)
-    frame = Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, color="#B0B0B0", linewidth=0.6)
-    axes.add_patch(frame)
     for spine in axes.spines.values():
-        spine.set_visible(False)
-    pad_x, pad_y = 0.035 * (x1 - x0), 0.035 * (y1 - y0)
-    axes.set(xlim=(x0 - pad_x, x1 + pad_x), ylim=(y0 - pad_y, y1 + pad_y))
+        spine.set(color="#8A8A8A", linewidth=0.6, zorder=0)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
     _stars(axes, exact, branches, style)
     return image
 
 
 def write_counts(axes: Any, exact: ExactLandscape, branches: list[int], style: PanelStyle) -> None:
-    """Write N_sym -> N_not-ruled-out -> N_full into the emptier lower corner."""
+    """Write N_sym -> N_not-ruled-out -> N_full into the emptiest corner, a lower one if there is a choice."""
     shown = ["?" if n is None else str(n) for n in exact.counts]
-    left = _filled(exact, branches, left=True) <= _filled(exact, branches, left=False)
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    right, up = min(corners, key=lambda c: _taken(exact, branches, *c))
     axes.annotate(
         r"$\,\to\,$".join(shown),
-        (0.0 if left else 1.0, 0.0),
+        (right, up),
         xycoords="axes fraction",
-        xytext=((6 if left else -6), 6),
+        xytext=(-6 if right else 6, -6 if up else 6),
         textcoords="offset points",
-        ha="left" if left else "right",
-        va="bottom",
+        ha="right" if right else "left",
+        va="top" if up else "bottom",
         fontsize=style.text,
         zorder=9,
         bbox={
@@ -120,18 +123,24 @@ def write_counts(axes: Any, exact: ExactLandscape, branches: list[int], style: P
     )
 
 
-def _filled(exact: ExactLandscape, branches: list[int], *, left: bool) -> float:
-    """How much of the lower left or right corner is taken by the region or by minima."""
+def _taken(exact: ExactLandscape, branches: list[int], right: int, up: int) -> float:
+    """How much of the box in a corner is taken by the region, or by minima."""
+    chart = chart_of(exact.result.scene)
+    assert chart is not None
+    x0, x1, y0, y1 = chart_limits(chart)
+
+    def inside(x: Any, y: Any) -> Any:
+        u, v = (x - x0) / (x1 - x0), (y - y0) / (y1 - y0)
+        return (u > 0.62 if right else u < 0.38) & (v > 0.86 if up else v < 0.14)
+
     taken = 0.0
     for k in branches:
-        b = exact.chart.branches[k]
-        x, y = np.meshgrid(*b.axes)
-        low = -math.pi / 2 if len(exact.chart.branches) > 1 else -math.pi
-        corner = (x < -0.45 * math.pi if left else x > 0.45 * math.pi) & (y < low * 0.8)
-        taken += float(np.isfinite(b.energy[corner]).mean()) if corner.any() else 0.0
-        for p in exact.places:
-            beside = p.point[0] < -1.2 if left else p.point[0] > 1.2
-            taken += 2.0 * (p.branch == k and p.drawn and beside and p.point[1] < low * 0.75)
+        branch = exact.chart.branches[k]
+        corner = inside(*np.meshgrid(*branch.axes))
+        taken += float(np.isfinite(branch.energy[corner]).mean()) if corner.any() else 0.0
+        taken += sum(
+            2.0 * bool(inside(*p.point)) for p in exact.places if p.branch == k and p.drawn
+        )
     return taken
 
 
@@ -147,7 +156,7 @@ def _draw_energy(
         np.ma.masked_invalid(energy),
         extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy),
         origin="lower",
-        cmap=COLOURS,
+        cmap=energy_colours(),
         norm=norm,
         aspect="auto",
         interpolation="bilinear" if exact.regions else "nearest",
@@ -282,7 +291,7 @@ def legend_of(panels: list[ExactLandscape], style: PanelStyle) -> list[Line2D]:
         sample("metastable stretch", color=RED, linewidth=3.0 * style.line, **solid)
     if any(s.hidden for s in stretches):
         ring = {"marker": "o", "markersize": 1.2 * size, "markerfacecolor": "none"}
-        sample("metastable family on one point", markeredgecolor=RED, markeredgewidth=1.6, **ring)
+        sample("metastable, on one point", markeredgecolor=RED, markeredgewidth=1.6, **ring)
     lines = [ln for panel in panels if panel.boundary for ln in panel.boundary.lines]
     if lines:
         sample("contact", color=EDGE, linewidth=style.line, **solid)

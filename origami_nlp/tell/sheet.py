@@ -146,7 +146,7 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
     """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)
-    width, height = 7.2, 7.35
+    width, height = 7.2, 7.2
     side, bar, left, top = 1.78, 0.07, 0.72, 0.34
     step_x, step_y = 2.2, 2.13
     figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
@@ -162,7 +162,7 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
         image = draw_panel(axes, panel, branches, STYLE)
         write_counts(axes, panel, branches, STYLE)
         _ticks(axes, panel, bottom=row == rows - 1, first=column == 0)
-        _bar(box(x + side + 0.03, y + 0.06, bar, side - 0.12), image)
+        _bar(box(x + side + 0.05, y + 0.08, bar, side - 0.16), image)
         axes.text(
             0.0, 1.02, f"({chr(97 + k)})", transform=axes.transAxes, fontsize=8, weight="bold"
         )
@@ -182,13 +182,14 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
                 ha="center",
             )
     figure.text(0.995, 1 - 0.12 / height, "energy U [J]", fontsize=7, ha="right", va="center")
+    entries = legend_of(panels, STYLE)
     figure.legend(
-        handles=legend_of(panels, STYLE),
+        handles=entries,
         loc="lower center",
-        ncols=4,
+        ncols=(len(entries) + 1) // 2,
         fontsize=7,
         frameon=False,
-        columnspacing=1.6,
+        columnspacing=1.4,
         handletextpad=0.5,
         borderaxespad=0.3,
     )
@@ -223,12 +224,12 @@ def sheet_table(panels: list[ExactLandscape]) -> Table:
     table = Table(title=f"{len(panels)} panels", title_justify="left")
     heads = ("scene", "N_sym", "not ruled out", "N_full", "metastable [rad]", "1-handles")
     for head in heads:
-        table.add_column(Text(head), justify="left" if head == "scene" else "right")
+        table.add_column(Text(head), justify="left" if head == "scene" else "right", no_wrap=True)
     for panel in panels:
         lines = panel.boundary.lines if panel.boundary else ()
         length = sum(part.length for part in panel.metastable)
         table.add_row(
-            panel.result.scene.name,
+            (panel.result.scene.name or "").replace("degree ", "N = "),
             *("?" if n is None else str(n) for n in panel.counts),
             f"{length:.2f}" if panel.metastable else "-",
             str(sum(line.thin for line in lines)),
