@@ -8,6 +8,7 @@ import typer
 
 from origami_nlp.cli.audit import audit
 from origami_nlp.cli.bench import bench
+from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
@@ -39,6 +40,7 @@ for command in (
     bench,
 ):
     app.command(command.__name__)(command)
+app.add_typer(cone, name="cone")
 
 
 def main() -> None:

@@ -159,8 +159,9 @@ class DirectionClasses:
         """Return (A, B)."""
         size, _, _ = crease_angles(self.degree, s)
         odd = self._sum(0.5 * (size + self.reach * self.signs) ** 2, rows)
-        n, rest = self.flaps, self.rest.even
-        return odd, 2 * n * s * (s - 2 * self._own(self.even_vertex, rows)) + n * rest**2 / 2
+        a, rest = self._own(self.classes.valleys, rows), self.rest.even
+        even = 0.5 * (a * (2 * s + rest) ** 2 + (self.flaps - a) * (2 * s - rest) ** 2)
+        return odd, even
 
     def flat_energies(self) -> tuple[float, float]:
         """(A, B) of the flat state, the same for all classes."""

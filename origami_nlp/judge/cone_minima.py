@@ -228,7 +228,7 @@ def _entries(
         tuple(classes.multiplicity[k] for k in rows.tolist()),
         branches.direction * s,
         odd + ratio * even,
-        (well_odd + ratio * well_even) / flat if flat else np.zeros(len(rows)),
+        np.minimum((well_odd + ratio * well_even) / flat, 1.0) if flat else np.zeros(len(rows)),
         contact,
         multiplier,
     )
