@@ -70,7 +70,7 @@ class SearchReport:
     expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
     reached.
     stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
-    reason and hits.
+    reason and hits.  iterations: of IPOPT, over all solves.
     """
 
     starts: int
@@ -83,6 +83,7 @@ class SearchReport:
     seconds: float
     seed: int
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
+    iterations: int = 0
 
 
 @dataclass(frozen=True)
@@ -231,6 +232,7 @@ def find_minima(
         seconds=time.perf_counter() - begin,
         seed=seed,
         rejected=tuple(rejected),
+        iterations=record.iterations,
     )
     return MinimaResult(scene, model, tuple(minima), report)
 

@@ -127,7 +127,7 @@ def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:
     mu = p + N z with p of smallest norm and N the kernel of B; |z| is smallest under N z >= -p.  `found` >= 0
     is returned where rounding leaves no better point.
     """
-    u, singular, vt = np.linalg.svd(b)
+    _, singular, vt = np.linalg.svd(b)
     rank = int((singular > 1e-9).sum())
     kernel = vt[rank:].T
     size = float(np.abs(found).max(initial=0.0))

@@ -42,7 +42,8 @@ class Record:
 
     answers: distinct states that solves ended at.  listed: flat foldings that no solve ended at.
     statuses: IPOPT's return statuses, counted over all solves.  starts, feasible_starts: starts
-    drawn, and those that satisfied every constraint.  converged: starts that ended at an answer.
+    drawn, and those that satisfied every constraint.  iterations: of IPOPT, over all solves.
+    converged: starts that ended at an answer.
     """
 
     answers: list[Answer] = field(default_factory=list)
@@ -51,6 +52,7 @@ class Record:
     starts: int = 0
     feasible_starts: int = 0
     solves: int = 0
+    iterations: int = 0
     converged: int = 0
 
 
@@ -109,6 +111,7 @@ def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer |
             answer = solve_on_boundary(model, next(stream).x, row)
             record.solves += 1
             record.statuses[answer.status] += 1
+            record.iterations += answer.iterations
             if answer.succeeded:
                 yield _settle_on_boundary(model, answer, row, record)
 
@@ -170,6 +173,7 @@ def solve_without_crossing(
         answer = solve(model, x, pairs)
         record.solves += 1
         record.statuses[answer.status] += 1
+        record.iterations += answer.iterations
         crossed = crossed_pairs(model, answer.x, 1e-6)
         if not crossed or set(crossed) <= set(pairs):
             return answer

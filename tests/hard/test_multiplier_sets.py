@@ -9,12 +9,15 @@ from origami_nlp.judge.linear import minimise
 from origami_nlp.judge.multipliers import find_multipliers, nonnegative_least_squares, smallest_norm
 
 # the set at a flat folding of a vertex with sectors pi/13 (5, 5, 5, 1, 5, 5): HiGHS cycled on it for ever
-NEARLY_PARALLEL = np.array(
+_PAIR = np.array(
+    [[0.6612602165519119, 0.6612602165519118], [0.00347567030632986, 0.00347567030633068]]
+)
+NEARLY_PARALLEL = np.column_stack(
     [
-        [-0.7072178924429571, -0.00540862292602459, 0.6612602165519119]
-        + [0.6612602165519118, -0.00505715028639371],
-        [-0.00371722987009026, 0.7127785604194733, 0.00347567030632986]
-        + [0.00347567030633068, 0.666459531430135],
+        [-0.7072178924429571, -0.00371722987009026],
+        [-0.00540862292602459, 0.7127785604194733],
+        _PAIR,
+        [-0.00505715028639371, 0.666459531430135],
     ]
 )
 UNBALANCED = np.array([-7.762988570222266, -0.04881222377576877])
