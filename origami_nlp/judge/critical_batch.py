@@ -7,6 +7,7 @@ over K.  Rows are contacts with a side (`solve.active.Row`), the same for the wh
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -236,6 +237,32 @@ def _solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return np.linalg.solve(a, b[..., None])[..., 0]
     except np.linalg.LinAlgError:
         return np.einsum("kij,kj->ki", np.linalg.pinv(a, rcond=1e-14), b)
+
+
+def bracketed_roots(f: Callable[[np.ndarray], np.ndarray], low: Any, high: Any) -> np.ndarray:
+    """Find a root of f, one for each bracket [low, high] [K], by the Illinois form of regula falsi.
+
+    f takes positions [K] and returns values [K] of opposite signs at the two ends; brackets shrink to rounding.
+    """
+    a, b = np.array(low, dtype=float), np.array(high, dtype=float)
+    fa, fb = f(a), f(b)
+    best = np.where(np.abs(fa) <= np.abs(fb), a, b)
+    least = np.minimum(np.abs(fa), np.abs(fb))
+    for k in range(60):
+        change = np.where(fb != fa, fb - fa, 1.0)
+        c = np.where(k % 3 == 2, 0.5 * (a + b), b - fb * (b - a) / change)
+        c = np.where((c > np.minimum(a, b)) & (c < np.maximum(a, b)), c, 0.5 * (a + b))
+        fc = f(c)
+        better = np.abs(fc) < least
+        best, least = np.where(better, c, best), np.where(better, np.abs(fc), least)
+        crosses = (fc > 0) != (fb > 0)
+        a, fa = np.where(crosses, b, a), np.where(crosses, fb, 0.5 * fa)
+        b, fb = c, fc
+        if ((np.abs(b - a) <= 4e-16 * (1 + np.abs(b))) | (fb == 0)).all():
+            break
+        if np.abs(c - best).max() <= 1e-16 and k > 8 and least.max() <= 1e-16:
+            break
+    return best
 
 
 def distinct(x: np.ndarray, apart: float) -> np.ndarray:

@@ -18,14 +18,14 @@ from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts
 
-STEP = 0.04
+STEP = 0.06
 """Length [rad] of the steps along a curve, shorter where it bends."""
 SEEDS = 96
 """Random states projected onto each contact."""
 MOST_POINTS = 4000
 KNOWN = 1e-2
 """A seed closer than this [rad] to a traced curve of its contact lies on it."""
-LOOKS = 5
+LOOKS = 3
 """The order of layers is looked at at so many points between two events of an edge."""
 SURE = 1e-9
 """Openings below this have no sign: contacts that stay closed together all along."""
@@ -157,18 +157,18 @@ def _correct(model: Model, x: np.ndarray, row: Row) -> tuple[np.ndarray, float]:
 def _meet(
     model: Model, a: np.ndarray, b: np.ndarray, row: Row, other: Row
 ) -> np.ndarray:
-    """Return the state on the contact's curve between a and b at which `other` closes, by bisection.
+    """Return the state on the contact's curve between a and b at which `other` closes, by bracketing.
 
     Newton on both contacts would slide along sets where they are dependent.
     """
-    first = batch.row_values(model, a[None], (other,))[0][0, 0] > 0
-    for _ in range(60):
-        middle, _ = _correct(model, 0.5 * (a + b), row)
-        same = (batch.row_values(model, middle[None], (other,))[0][0, 0] > 0) == first
-        a, b = (middle, b) if same else (a, middle)
-        if np.abs(a - b).max() < 1e-15:
-            break
-    return batch.hold_limits(0.5 * (a + b)[None], (row, other))[0]
+
+    def opening(share: np.ndarray) -> np.ndarray:
+        at, _ = batch.project(model, a + share[:, None] * (b - a), (row,), steps=8)
+        return batch.row_values(model, at, (other,))[0][:, 0]
+
+    share = batch.bracketed_roots(opening, np.zeros(1), np.ones(1))[0]
+    at, _ = _correct(model, a + share * (b - a), row)
+    return batch.hold_limits(at[None], (row, other))[0]
 
 
 def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool) -> list[Edge]:
@@ -238,19 +238,14 @@ def _crossing(
 ) -> np.ndarray:
     """Return the state of row's curve between a and b at which closure and `held` lose rank."""
 
-    def side(x: np.ndarray) -> bool:
-        _, jac = batch.held_constraints(model, x[None], (row,))
-        t = np.linalg.svd(jac[0])[2][-1]
-        t = np.copysign(1.0, t @ tangent) * t
-        return bool(_orientation(model, x[None], t[None], held)[0] > 0)
+    def turn(share: np.ndarray) -> np.ndarray:
+        at, _ = batch.project(model, a + share[:, None] * (b - a), (row,), steps=8)
+        _, jac = batch.held_constraints(model, at, (row,))
+        t = np.linalg.svd(jac)[2][:, -1]
+        return _orientation(model, at, np.copysign(1.0, t @ tangent)[:, None] * t, held)
 
-    first = side(a)
-    for _ in range(50):
-        middle, _ = _correct(model, 0.5 * (a + b), row)
-        a, b = (middle, b) if side(middle) == first else (a, middle)
-        if np.abs(a - b).max() < 1e-15:
-            break
-    return 0.5 * (a + b)
+    share = batch.bracketed_roots(turn, np.zeros(1), np.ones(1))[0]
+    return _correct(model, a + share * (b - a), row)[0]
 
 
 def _inside(model: Model, edge: Edge) -> list[Edge]:

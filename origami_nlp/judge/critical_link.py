@@ -172,18 +172,15 @@ def _roots(
     values, _ = batch.row_values(model, place(theta), rows)
     after = np.roll(values, -1, axis=0)
     cell, which = np.nonzero((values > 0) != (after > 0))
+    if not len(cell):
+        return np.zeros(0)
+
+    def opening(at: np.ndarray) -> np.ndarray:
+        return batch.row_values(model, place(at), rows)[0][np.arange(len(at)), which]
+
     low = theta[cell]
-    high = low + 2 * np.pi / len(theta)
-    positive = values[cell, which] > 0
-    for _ in range(45):
-        if not len(low):
-            break
-        mid = 0.5 * (low + high)
-        at, _ = batch.row_values(model, place(mid), rows)
-        same = (at[np.arange(len(mid)), which] > 0) == positive
-        low, high = np.where(same, mid, low), np.where(same, high, mid)
-    found = np.sort(0.5 * (low + high) % (2 * np.pi))
-    return found[np.concatenate([[True], np.diff(found) > SAME])] if len(found) else found
+    found = np.sort(batch.bracketed_roots(opening, low, low + 2 * np.pi / len(theta)) % (2 * np.pi))
+    return found[np.concatenate([[True], np.diff(found) > SAME])]
 
 
 def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
