@@ -1,4 +1,4 @@
-"""The space X of all symmetric states that contact admits, as an exact object: components, holes, pinch points, handles.
+"""The space X of all symmetric states that contact admits: components, holes, pinch points, handles.
 
 X lies in the space of wedge fold angles, where phi = +pi and phi = -pi are different points; the paper's
 coordinates are only one of its charts.  A point of X is a limit of embedded states (with a symmetric order of
@@ -25,6 +25,8 @@ from origami_nlp.state.scene import Scene
 SIZE = 64
 """Default number of rings of the mesh around the flat state."""
 SIZES = (8, 1025)
+SAME_POINT = 1e-6
+"""Points [rad] that are closer are one when the picture in the paper's chart is looked at."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,16 @@ class SpaceMesh:
     def contacts(self, vertex: int) -> tuple[str, ...]:
         """Name the contacts that are closed at a vertex."""
         return tuple(name for k, name in enumerate(self.walls) if self.on[vertex] >> k & 1)
+
+    def signed_contacts(self, vertex: int) -> tuple[str, ...]:
+        """Name the contacts that are closed at a vertex, with the sign of fold angles at +-pi."""
+        names = []
+        for name in self.contacts(vertex):
+            if name.startswith("phi_"):
+                crease = int(name.removeprefix("phi_").split(" ")[0])
+                name = name.replace("+-", "+" if self.fold_angles[vertex, crease - 1] > 0 else "-")
+            names.append(name)
+        return tuple(sorted(names))
 
 
 @dataclass(frozen=True)
@@ -121,6 +133,36 @@ class Space:
         pinch = kinds.count("pinch point")
         counts = (len(self.components), self.holes, self.euler_characteristic)
         return (*counts, pinch, len(kinds) - pinch, len(self.handles))
+
+    @property
+    def corners(self) -> tuple[tuple[tuple[str, ...], int], ...]:
+        """States of X where two contacts or more close, by their contacts, with how many vertices have them."""
+        counts: dict[tuple[str, ...], int] = {}
+        mesh = self.mesh
+        for v in np.flatnonzero(mesh.on & (mesh.on - 1)).tolist():
+            key = mesh.signed_contacts(v)
+            counts[key] = counts.get(key, 0) + 1
+        return tuple(sorted(counts.items()))
+
+    @property
+    def picture_joins(
+        self,
+    ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
+        """Points of the paper's chart where states that are apart in X are drawn on top of each other.
+
+        For each such point: its coordinates, and one state [N] of each separate set of states over it.
+        """
+        return _picture_joins(self.mesh)
+
+    @property
+    def picture_holes(self) -> int:
+        """Loops (first Betti number) of the picture of X in the paper's chart, where states drawn at one point are one.
+
+        Families over one point are arcs (contractible), so each join of n separate sets lowers the Euler
+        characteristic by n - 1; a picture in the plane encloses no volume.
+        """
+        joins = [len(states) - 1 for _, states in self.picture_joins]
+        return _picture_components(self.mesh) - (self.euler_characteristic - sum(joins))
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-able summary (without the mesh)."""
@@ -240,6 +282,48 @@ def _chart(chain: Chain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
         branch = np.where(elevation > 0, 1, branch)
         branch = np.where(elevation < 0, 0, branch)
     return chart, branch
+
+
+def _places(mesh: SpaceMesh) -> np.ndarray:
+    """Number of the chart point (branches apart) of each vertex."""
+    return _groups(np.column_stack([mesh.chart, 10.0 * mesh.branch]))
+
+
+def _groups(points: np.ndarray) -> np.ndarray:
+    """Number the groups of points [V, d] that coincide to `SAME_POINT`."""
+    from scipy.spatial import cKDTree
+
+    return topology.label(
+        len(points), cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray")
+    )
+
+
+def _picture_joins(
+    mesh: SpaceMesh,
+) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
+    place = _places(mesh)
+    count = np.bincount(place)
+    same = place[mesh.edges[:, 0]] == place[mesh.edges[:, 1]]
+    # vertices of different triangles can coincide to rounding
+    state = _groups(mesh.wedge)
+    first_of = np.unique(state, return_index=True)[1][state]
+    links = np.vstack([mesh.edges[same], np.stack([np.arange(len(state)), first_of], axis=1)])
+    piece = topology.label(len(place), links)
+    found = []
+    for k in np.flatnonzero(count > 1):
+        over = np.flatnonzero(place == k)
+        first = over[np.unique(piece[over], return_index=True)[1]]
+        if len(first) > 1:
+            point = mesh.chart[over[0]]
+            states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
+            found.append(((float(point[0]), float(point[1])), states))
+    return tuple(found)
+
+
+def _picture_components(mesh: SpaceMesh) -> int:
+    place = _places(mesh)
+    joined = place[mesh.edges]
+    return int(topology.label(int(place.max()) + 1, joined).max()) + 1
 
 
 def _sample(mesh: SpaceMesh, part: topology.Part) -> tuple[float, ...]:

@@ -1,8 +1,8 @@
 """Which cells of the mesh of closed states are admissible: faces, then walls and corners that no face borders.
 
-Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`examine`) decides
-all of it.  Every edge on a wall, and every vertex, that borders no admissible face is looked at by itself, layers and all:
-those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat foldings).
+Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`examine`)
+decides all of it.  Every edge on a wall, and every vertex, that borders no admissible face is looked at by itself,
+layers and all: those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat foldings).
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ from origami_nlp.model.embedding import examine
 
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
+TOO_CLOSE = 1e-12
+"""States closer to a wall are not examined."""
 
 
 @dataclass(frozen=True)
@@ -99,35 +101,56 @@ def _sides(sheets: Sheets) -> np.ndarray:
 
 def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
-    chain = sheets.chain
+    vertex, orbit = sheets.chain.scene.vertex, sheets.chain.orbit
     face = _faces(sheets, side)
-    # a state inside each triangle
-    corners = sheets.triangles
-    sheet = sheets.sheet[corners]
-    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
-    middle = sheets.base[corners].mean(axis=1)
-    points = chain.points(middle, sheet)
-    # away from walls, and from the seam: next to it the middle of a triangle can have no state
-    clearance = np.minimum(np.abs(points.walls).min(axis=1), chain.fold_margin(middle))
-    room = (math.pi - np.abs(points.wedge)).min(axis=1)
-    clearance = np.where(side[:, 0] > 0, np.minimum(clearance, room), -1.0)
+    wedge, clearance, triangle = _inner_states(sheets, side)
     verdict = np.zeros(face.max() + 1, dtype=bool)
-    order = np.lexsort((-clearance, face))
-    first = np.flatnonzero(np.r_[True, np.diff(face[order]) != 0])
+    at = face[triangle]
+    order = np.lexsort((-clearance, at))
+    first = np.flatnonzero(np.r_[True, np.diff(at[order]) != 0])
     for start, end in zip(first, np.r_[first[1:], len(order)], strict=True):
-        best = [t for t in order[start : min(end, start + WITNESSES)] if clearance[t] > 0]
+        best = [m for m in order[start : min(end, start + WITNESSES)] if clearance[m] > TOO_CLOSE]
+        here = at[order[start]]
         if not best:
-            continue  # beyond the last mirror
-        said = [examine(chain.scene.vertex, points.wedge[t][chain.orbit]).admissible for t in best]
+            if side[triangle[order[start]], 0] < 0:
+                continue  # beyond the last mirror
+            raise MeshError("a face of the space is thinner than rounding: use a larger size")
+        said = [
+            examine(vertex, wedge[m][orbit], tolerance=min(1e-8, 0.01 * clearance[m])).admissible
+            for m in best
+        ]
         if len(set(said)) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
-        verdict[face[best[0]]] = said[0]
+        verdict[here] = said[0]
     return verdict[face]
+
+
+def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """States inside triangles: middles of triangles and of their edges, as wedge fold angles [m, k].
+
+    Also how far each keeps from walls and seam [m] (negative where it is on another side than its triangle: edges are
+    straight, walls are not), and its triangle [m].
+    """
+    chain, t = sheets.chain, sheets.triangles
+    base = sheets.base[t]
+    middles = [base.mean(axis=1), *(0.5 * (base[:, k] + base[:, k - 1]) for k in range(3))]
+    sheet = sheets.sheet[t]
+    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
+    count = len(middles)
+    point, sides = np.concatenate(middles), np.tile(side, (count, 1))
+    states = chain.points(point, np.tile(sheet, count))
+    inside = sides[:, 0] > 0
+    for k, wrapped in enumerate(WRAPPED[chain.kind]):
+        far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
+        inside &= far | (states.walls[:, k] * sides[:, k] > 0)
+    room = np.minimum(np.abs(states.walls).min(axis=1), chain.fold_margin(point))
+    room = np.minimum(room, (math.pi - np.abs(states.wedge)).min(axis=1))
+    return states.wedge, np.where(inside, room, -1.0), np.tile(np.arange(len(t)), count)
 
 
 def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
-    edges, of_triangle = edges_of(sheets.triangles)
+    _, of_triangle = edges_of(sheets.triangles)
     order = of_triangle.ravel().argsort(kind="stable")
     label = of_triangle.ravel()[order]
     pair = np.flatnonzero(label[1:] == label[:-1])

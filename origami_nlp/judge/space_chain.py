@@ -10,9 +10,9 @@ closed state is (base point, sheet):
 - D_n, n >= 2, three creases in the wedge: base (upsilon, phi_1), the elevation (paper's sign) and fold angle of
   crease 1, P = c_2.
 
-The two sheets meet where delta = 0 (or pi), that is |y| = sin a.  The paper's charts have points that carry whole families of
-states ((phi_2, phi_3) = (0, 0), c_1 = c_4, upsilon = 0); here nothing degenerates except the flat state, which is a
-true singularity of the space (two cones that meet at their tips).  Radians throughout.
+The two sheets meet where delta = 0 (or pi), that is |y| = sin a.  The paper's charts have points that carry whole
+families of states ((phi_2, phi_3) = (0, 0), c_1 = c_4, upsilon = 0); here nothing degenerates except the flat state,
+which is a true singularity of the space (two cones that meet at their tips).  Radians throughout.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Chain:
 
     def points(self, base: np.ndarray, sheet: np.ndarray) -> Points:
         """Fold the chain: base [V, 2], sheet [V] of +1, -1 (0: where the sheets meet)."""
-        first, before, tip = self.penultimate(base)
+        _, before, tip = self.penultimate(base)
         a = self.sectors[-1]
         y = tip @ self.last_normal
         foot = np.arctan2(tip @ self.up, tip @ self.last_along)
@@ -148,8 +148,8 @@ def chain_of(scene: Scene) -> Chain:
     chart = chart_of(scene)
     if chart is None:
         raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves no chart with two freedoms: the space is analysed for D1 of degree 6 "
-            "and D<n> of degree 4 n, with creases on all mirrors"
+            f"symmetry = {scene.symmetry!r} leaves no chart with two freedoms: the space is analysed for D1 of "
+            "degree 6 and D<n> of degree 4 n, with creases on all mirrors"
         )
     if scene.contact != "full":
         raise OptionError(f'contact = "{scene.contact}": the admissible space needs "full"')

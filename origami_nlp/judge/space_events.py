@@ -107,16 +107,16 @@ def find_events(
             variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
             if len(set(variables)) < len(variables):
                 continue
-            system = _System(make, middle, chain, [walls[i] for i in chosen])
+            system = System(make, middle, chain, [walls[i] for i in chosen])
             for _ in range(starts):
-                z = np.concatenate(
-                    [rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]]
-                )
+                z = np.concatenate([rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]])
                 for i in chosen:
                     if walls[i].variable >= 0:
                         z[walls[i].variable] = walls[i].side * math.pi
                 z = np.concatenate([z, system.first_multipliers(z)])
-                answer = root(system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60})
+                answer = root(
+                    system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
+                )
                 if np.abs(answer.fun).max() > 1e-7 or np.abs(answer.x).max() > 1e6:
                     continue
                 event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
@@ -128,7 +128,7 @@ def find_events(
     return sorted(found.values(), key=lambda e: (e.alpha, e.walls))
 
 
-class _System:
+class System:
     """The KKT system of one set of walls, compiled."""
 
     def __init__(
@@ -201,7 +201,7 @@ def _equations(
 def _polished(
     make: Callable[[float], Scene],
     walls: list[Wall],
-    system: _System,
+    system: System,
     z: np.ndarray,
     low: float,
     high: float,
