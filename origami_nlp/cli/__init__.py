@@ -10,9 +10,11 @@ from origami_nlp.cli.audit import audit
 from origami_nlp.cli.bench import bench
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
+from origami_nlp.cli.critical import critical
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
 from origami_nlp.cli.grid import grid
+from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.panels import panels
@@ -30,9 +32,11 @@ for command in (
     demo,
     minima,
     contacts,
+    critical,
     model,
     example,
     grid,
+    landscape,
     panels,
     audit,
     verify,
