@@ -62,7 +62,7 @@ def draw_branch(
     states = [(branch, float(v), f"elevation {_short(v)}") for v in elevations]
     note = (
         f"branch {branch!r}, symmetry {branch.symmetry}; ends at "
-        f"{format_angle(branch.end)}: {branch.end_text}"
+        f"{_short(branch.end)}: {branch.end_text}"
     )
     return _sheet(states, note, min(4, len(states)), path)
 
@@ -91,6 +91,8 @@ def _sheet(
         )
         phi = np.asarray(branch.fold_angles(elevation))
         draw_state(axes, branch.vertex, phi, size=7.5 if branch.degree <= 12 else 6.0)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.03 * (high - low))  # thick creases at the very top
         axes.set_title(title, fontsize=8.5, linespacing=1.25, pad=3)
     figure.text(0.1 / width, 0.3 / height, note, fontsize=8)
     figure.text(0.1 / width, 0.1 / height, "valley creases", color=VALLEY, fontsize=8)

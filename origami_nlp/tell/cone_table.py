@@ -70,7 +70,7 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
 
 def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
     """Return one row a class and minimum, deepest first; contact-pinned ones with their multiplier."""
-    table = Table(box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("branches", no_wrap=True)
     for head in ("changes", "number", "elevation", "energy", "depth"):
         table.add_column(head, justify="right", no_wrap=True)
@@ -84,7 +84,7 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
             str(changes),
             number_words(m.multiplicity[k]),
             f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > 1e-3 else f"{m.elevation[k]:.3e}",
-            f"{m.energy[k]:.6g}",
+            f"{m.energy[k]:.5g}",
             f"{m.depth[k]:.4g}",
             f"contact, {m.multiplier[k]:.4g}" if m.contact[k] else "interior",
         )

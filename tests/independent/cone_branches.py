@@ -73,6 +73,9 @@ def count(degree: int, ratio: float, elevation: float) -> tuple[int, int]:
     same = (size[:, :-2] == size[:, 1:-1]) & (size[:, 1:-1] == size[:, 2:])
     a = np.abs(f)
     dip = same & (a[:, 1:-1] < a[:, :-2]) & (a[:, 1:-1] <= a[:, 2:])
+    # on this grid the extremum is within the change between neighbours of the middle value
+    near = np.maximum(a[:, :-2], a[:, 2:]) - a[:, 1:-1]
+    dip &= a[:, 1:-1] < 4 * near
     for b, k in np.argwhere(dip):
         flaps, direction = branches(degree)[b]
         sign = size[b, k + 1]
