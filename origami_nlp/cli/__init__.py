@@ -19,6 +19,8 @@ from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.panels import panels
 from origami_nlp.cli.reproduce import reproduce
+from origami_nlp.cli.space import space
+from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.verify import verify
 from origami_nlp.errors import OrigamiError
 
@@ -40,6 +42,8 @@ for command in (
     panels,
     audit,
     verify,
+    space,
+    transitions,
     reproduce,
     bench,
 ):

@@ -27,6 +27,8 @@ SIZE = 64
 SIZES = (8, 1025)
 SAME_POINT = 1e-6
 """Points [rad] that are closer are one when the picture in the paper's chart is looked at."""
+NEARBY = 0.5
+"""Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
 
 @dataclass(frozen=True)
@@ -301,20 +303,21 @@ def _groups(points: np.ndarray) -> np.ndarray:
 def _picture_joins(
     mesh: SpaceMesh,
 ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
+    """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
     place = _places(mesh)
-    count = np.bincount(place)
-    same = place[mesh.edges[:, 0]] == place[mesh.edges[:, 1]]
-    # vertices of different triangles can coincide to rounding
-    state = _groups(mesh.wedge)
-    first_of = np.unique(state, return_index=True)[1][state]
-    links = np.vstack([mesh.edges[same], np.stack([np.arange(len(state)), first_of], axis=1)])
-    piece = topology.label(len(place), links)
+    low, high = np.full((2, place.max() + 1, mesh.wedge.shape[1]), -math.inf)
+    low = -low
+    np.minimum.at(low, place, mesh.wedge)
+    np.maximum.at(high, place, mesh.wedge)
     found = []
-    for k in np.flatnonzero(count > 1):
+    for k in np.flatnonzero((high - low).max(axis=1) > 1e-3):
         over = np.flatnonzero(place == k)
-        first = over[np.unique(piece[over], return_index=True)[1]]
+        point = mesh.chart[over[0]]
+        near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
+        edges = mesh.edges[near[mesh.edges].all(axis=1)]
+        piece = topology.label(len(place), edges)[over]
+        first = over[np.unique(piece, return_index=True)[1]]
         if len(first) > 1:
-            point = mesh.chart[over[0]]
             states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
             found.append(((float(point[0]), float(point[1])), states))
     return tuple(found)

@@ -25,6 +25,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.space import Space, analyse_space
 from origami_nlp.judge.space_chain import chain_of
 from origami_nlp.judge.space_events import Event, System, find_events, walls_of
+from origami_nlp.judge.space_mesh import MeshError
 from origami_nlp.model.embedding import examine, fold_vertex
 from origami_nlp.state.examples import degree6, degree8
 from origami_nlp.state.scene import Scene
@@ -33,7 +34,7 @@ FAMILIES: dict[str, Callable[[float], Scene]] = {"degree6": degree6, "degree8": 
 """The paper's families of vertices, by name; sector angle alpha_1 in (0, pi/2)."""
 SIDE = 1e-5
 """Distance from a transition at which its two sides are looked at [rad]."""
-BRACKET = 1e-7
+BRACKET = 1e-6
 """Width to which the sweep's bisection closes in [rad]."""
 SWEEP_SIZE = 16
 """Rings of the meshes of a sweep."""
@@ -156,8 +157,11 @@ def find_transitions(
     if isinstance(samples, bool) or not isinstance(samples, int) or not 3 <= samples <= 10_000:
         raise OptionError(f"samples = {samples!r} must be a whole number from 3 to 10000")
 
-    def look(alpha: float) -> Signature:
-        return signature_of(analyse_space(make(alpha), size))
+    def look(alpha: float) -> Signature | None:
+        try:
+            return signature_of(analyse_space(make(alpha), size))
+        except MeshError:  # features thinner than the mesh resolves
+            return None
 
     low, high = MARGIN, math.pi / 2 - MARGIN
     rng = np.random.default_rng(seed)
@@ -166,7 +170,10 @@ def find_transitions(
     signatures = []
     for k, alpha in enumerate(angles):
         report("sweep", k / samples)
-        signatures.append(look(float(alpha)))
+        here = look(float(alpha))
+        if here is None:
+            raise OptionError(f"size = {size}: too coarse at alpha_1 = {alpha:.6g}; use more rings")
+        signatures.append(here)
     brackets: list[tuple[float, float]] = []
     for k in range(samples - 1):
         report("bisection", k / samples)
@@ -178,8 +185,10 @@ def find_transitions(
     for group in _grouped(events):
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)
-        around = (look(alpha - SIDE), look(alpha), look(alpha + SIDE))
-        changes = _changes(*around)
+        around = tuple(
+            signature_of(analyse_space(make(a), size)) for a in (alpha - SIDE, alpha, alpha + SIDE)
+        )
+        changes = _changes(around[0], around[1], around[2])
         if not changes:
             silent.append(alpha)
             continue
@@ -192,7 +201,7 @@ def find_transitions(
 
 
 def _bisect(
-    look: Callable[[float], Signature],
+    look: Callable[[float], Signature | None],
     ends: tuple[float, float],
     signatures: tuple[Signature, Signature],
 ) -> list[tuple[float, float]]:
@@ -204,6 +213,8 @@ def _bisect(
         return [(a, b)]
     middle = 0.5 * (a + b)
     here = look(middle)
+    if here is None:  # this close to the change its features are thinner than rounding
+        return [(a, b)]
     return _bisect(look, (a, middle), (at_a, here)) + _bisect(look, (middle, b), (here, at_b))
 
 
@@ -234,7 +245,7 @@ def _transition(
     make: Callable[[float], Scene],
     alpha: float,
     events: list[Event],
-    around: tuple[Signature, Signature, Signature],
+    around: tuple[Signature, ...],
     changes: tuple[str, ...],
     brackets: list[tuple[float, float]],
 ) -> Transition:
@@ -245,7 +256,9 @@ def _transition(
     return Transition(
         alpha,
         brackets[0] if brackets else None,
-        *around,
+        around[0],
+        around[1],
+        around[2],
         changes,
         contacts,
         _coincident(make, alpha, real),
