@@ -27,7 +27,13 @@ from origami_nlp.model.structure import Structure
 from origami_nlp.solve.ipopt import OPTIONS
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-QUIET_QP = {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False}
+QUIET_QP = {
+    "print_iter": False,
+    "print_header": False,
+    "print_info": False,
+    "error_on_fail": False,
+    "max_iter": 200,
+}
 QUIET_SQP = {"print_header": False, "print_iteration": False, "print_status": False}
 
 
@@ -47,13 +53,13 @@ OTHERS: dict[str, dict[str, Any]] = {
         "qpsol": "qrqp",
         "qpsol_options": QUIET_QP,
         "convexify_strategy": "regularize",
-        "max_iter": 200,
+        "max_iter": 100,
         **QUIET_SQP,
     },
     "feasiblesqpmethod": {
         "qpsol": "qrqp",
         "qpsol_options": QUIET_QP,
-        "max_iter": 200,
+        "max_iter": 100,
         **QUIET_SQP,
     },
     "fatrop": {"fatrop": {"print_level": 0}, "structure_detection": "none"},
