@@ -15,12 +15,15 @@ every point of every traced edge; each sign change of dU/ds along an edge must b
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from origami_nlp.judge import critical_batch as batch
 from origami_nlp.judge.branch import null_space
+from origami_nlp.judge.critical_count import count_links, in_degrees, links_of, shape_of, springs
 from origami_nlp.judge.critical_edges import Edge, tangent_of, touches
-from origami_nlp.judge.critical_link import RADII, Link, closed_rows, link_of
+from origami_nlp.judge.critical_link import closed_rows
 from origami_nlp.judge.critical_points import (
     ROUNDING,
     CriticalPoint,
@@ -43,8 +46,6 @@ SAME = 1e-6
 """KKT points that differ by less [rad] are one."""
 FIRM = 1e-7
 """Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
-SHARP = 1e-4
-"""Slopes along the ends of a link (relative to the largest) above this are decided at first order."""
 MATCH = 1e-4
 """Minima of two lists that differ by less [rad] are one."""
 
@@ -83,14 +84,8 @@ def find_critical_points(
     points += _interior_points(model, strata, doubts, all_links)
     points += _edge_points(model, strata, vertices, doubts, all_links)
     points.sort(key=lambda p: (round(p.energy / model.scale, 9), p.fold_angles))
-    comparison = None if minima is None else _compare(points, minima)
-    return CriticalPoints(scene, tuple(points), comparison, tuple(doubts))
-
-
-def _springs(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted stiffness (scaled) and rest angles of the model's variables, [n] each."""
-    n = model.size
-    return model.parameters[-2 * n : -n], model.parameters[-n:]
+    found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
+    return found if minima is None else compare_minima(found, minima)
 
 
 def _interior_points(
@@ -108,12 +103,12 @@ def _interior_points(
         h = batch.lagrangian_hessian(model, state[None], lam[None], ())[0]
         z = null_space(local.closure_jacobian)
         curvature = np.linalg.eigvalsh(z.T @ h @ z)
-        index, contribution, kind, how = _count_links(model, _links(model, state, doubts), doubts)
-        if np.abs(curvature).min() > FIRM * _springs(model)[0].min():
+        index, contribution, kind, how = count_links(model, links_of(model, state, doubts), doubts)
+        if np.abs(curvature).min() > FIRM * springs(model)[0].min():
             index = int((curvature < 0).sum())
             regular: Kind = ("minimum", "saddle", "maximum")[index]
             if all_links and contribution != (-1) ** index:
-                doubts.append(f"link and index disagree at {_angles(model, state)}")
+                doubts.append(f"link and index disagree at {in_degrees(model, state)}")
             contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
         out.append(
             _point(model, state, index, contribution, "interior", kind, (), (), float(error), how)
@@ -129,7 +124,7 @@ def _edge_points(
     all_links: bool,
 ) -> list[CriticalPoint]:
     """Critical points along the edges, handles included."""
-    stiffness, rest = _springs(model)
+    stiffness, rest = springs(model)
     out: list[CriticalPoint] = []
     found = np.zeros((0, model.size))
     for row in dict.fromkeys(edge.row for edge in strata.edges):
@@ -178,7 +173,7 @@ def _edge_point(
     assert tangent is not None  # Newton does not settle where closure and contact are dependent
     h = batch.lagrangian_hessian(model, x[None], weights[None], (row,))[0]
     curvature = float(tangent @ h @ tangent)
-    soft = float(_springs(model)[0].min())
+    soft = float(springs(model)[0].min())
     index = int(curvature < 0) if abs(curvature) > FIRM * soft else None
     stratum: Stratum = "boundary" if side else "handle"
     # a handle is held from two sides: its multipliers are not unique
@@ -186,20 +181,18 @@ def _edge_point(
     contacts = _contact_names(model, x) or (row_name(model, row),)
     by_formula = side and index is not None and abs(push) > FIRM * soft
     if not by_formula or all_links:
-        _, contribution, kind, how = _count_links(model, _links(model, x, doubts), doubts)
+        _, contribution, kind, how = count_links(model, links_of(model, x, doubts), doubts)
     if by_formula:
         pushes = side * push > 0
         expected = (-1) ** index if pushes else 0  # type: ignore[operator]
         if all_links and contribution != expected:
-            doubts.append(f"link and multiplier disagree at {_angles(model, x)}")
+            doubts.append(f"link and multiplier disagree at {in_degrees(model, x)}")
         contribution = expected
         kind = "regular" if not pushes else ("minimum", "saddle")[index]  # type: ignore[index]
         how = (
             f"multiplier {'> 0' if pushes else '< 0: not essential'}, index {index} along the edge"
         )
-    return _point(
-        model, x, index, contribution, stratum, kind, contacts, moment, residual, how
-    )
+    return _point(model, x, index, contribution, stratum, kind, contacts, moment, residual, how)
 
 
 def _unmet(
@@ -218,7 +211,9 @@ def _unmet(
         away = np.linalg.norm(known - 0.5 * (a + b), axis=1).min(initial=np.inf)
         if away > reach:
             name = row_name(model, edge.row)
-            out.append(f"dU/ds changes sign on '{name}' near {_angles(model, a)}: no point found")
+            out.append(
+                f"dU/ds changes sign on '{name}' near {in_degrees(model, a)}: no point found"
+            )
     return out
 
 
@@ -238,91 +233,19 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
         multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
     names = tuple(dict.fromkeys(row_name(model, r) for r in rows))
     if vertex.reason:
-        doubts.append(f"the link of {_angles(model, x)} is not known: {vertex.reason}")
-    _, contribution, kind, how = _count_links(model, vertex.links, doubts)
+        doubts.append(f"the link of {in_degrees(model, x)} is not known: {vertex.reason}")
+    _, contribution, kind, how = count_links(model, vertex.links, doubts)
     smooth = bool(vertex.links) and all(
         len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links
     )
     stratum: Stratum = "corner" if smooth else "singular"
     closure = float(np.abs(local.closure).max())
     if not smooth and vertex.links:
-        how += "; " + _shape(vertex.links[-1])
-    return _point(
-        model, x, None, contribution, stratum, kind, names, multipliers, closure, how
-    )
+        how += "; " + shape_of(vertex.links[-1])
+    return _point(model, x, None, contribution, stratum, kind, names, multipliers, closure, how)
 
 
-def _shape(link: Link) -> str:
-    """Say what the link of a singular state is."""
-    if link.pieces == 0:
-        return "isolated state"
-    parts = []
-    full = sum(bool(c.inside.all()) for c in link.circles)
-    arcs = link.pieces - full - link.thin
-    for count, one in ((full, "circle"), (arcs, "arc"), (link.thin, "point")):
-        if count:
-            parts.append(f"{count} {one}{'s' * (count > 1)}")
-    return "link: " + ", ".join(parts)
-
-
-def _links(model: Model, x: np.ndarray, doubts: list[str]) -> tuple[Link, ...]:
-    """Sample the links of a state, or record why they are not known."""
-    try:
-        return tuple(link_of(model, x, radius) for radius in RADII)
-    except ValueError as error:
-        doubts.append(f"the link of {_angles(model, x)} is not known: {error}")
-        return ()
-
-
-def _count_links(
-    model: Model, links: tuple[Link, ...], doubts: list[str]
-) -> tuple[None, int, Kind, str]:
-    """Return (no index, contribution, kind, how) from the links of a state at several radii."""
-    if not links:
-        return None, 0, "undecided", "link not known"
-    stiffness, rest = _springs(model)
-    counts = [link.lower(stiffness, rest) for link in links]
-    chi, empty, whole = counts[-1]
-    contribution = 1 - chi
-    radii = " and ".join(f"{link.radius:g}" for link in links)
-    how = f"sampled link at radii {radii} rad"
-    if len(set(counts)) > 1:
-        doubts.append(f"links of {_angles(model, links[0].center)} disagree between radii {radii}")
-    elif links[-1].pieces == 0:
-        how = "the link is empty"
-    elif _first_order(links, stiffness, rest):
-        how = "first order: slopes of U along the link"
-    if empty:
-        return None, contribution, "minimum", how
-    if contribution == 0:
-        return None, 0, "regular", how
-    if contribution < 0:
-        return None, contribution, "saddle", how
-    return None, contribution, "maximum" if whole else "pinch", how
-
-
-def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarray) -> bool:
-    """Tell whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
-    for link in links:
-        pull = stiffness * (link.center - rest)
-        firm = SHARP * float(np.linalg.norm(pull))
-        for circle in link.circles:
-            slope = (circle.x - link.center) @ pull / link.radius
-            step = circle.x - link.center
-            change = slope * link.radius + 0.5 * (step * step) @ stiffness
-            ends = circle.inside & ~(np.roll(circle.inside, 1) & np.roll(circle.inside, -1))
-            if (np.abs(slope[ends]) <= firm).any() or np.abs(slope).max() <= firm:
-                return False
-            if (np.diff(np.sign(slope[circle.inside])) != 0).sum() != (
-                np.diff(np.sign(change[circle.inside])) != 0
-            ).sum():
-                return False
-    return True
-
-
-def _distinct(
-    model: Model, points: batch.KktPoints
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Model, points: batch.KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[batch.is_admissible(model, points.x[order])] if len(order) else order
@@ -358,27 +281,32 @@ def _point(
     fold_angles = tuple(model.expand(x + 0.0).tolist())
     energy = model.energy(x)
     return CriticalPoint(
-        fold_angles, energy, index, contribution, stratum, kind, contacts, multipliers, residual, how
+        fold_angles,
+        energy,
+        index,
+        contribution,
+        stratum,
+        kind,
+        contacts,
+        multipliers,
+        residual,
+        how,
     )
 
 
-def _angles(model: Model, x: np.ndarray) -> str:
-    """Write the fold angles of the model's variables in degrees, for a doubt."""
-    return "(" + ", ".join(f"{v:.3f}" for v in np.degrees(x)) + ") deg"
-
-
-def _compare(points: list[CriticalPoint], minima: MinimaResult) -> MinimaComparison:
-    """Match minima of both lists in fold angles."""
-    here = [k for k, p in enumerate(points) if p.kind == "minimum"]
+def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
+    """Return the same points with their minima matched, in fold angles, to those of a search."""
+    here = [k for k, p in enumerate(found.points) if p.kind == "minimum"]
     pairs = []
     for j, other in enumerate(minima.minima):
         for k in here:
-            apart = np.abs(np.subtract(points[k].fold_angles, other.fold_angles)).max()
+            apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
             if apart <= MATCH:
                 pairs.append((k, j))
                 break
-    return MinimaComparison(
+    lists = MinimaComparison(
         tuple(pairs),
         tuple(k for k in here if k not in {p[0] for p in pairs}),
         tuple(j for j in range(len(minima.minima)) if j not in {p[1] for p in pairs}),
     )
+    return replace(found, comparison=lists)

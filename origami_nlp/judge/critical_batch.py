@@ -62,9 +62,7 @@ def gaps(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return value.full().T, _unpack(jac, k)
 
 
-def row_values(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...]
-) -> tuple[np.ndarray, np.ndarray]:
+def row_values(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Openings [K, r] of `rows` (>= 0 where open) and their gradients [K, r, n]."""
     values = np.zeros((len(x), len(rows)))
     gradients = np.zeros((len(x), len(rows), model.size))
@@ -99,11 +97,11 @@ def hold_limits(x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
 
 
 def project(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...] = (), steps: int = 25
+    model: Model, x: np.ndarray, rows: tuple[Row, ...] = (), steps: int = 25, cutoff: float = 1e-8
 ) -> tuple[np.ndarray, np.ndarray]:
     """Close states onto closure with `rows` held, by Gauss-Newton; returns them and residuals [K].
 
-    Steps are of smallest norm, cut to one radian; singular values below 1e-8 of the largest are left out.
+    Steps are of smallest norm, cut to one radian; singular values below `cutoff` of the largest are left out.
     """
     x = hold_limits(np.array(x, dtype=float), rows)
     residual = np.full(len(x), np.inf)
@@ -115,7 +113,7 @@ def project(
         todo, f, jac = todo[far], f[far], jac[far]
         if not len(todo):
             break
-        step = -np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=1e-8), f)
+        step = -np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=cutoff), f)
         length = np.linalg.norm(step, axis=1, keepdims=True)
         x[todo] += step * np.minimum(1.0, 1.0 / np.maximum(length, 1e-300))
         hold_limits(x, rows)

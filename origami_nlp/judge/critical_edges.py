@@ -8,6 +8,7 @@ exist only while two contacts stay closed, are edges too: no state beside them b
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -31,6 +32,8 @@ SURE = 1e-9
 """Openings below this have no sign: contacts that stay closed together all along."""
 
 
+SAME = 1e-7
+"""Ends nearer than this [rad] are one state."""
 CLOSE = 1e-6
 """Events of a curve nearer than this [rad] are one."""
 
@@ -93,7 +96,7 @@ def _distance(points: np.ndarray, x: np.ndarray) -> float:
 def _dense(curve: np.ndarray) -> np.ndarray:
     """Return a polyline with points no further apart than half of `KNOWN`."""
     out = [curve[:1]]
-    for a, b in zip(curve, curve[1:], strict=False):
+    for a, b in itertools.pairwise(curve):
         count = max(1, int(np.linalg.norm(b - a) / (0.5 * KNOWN)) + 1)
         out.append(a + (b - a) * np.linspace(0, 1, count + 1)[1:, None])
     return np.concatenate(out)
@@ -154,9 +157,7 @@ def _correct(model: Model, x: np.ndarray, row: Row) -> tuple[np.ndarray, float]:
     return y[0], float(residual[0])
 
 
-def _meet(
-    model: Model, a: np.ndarray, b: np.ndarray, row: Row, other: Row
-) -> np.ndarray:
+def _meet(model: Model, a: np.ndarray, b: np.ndarray, row: Row, other: Row) -> np.ndarray:
     """Return the state on the contact's curve between a and b at which `other` closes, by bracketing.
 
     Newton on both contacts would slide along sets where they are dependent.
@@ -196,38 +197,27 @@ def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool)
         if all(np.abs(at - other).max() > CLOSE for other in known):
             known.append(at)
     cuts: list[tuple[int, np.ndarray]] = []
-    for k in sorted(events):
-        along = sorted(events[k], key=lambda at, k=k: float((at - x[k]) @ tangent[k]))  # type: ignore[misc]
-        cuts += [(k, at) for at in along]
+    for cell in sorted(events):
+        order = np.argsort([(at - x[cell]) @ tangent[cell] for at in events[cell]])
+        cuts += [(cell, events[cell][i]) for i in order]
     if loop and cuts:  # start at an event, so that no part runs over the joint
-        k, at = cuts[0]
-        x = np.concatenate([at[None], x[k + 1 : -1], x[: k + 1], at[None]])
-        tangent = np.concatenate(
-            [tangent[k : k + 1], tangent[k + 1 : -1], tangent[: k + 1], tangent[k : k + 1]]
-        )
-        return _cut(model, row, x, tangent, False)
-    parts, begin, head = [], 0, None
-    for k, at in [*cuts, (len(x) - 1, None)]:
-        piece, along_piece = x[begin : k + 1], tangent[begin : k + 1]
-        if head is not None:
-            piece = np.concatenate([head[None], piece])
-            along_piece = np.concatenate([tangent[begin - 1 : begin], along_piece])
-        if at is not None:
-            piece = np.concatenate([piece, at[None]])
-            along_piece = np.concatenate([along_piece, tangent[k : k + 1]])
-        parts.append(Edge(row, piece, along_piece, loop))
-        begin, head = k + 1, at
-    return [
-        kept
-        for part in parts
-        if np.abs(part.x[-1] - part.x[0]).max() > 1e-7 or part.loop
-        for kept in _inside(model, part)
-    ]
+        cell, at = cuts[0]
+        x = np.concatenate([at[None], x[cell + 1 : -1], x[: cell + 1], at[None]])
+        turned = [tangent[cell : cell + 1], tangent[cell + 1 : -1]]
+        turned += [tangent[: cell + 1], tangent[cell : cell + 1]]
+        return _cut(model, row, x, np.concatenate(turned), False)
+    kept: list[Edge] = []
+    begin, points, along = 0, x[:0], tangent[:0]
+    for cell, at in [*cuts, (len(x) - 2, x[-1])]:
+        points = np.concatenate([points, x[begin : cell + 1], at[None]])
+        along = np.concatenate([along, tangent[begin : cell + 2]])
+        if loop or np.abs(points[-1] - points[0]).max() > SAME:
+            kept += _inside(model, Edge(row, points, along, loop))
+        begin, points, along = cell + 1, at[None], tangent[cell : cell + 1]
+    return kept
 
 
-def _orientation(
-    model: Model, x: np.ndarray, tangent: np.ndarray, row: Row
-) -> np.ndarray:
+def _orientation(model: Model, x: np.ndarray, tangent: np.ndarray, row: Row) -> np.ndarray:
     """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
     _, jac = batch.held_constraints(model, x, (row,))
     return np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))

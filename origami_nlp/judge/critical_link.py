@@ -156,16 +156,16 @@ def _on_contacts(
     good = np.zeros(len(at), dtype=bool)
     values, _ = batch.row_values(model, at, rows)
     for k in range(len(at)):
-        held = tuple(row for row, v in zip(rows, values[k], strict=True) if abs(v) <= 2 * SAME * radius)
+        held = tuple(
+            row for row, v in zip(rows, values[k], strict=True) if abs(v) <= 2 * SAME * radius
+        )
         snapped, residual = batch.project(model, at[k : k + 1], held, steps=6)
         if residual[0] <= 1e-13 and batch.is_admissible(model, snapped)[0]:
             at[k], good[k] = snapped[0], is_admissible(model, snapped[0])
     return at, good
 
 
-def _roots(
-    model: Model, place: Placing, theta: np.ndarray, rows: tuple[Row, ...]
-) -> np.ndarray:
+def _roots(model: Model, place: Placing, theta: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
     """Return the angles at which a row changes sign on the circle, sorted and distinct."""
     if not rows:
         return np.zeros(0)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
+from origami_nlp.errors import SceneFileError
 from origami_nlp.state.scene import Scene
+from origami_nlp.state.scene_file import scene_from_dict, scene_to_dict
+
+SCHEMA = "origami-nlp/critical/1"
 
 Stratum = Literal["interior", "boundary", "corner", "handle", "singular"]
 Kind = Literal["minimum", "saddle", "maximum", "regular", "pinch", "undecided"]
@@ -64,6 +68,14 @@ class CriticalPoint:
             "residual": self.residual,
             "how": self.how,
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> CriticalPoint:
+        """Read back what `to_dict` returned."""
+        values = {f.name: data[f.name] for f in fields(cls)}
+        for name in ("fold_angles", "multipliers", "contacts"):
+            values[name] = tuple(values[name])
+        return cls(**values)
 
 
 @dataclass(frozen=True)
@@ -153,8 +165,10 @@ class CriticalPoints:
         return MorseVerdict(total, euler_characteristic, closes, text)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return a dictionary of plain values: points, Morse sum, comparison and doubts."""
+        """Return plain JSON data: scene, points, Morse sum, comparison and doubts."""
         found: dict[str, Any] = {
+            "schema": SCHEMA,
+            "scene": scene_to_dict(self.scene),
             "critical_points": [p.to_dict() for p in self.points],
             "morse_sum": self.morse_sum,
             "doubts": list(self.doubts),
@@ -167,6 +181,35 @@ class CriticalPoints:
                 "only_search": list(self.comparison.only_search),
             }
         return found
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> CriticalPoints:
+        """Read back what `to_dict` returned.
+
+        Raises
+        ------
+        SceneFileError
+            If the schema is another one, or a field is missing or of the wrong form.
+        """
+        if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+            found = data.get("schema") if isinstance(data, dict) else data
+            raise SceneFileError(f"schema = {found!r}: this reads {SCHEMA!r}")
+        try:
+            points = tuple(CriticalPoint.from_dict(p) for p in data["critical_points"])
+            lists = data.get("minima")
+            comparison = None
+            if lists is not None:
+                comparison = MinimaComparison(
+                    tuple((int(a), int(b)) for a, b in lists["matched"]),
+                    tuple(int(k) for k in lists["only_critical"]),
+                    tuple(int(k) for k in lists["only_search"]),
+                )
+            scene = scene_from_dict(data["scene"])
+            return cls(scene, points, comparison, tuple(data["doubts"]))
+        except (KeyError, TypeError, ValueError) as error:
+            raise SceneFileError(
+                f"critical points cannot be read: {error!r}; write them anew"
+            ) from None
 
     def __repr__(self) -> str:
         from origami_nlp.tell.critical_table import as_text  # tables are told, not judged

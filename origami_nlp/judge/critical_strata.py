@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.judge import critical_batch as batch
 from origami_nlp.judge.critical_edges import Edge, possible_rows, trace_edges
-from origami_nlp.judge.critical_link import RADII, Link, link_of
+from origami_nlp.judge.critical_link import RADII, Link, closed_rows, link_of
 from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.starts import flat_foldings
@@ -58,9 +58,7 @@ class Strata:
     vertices: tuple[StratumVertex, ...]
 
 
-def strata_of(
-    scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0
-) -> Strata:
+def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> Strata:
     """Return the strata of X; scenes that differ in stiffness and rest angles share them.
 
     Raises
@@ -93,11 +91,18 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
     found = [*flat_foldings(model), *_corners(model, rng), *ends]
-    states = np.array(found).reshape(-1, model.size)
+    states = np.array([_settled(model, x) for x in found]).reshape(-1, model.size)
     states = states[batch.distinct(states, SAME)]
     keep = [x for x in states if is_admissible(model, x)]
     sides = tuple(_side(model, edge) for edge in edges)
     return Strata(model, cloud, edges, sides, tuple(_vertex(model, x) for x in keep))
+
+
+def _settled(model: Model, x: np.ndarray) -> np.ndarray:
+    """Close a vertex to rounding, with its fold limits held; contacts and closure may be dependent there."""
+    rows = tuple(row for row in closed_rows(model, x, SAME) if row.kind == "limit")
+    y, residual = batch.project(model, x[None], rows, steps=6, cutoff=1e-4)
+    return y[0] if residual[0] <= 1e-13 and np.abs(y[0] - x).max() <= SAME else x
 
 
 def _side(model: Model, edge: Edge) -> int:
