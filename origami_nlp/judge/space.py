@@ -18,7 +18,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge import space_topology as topology
 from origami_nlp.judge.space_cells import Cells, admissible_cells
 from origami_nlp.judge.space_chain import Chain, chain_of
-from origami_nlp.judge.space_mesh import mesh_sheets
+from origami_nlp.judge.space_mesh import SEAM, mesh_sheets
 from origami_nlp.model.chart import wedge_point
 from origami_nlp.state.scene import Scene
 
@@ -141,7 +141,7 @@ class Space:
         """States of X where two contacts or more close, by their contacts, with how many vertices have them."""
         counts: dict[tuple[str, ...], int] = {}
         mesh = self.mesh
-        for v in np.flatnonzero(mesh.on & (mesh.on - 1)).tolist():
+        for v in np.flatnonzero(_several(mesh.on)).tolist():
             key = mesh.signed_contacts(v)
             counts[key] = counts.get(key, 0) + 1
         return tuple(sorted(counts.items()))
@@ -327,6 +327,12 @@ def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
     joined = place[mesh.edges]
     return int(topology.label(int(place.max()) + 1, joined).max()) + 1
+
+
+def _several(on: np.ndarray) -> np.ndarray:
+    """Where two walls or more are closed (the seam of the sheets is none)."""
+    walls = on & ~(1 << SEAM)
+    return (walls & (walls - 1)) != 0
 
 
 def _sample(mesh: SpaceMesh, part: topology.Part) -> tuple[float, ...]:

@@ -34,6 +34,8 @@ WITNESSES = 3
 """States of a face that are examined; they must agree."""
 TOO_CLOSE = 1e-12
 """States closer to a wall are not examined."""
+CROSSING = 1e-13
+"""Crossings that are deeper count: next to where two walls meet, facets cross by products of small angles."""
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,7 @@ def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
             if side[triangle[order[start]], 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
-        said = [
-            examine(vertex, wedge[m][orbit], tolerance=min(1e-8, 0.01 * clearance[m])).admissible
-            for m in best
-        ]
+        said = [examine(vertex, wedge[m][orbit], tolerance=CROSSING).admissible for m in best]
         if len(set(said)) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[here] = said[0]

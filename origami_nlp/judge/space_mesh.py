@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.errors import OrigamiError
 from origami_nlp.judge.space_chain import WRAPPED, Chain
 
-ON = 1e-10
+ON = 1e-11
 """Walls whose value at a vertex is smaller are taken to pass through it (values are good to about 1e-14)."""
 ON_SEAM = 1e-14
 """The same for the seam, which is seen through a square root."""
@@ -294,7 +294,7 @@ def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndar
     """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
     function = wall_function(chain, bit)
     h = 1e-6
-    for _ in range(4):
+    for _ in range(6):
         value = function(base, sheet)
         gradient = np.stack(
             [

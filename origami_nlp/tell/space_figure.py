@@ -83,7 +83,9 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
     mesh = space.mesh
     xy = mesh.chart
     axis.add_collection(
-        PolyCollection(xy[mesh.triangles], facecolors=colour, edgecolors=colour, lw=0.3, rasterized=True)
+        PolyCollection(
+            xy[mesh.triangles], facecolors=colour, edgecolors=colour, lw=0.3, rasterized=True
+        )
     )
     edges, wall = _border(mesh)
     for k in range(5):
@@ -91,7 +93,9 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
         # families over one point, and border pieces that the chart draws as a point, have no length
         axis.add_collection(LineCollection(list(lines), colors=WALLS[k], lw=1.4, capstyle="round"))
     for handle in space.handles:
-        axis.plot(*xy[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=5, clip_on=False)
+        axis.plot(
+            *xy[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=5, clip_on=False
+        )
     for (x, y), _ in space.picture_joins:
         axis.plot(x, y, "D", ms=8, mfc="white", mec="black", mew=1.3, zorder=7, clip_on=False)
     for pinch in space.pinch_points:
@@ -124,9 +128,7 @@ def _pinch_mark(axis, kind: str, *at: float) -> None:  # type: ignore[no-untyped
         if kind == "pinch point"
         else {"marker": "o", "ms": 6, "mfc": HANDLE}
     )
-    axis.plot(
-        *([v] for v in at), ls="", mec="black", mew=0.8, zorder=8, clip_on=False, **style
-    )
+    axis.plot(*([v] for v in at), ls="", mec="black", mew=0.8, zorder=8, clip_on=False, **style)
 
 
 def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ignore[no-untyped-def]
@@ -206,7 +208,9 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
         )
     if space.picture_joins:
         entries.append(
-            Line2D([], [], ls="", marker="D", mfc="w", mec="k", label="one point drawn, several states")
+            Line2D(
+                [], [], ls="", marker="D", mfc="w", mec="k", label="one point drawn, several states"
+            )
         )
     figure.legend(
         handles=entries, loc="lower center", ncols=min(5, len(entries)), fontsize=8, frameon=False
