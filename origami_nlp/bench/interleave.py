@@ -63,7 +63,9 @@ def run_problem(
                     if spent[method.label] > plan.budget:
                         continue
                     share = 0.0 if "raw" in method.label else drawing
-                    seconds = _attempt(method, solvers[method.label], start, share, out, judge, r, s)
+                    seconds = _attempt(
+                        method, solvers[method.label], start, share, out, judge, r, s
+                    )
                     spent[method.label] += seconds
         finally:
             gc.enable()
