@@ -38,12 +38,13 @@ def as_markdown(rows: Sequence[SpeedRow]) -> str:
     lines = [
         "# Cones: time against degree",
         "",
-        f"Written by `origami-nlp cone speed`; CPU time of one process.  Each is the mean over {rows[0].points} random points "
-        "(r_k log-uniform in 1e-4 to 1e4, rest elevation uniform in its range), first call of a degree "
-        "included.  The error of the exact count is the largest relative error of an elevation, against 40 digits, of "
-        f"{SAMPLED} interior minima a point; its numbers of branches are integers.  Brute force folds "
-        f"every branch at {BRUTE_NODES} elevations; its error is the number of points where it "
-        f"miscounts.  Maps hold {MAP_SIZE * MAP_SIZE:,} points.",
+        f"Written by `origami-nlp cone speed`: CPU time of one process, mean over {rows[0].points} "
+        "random points (r_k log-uniform in 1e-4 to 1e4, rest elevation uniform in its range), first "
+        "call of a degree included.  The error of the exact count is the largest relative error of an "
+        f"elevation, against 40 digits, of {SAMPLED} interior minima a point; its numbers of "
+        f"branches are integers.  Brute force folds every branch at {BRUTE_NODES} elevations; its "
+        "error is the number of points where it miscounts (minima it steps over near the flat state "
+        f"and near the end).  Maps hold {MAP_SIZE * MAP_SIZE:,} points.",
         "",
         "| " + " | ".join(HEADS) + " |",
         "|" + " ---: |" * len(HEADS),
