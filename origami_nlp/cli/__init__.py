@@ -7,6 +7,7 @@ import sys
 import typer
 
 from origami_nlp.cli.audit import audit
+from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
@@ -35,6 +36,7 @@ for command in (
     minima,
     contacts,
     critical,
+    barriers,
     model,
     example,
     grid,

@@ -14,6 +14,7 @@ No graph, Newton or loop-closure code of `barriers` is used here.
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -125,7 +126,9 @@ class ChartGrid:
             out.append(full)
         return out
 
-    def _at(self, chart: Chart, b: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _at(
+        self, chart: Chart, b: int, x: np.ndarray, y: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return wedge fold angles [K, k] of chart points and which are admissible."""
         phi = chart.fold_angles(b, x, y)
         return phi[:, self.wedge], admissible(self.scene, phi)
@@ -165,7 +168,7 @@ class ChartGrid:
         self.links: dict[int, list[int]] = {}
         centre, n = self.size // 2, self.size
         near = 3.0 * math.sqrt(self.spacing)
-        reach = int(math.ceil(near / self.spacing))
+        reach = math.ceil(near / self.spacing)
         if self.chart.kind == "degree6":
             # states of the book fold lie along the antidiagonal; its two sides are mirror images to first order
             i, k = np.meshgrid(np.arange(1, reach + 1), np.arange(-reach, reach + 1), indexing="ij")
@@ -181,7 +184,9 @@ class ChartGrid:
                 same = np.abs(u - v).max(axis=1) <= near
             same &= self.good[b1, p, q] & self.good[b2, r, s]
             for a, c in zip(
-                ((b1 * n + p) * n + q)[same].tolist(), ((b2 * n + r) * n + s)[same].tolist(), strict=True
+                ((b1 * n + p) * n + q)[same].tolist(),
+                ((b2 * n + r) * n + s)[same].tolist(),
+                strict=True,
             ):
                 self._link(a, c)
         for b in range(1, self.good.shape[0]):
@@ -238,9 +243,7 @@ class ChartGrid:
             height, broken = self._replay(way, k, rest)
             if not broken:
                 states = np.array([self._state(v) for v in way])
-                return Flood(
-                    float(levels[way].max()), height, states, self.size, self.spacing
-                )
+                return Flood(float(levels[way].max()), height, states, self.size, self.spacing)
             for u, v in broken:
                 self._close(u, v)
         return None
@@ -264,13 +267,13 @@ class ChartGrid:
     def _way(self, levels: np.ndarray, start: int, end: int) -> list[int] | None:
         """Flood from `start`, lowest cells first, until `end` is wet; return the cells on the way."""
         n = self.size
-        bits = memoryview(self._bits().ravel())
-        level = memoryview(np.ascontiguousarray(levels))
+        bits = memoryview(self._bits().ravel())  # type: ignore[arg-type]
+        level = memoryview(np.ascontiguousarray(levels))  # type: ignore[arg-type]
         steps = [di * n + dj for di, dj in DIRECTIONS]
         offsets = [*steps, *(-s for s in steps)]
         fan = [[offsets[d] for d in range(8) if m >> d & 1] for m in range(256)]
         came = np.full(len(levels), -1, dtype=np.int64)
-        from_ = memoryview(came)
+        from_ = memoryview(came)  # type: ignore[arg-type]
         from_[start] = start
         cells = self.good.size
         heap = [(level[start], start)]
@@ -304,7 +307,7 @@ class ChartGrid:
         height = float((0.5 * (k * (np.array(tops) - rest) ** 2).sum(axis=1)).max())
         by_branch: dict[int, list[int]] = {}
         flat = self.size // 2 * (n + 1)
-        for m, (u, v) in enumerate(zip(way, way[1:], strict=False)):
+        for m, (u, v) in enumerate(itertools.pairwise(way)):
             linked = u >= cells or v >= cells or v in self.links.get(u, ())
             if linked or flat in (u, v):  # straight in the fold angles
                 chord = tops[m] + t * (tops[m + 1] - tops[m])
@@ -314,15 +317,15 @@ class ChartGrid:
         for b, edges in by_branch.items():
             at = np.array(way)
             i, j = np.divmod(at % (n * n), n)
-            m = np.array(edges)
-            x = self.x[i[m]] + t[1:-1] * (self.x[i[m + 1]] - self.x[i[m]])
-            y = self.y[j[m]] + t[1:-1] * (self.y[j[m + 1]] - self.y[j[m]])
-            states, good = self._at(self.chart, b, x.ravel(), y.ravel())
-            good = good.reshape(x.shape).all(axis=0)
-            broken += [(way[e], way[e + 1]) for e in m[~good].tolist()]
+            e = np.array(edges)
+            x = self.x[i[e]] + t[1:-1] * (self.x[i[e + 1]] - self.x[i[e]])
+            y = self.y[j[e]] + t[1:-1] * (self.y[j[e + 1]] - self.y[j[e]])
+            states, fine = self._at(self.chart, b, x.ravel(), y.ravel())
+            holds = np.asarray(fine.reshape(x.shape).all(axis=0))
+            broken += [(way[v], way[v + 1]) for v in e[~holds].tolist()]
             energy = 0.5 * (k * (states - rest) ** 2).sum(axis=1).reshape(x.shape)
-            if good.any():
-                height = max(height, float(energy[:, good].max()))
+            if holds.any():
+                height = max(height, float(energy[:, holds].max()))
         return height, broken
 
     def _close(self, u: int, v: int) -> None:

@@ -39,7 +39,7 @@ ASIDE = 0.15
 class StateGraph:
     """States [V, n] (model variables) and the edges between neighbours.
 
-    energy: of the states [V], in the scene's units.  edges: [E, 2].  middle: [E, n], the admissible state half-way along
+    energy: of the states [V], in the scene's units.  edges: [E, 2].  middle: [E, n], the admissible state half-way on
     each edge.  height: [E], the largest energy along it, from the parabola through the ends and the middle.
     spacing: lattice cell [rad].  special: number of leading vertices that are the given seeds.
     complete: whether growth ended by itself (not at the cap on states).

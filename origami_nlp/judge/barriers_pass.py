@@ -9,9 +9,10 @@ in one state only that state itself is the pass.  A pass counts only with the ev
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -26,6 +27,52 @@ from origami_nlp.solve.polish import newton
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""
+
+
+@dataclass(frozen=True)
+class Pass:
+    """The lowest pass between two minima.
+
+    from_state, to_state: numbers (1-based) among the minima.  energy: of the pass [the scene's units]; inf where no
+    admissible path joins the two.  pass_kind: ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the
+    feasible set meet), ``flat state``, ``singular`` (another state where two pieces meet in one point, or a
+    thin set ends), ``mesh`` (not refined: the energy is that of an explicit path, an upper bound), or ``none``.
+    fold_angles: of the pass, all N [rad]; empty for ``none``.  contacts: closed there, in words.
+    residual: of its KKT system (scaled; nan where no such system holds: at singular passes and on the mesh).
+    path: fold angles [M, N] from the first minimum over the pass to the second.  path_energy: [M].
+    mesh_energy: height of the lowest path on the graph alone.  why: what bounds the barrier from below.
+    """
+
+    from_state: int
+    to_state: int
+    energy: float
+    pass_kind: PassKind
+    fold_angles: tuple[float, ...]
+    contacts: tuple[str, ...]
+    residual: float
+    path: np.ndarray = field(repr=False)
+    path_energy: np.ndarray = field(repr=False)
+    mesh_energy: float
+    why: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entry of the JSON file (no barrier: energy null)."""
+        finite = math.isfinite(self.energy)
+        return {
+            "from": self.from_state,
+            "to": self.to_state,
+            "energy": self.energy if finite else None,
+            "pass_kind": self.pass_kind,
+            "fold_angles": list(self.fold_angles),
+            "contacts": list(self.contacts),
+            "residual": None if math.isnan(self.residual) else self.residual,
+            "mesh_energy": self.mesh_energy if math.isfinite(self.mesh_energy) else None,
+            "lower_bound": self.why,
+            "path": [
+                {"fold_angles": p, "energy": u}
+                for p, u in zip(self.path.tolist(), self.path_energy.tolist(), strict=True)
+            ],
+        }
 
 
 @dataclass(frozen=True)
