@@ -26,6 +26,9 @@ BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
 
 
 STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
+LONGEST, SHORTENINGS = 16.0, 6
+"""Edges longer than LONGEST / size [rad, largest fold angle] are divided, this often: next to the seam states change
+with the square root of the base point."""
 LOOKS = 2
 """How often edges that a wall crosses twice are looked for."""
 SAMPLES = tuple(np.linspace(0.0, 1.0, 10)[1:-1].tolist())
@@ -67,6 +70,8 @@ def mesh_sheets(chain: Chain, size: int) -> Sheets:
     base, on, sheet, triangles = _double(base, on, triangles[inside])
     for bit in (CUT, OTHER):
         base, on, sheet, triangles = _split_sheets(chain, base, on, sheet, triangles, bit)
+    for _ in range(SHORTENINGS):
+        base, on, sheet, triangles = _shorten(chain, base, on, sheet, triangles, LONGEST / size)
     base, on, sheet, triangles = _compact(base, on, sheet, triangles)
     points = chain.points(base, sheet)
     values, wedge = points.walls, points.wedge
@@ -326,6 +331,36 @@ def _double(
     if np.bincount(of_triangle.ravel()).max() > 2:
         raise MeshError("two seams are closer than the mesh: use a larger size")
     return np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles
+
+
+def _shorten(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    longest: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
+    edges, of_triangle = edges_of(triangles)
+    wedge = chain.points(base, sheet).wedge
+    a, b = edges.T
+    apart = np.abs(wedge[a] - wedge[b])
+    apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
+    common = on[a] & on[b]
+    # edges that follow curved walls would have to be pulled back onto them: those stay
+    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
+    a, b = a[long], b[long]
+    seam_a, seam_b = _has(on[a], SEAM), _has(on[b], SEAM)
+    t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
+    middle = np.full(len(edges), -1)
+    middle[long] = len(base) + np.arange(len(long))
+    return (
+        np.vstack([base, (1 - t) * base[a] + t * base[b]]),
+        np.concatenate([on, common[long]]),
+        np.concatenate([sheet, np.where(sheet[a] != 0, sheet[a], sheet[b])]),
+        divide(triangles, middle[of_triangle]),
+    )
 
 
 def _compact(
