@@ -46,7 +46,8 @@ def run_problem(
         solvers: dict[str, Solver] = {}
         for method in methods:
             begin = time.perf_counter()
-            solvers[method.label] = method.prepare(model)
+            with silence():
+                solvers[method.label] = method.prepare(model)
             if r == 0:
                 out[method.label].building = time.perf_counter() - begin
                 with silence():  # warm-up, with a solver of its own: ours remembers answers

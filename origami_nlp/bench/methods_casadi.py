@@ -90,13 +90,15 @@ def ipopt_alone(sweep: bool = True) -> list[Method]:
                         name, f"tol {tolerance:.0e}", tolerance, "ipopt", options, tolerance != 1e-8
                     )
                 )
-    out.append(_method("IPOPT, its defaults", "", 1e-8, "ipopt", ipopt_options(1e-8, ours=False)))
+    out.append(
+        _method("IPOPT, its defaults", "", 1e-8, "ipopt", ipopt_options(1e-8, ours=False), True)
+    )
     return out
 
 
 def others(names: tuple[str, ...] = tuple(OTHERS)) -> list[Method]:
     """Return the other solvers of the wheel; one that is not there says so."""
-    return [_method(name, "", 1e-8, name, OTHERS[name]) for name in names]
+    return [_method(name, "", 1e-8, name, OTHERS[name], sweep=True) for name in names]
 
 
 def _method(
@@ -108,9 +110,7 @@ def _method(
     sweep: bool = False,
 ) -> Method:
     missing = "" if ca.has_nlpsol(plugin) else f"this CasADi has no solver '{plugin}'"
-    return Method(
-        name, setting, name, accuracy, _Prepare(plugin, _freeze(options)), missing, sweep
-    )
+    return Method(name, setting, name, accuracy, _Prepare(plugin, _freeze(options)), missing, sweep)
 
 
 def _freeze(options: Any) -> Any:
@@ -175,7 +175,8 @@ def _solve(
     stats = solver.stats()
     n = model.size
     answer = np.asarray(out["x"]).ravel()
-    good = bool(stats.get("success")) and violation(np.asarray(out["g"]).ravel(), built) <= FEASIBLE
+    good = bool(stats.get("success")) or stats.get("return_status") == "SUCCESS"  # (bonmin)
+    good &= violation(np.asarray(out["g"]).ravel(), built) <= FEASIBLE
     good &= bool((np.abs(answer) <= bound + FEASIBLE).all())
     return Attempt(
         answer[:n] if np.isfinite(answer).all() else None,
@@ -189,15 +190,18 @@ def _solve(
 
 @contextmanager
 def silence() -> Iterator[None]:
-    """Send what compiled solvers print to nowhere (they write to the file descriptor itself)."""
+    """Send what compiled solvers print to nowhere (they write to the file descriptors themselves)."""
     import sys
 
     sys.stdout.flush()
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    sys.stderr.flush()
+    kept, nowhere = (os.dup(1), os.dup(2)), os.open(os.devnull, os.O_WRONLY)
     try:
         os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
         yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        for number, copy in enumerate(kept, start=1):
+            os.dup2(copy, number)
+            os.close(copy)
         os.close(nowhere)

@@ -112,12 +112,17 @@ def measure_scenes(count: int, seed: int) -> dict[str, Any]:
 
 def memory() -> float:
     """Return the largest memory this process has used so far [MB]; NaN where the system does not say."""
+    try:  # Linux: `ru_maxrss` would begin at the parent's
+        with open("/proc/self/status") as status:
+            line = next(text for text in status if text.startswith("VmHWM"))
+        return float(line.split()[1]) / 1e3
+    except (OSError, StopIteration):
+        pass
     try:
         import resource
     except ImportError:  # Windows
         return math.nan
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
 if __name__ == "__main__":

@@ -139,6 +139,6 @@ def quantiles(values: Sequence[float] | np.ndarray) -> list[float] | None:
     return [float(q) for q in (*np.percentile(v, [25, 50, 75]), v.max())]
 
 
-def _json(values: list[float]) -> list[float | None | str]:
+def _json(values: list[float]) -> list[float | str | None]:
     """NaN (nothing to compare) to null, infinity to "inf"."""
     return ["inf" if math.isinf(v) else None if math.isnan(v) else v for v in values]
