@@ -28,6 +28,8 @@ from origami_nlp.state.scene import Scene
 
 CLOSED = 1e-6
 """Gap [rad] of a contact at a bisected point, before Newton closes it."""
+CORNER = 1e-4
+"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is rounding."""
 SAME, SHORT = 1e-7, 1e-3
 """States closer than this [rad] are one corner; shorter lines are dropped."""
 HIDDEN = 1e-6
@@ -176,8 +178,12 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
         x = model.reduce(phi)
         local = model.local(x)
         values = row_values(model, x, line.rows, local.gaps, local.gaps_jacobian)[0]
-        if np.abs(values).max() > CLOSED:
+        if np.abs(values).max() > CORNER:
             continue
+        exact = correct(model, x, line.rows)
+        if exact is None or np.abs(exact - x).max() > 10 * CORNER:
+            continue
+        x = exact
         away = np.linalg.norm((at - x) * np.sqrt(model.multiplicity), axis=1)
         k = int(away.argmin())
         if away[k] <= SAME:

@@ -14,7 +14,7 @@ from origami_nlp.state.scene import Scene
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-CORNER = 1e-5
+CORNER = 1e-4
 """Ends of lines closer than this [rad] are one corner of the polygons."""
 
 SLIVER = 1e-10
