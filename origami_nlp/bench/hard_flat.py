@@ -133,7 +133,7 @@ def _next_to_pi() -> Iterator[Outcome]:
         angle = math.pi - distance
         rest = (angle, 0.0, angle, 0.0)
         scene = Scene(Vertex(("pi/2",) * 4), (1.0,) * 4, rest, "none")
-        bound = max(ROUNDING, 1.01 * min(distance, 4 * EPS / max(distance, 1e-300)))
+        bound = max(ROUNDING, 2 * EPS + min(distance, 4 * EPS / max(distance, 1e-300)))
         yield known_state(f"book of degree 4, pi - {distance:g}", scene, rest, 0.0, bound)
     for sign, distance in ((1, 1e-6), (1, 1e-12), (-1, 1e-12), (1, 0.0)):
         scene, state = _regular_at_pi(sign * (math.pi - distance))

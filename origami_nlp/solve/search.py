@@ -12,8 +12,8 @@ import numpy as np
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, same_gap
 from origami_nlp.solve.ipopt import Solve, solve, solve_on_boundary
-from origami_nlp.solve.polish import Polished, guess_active, polish
-from origami_nlp.solve.starts import StartStream, crossed_pairs
+from origami_nlp.solve.polish import Polished, guess_active, newton, polish
+from origami_nlp.solve.starts import StartStream, broken_gap, crossed_pairs
 
 SAME = 1e-6
 """Polished states closer than this in every fold angle [rad] are one state."""
@@ -122,9 +122,24 @@ def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -
     for side in sides:
         guess = tuple(dict.fromkeys((Row(row.kind, row.index, side), *guess_active(model, answer))))
         result = polish(model, answer, guess)
-        if result.converged and result.rows:
+        if result.converged and result.rows and not _free_beside(model, result):
             return _file(result, record, 0)
     return None
+
+
+def _free_beside(model: Model, state: Polished) -> bool:
+    """Tell whether a state without contacts lies beside one that a contact was asked to hold: it is the answer then."""
+    free, _ = newton(model, state.x, ())
+    if free is None or not free.converged or np.abs(free.x - state.x).max() > SAME:
+        return False
+    return not _beyond_contacts(model, free.x)
+
+
+def _beyond_contacts(model: Model, x: np.ndarray) -> bool:
+    """Tell whether x is beyond a fold limit, a mirror or the axis, by however little."""
+    if model.structure.limits and (np.abs(x) > model.bound).any():
+        return True
+    return bool(model.structure.gaps) and broken_gap(model, model.local(x).gaps, 0.0) is not None
 
 
 def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
