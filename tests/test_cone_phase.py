@@ -260,3 +260,45 @@ def test_diagram_counts_only_inside_when_asked():
     both, inside = (phase_diagram(6, size=9, contact=c) for c in (True, False))
     assert (both.stable == both.map.interior + both.map.contact).all()
     assert (inside.stable == both.map.interior).all() and (inside.stable < both.stable).any()
+
+
+@pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])
+def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
+    from origami_nlp.tell import cone_figures
+
+    monkeypatch.setattr(cone_figures, "SIZE", 6)
+    cone_figures._diagram.cache_clear()
+    result = CliRunner().invoke(app, ["reproduce", name, "--out", str(tmp_path)])
+    cone_figures._diagram.cache_clear()
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
+    assert (tmp_path / f"{name}.pdf").read_bytes()[:5] == b"%PDF-"
+
+
+def test_figure_axis_is_the_papers(monkeypatch):
+    """Colours of the drawn map, read back, are the counts at minus nu_0."""
+    from origami_nlp.tell import cone_figures
+
+    monkeypatch.setattr(cone_figures, "SIZE", 8)
+    cone_figures._diagram.cache_clear()
+    drawn = cone_figures.draw_cone_figure("cone-4")
+    cone_figures._diagram.cache_clear()
+    axes = drawn.axes[0]
+    mesh = axes.collections[0]
+    shown = mesh.get_array().reshape(8, 8)
+    low, high = axes.get_xlim()
+    assert (low, high) == pytest.approx((-math.pi / 2, math.pi / 4))
+    nu = low + (high - low) * (np.arange(8) + 0.5) / 8
+    ratios = 10 ** (-2 + 4 * (np.arange(8) + 0.5) / 8)
+    wanted = np.array(
+        [[branch_minima(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
+    )
+    numbers = np.unique(wanted)
+    assert (numbers[shown.astype(int)] == wanted).all()
+
+
+def test_m2v_up_never_holds_a_minimum_in_our_convention():
+    """Both A and B climb from the flat state on M_2V up; the paper's sentence fits M_2V down."""
+    shares = printed.m2v_shares(8)
+    assert shares[1, True] == shares[1, False] == (0, 0)
+    assert shares[-1, False][0] > shares[-1, True][0]

@@ -44,9 +44,21 @@ def _sheet(request: Request) -> Figure:
     return draw_sheet(request.name, panels)
 
 
+def _cones(request: Request) -> Figure:
+    from origami_nlp.tell.cone_figures import draw_cone_figure
+
+    return draw_cone_figure(request.name)
+
+
 FIGURES: dict[str, Callable[[Request], Figure]] = {
     "figure3": _sheet,
     "figure4": _sheet,
+    "cones": _cones,
+    "cone-3": _cones,
+    "cone-3-firing": _cones,
+    "cone-4": _cones,
+    "cone-4-firing": _cones,
+    "cone-56": _cones,
 }
 """What `reproduce` can draw: name in the paper and the function that draws it."""
 
