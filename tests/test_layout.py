@@ -10,7 +10,18 @@ import pytest
 import origami_nlp
 
 ROOT = Path(origami_nlp.__file__).parent
-LAYERS = ["errors", "state", "closed_forms", "model", "solve", "judge", "tell", "cli"]
+LAYERS = [
+    "errors",
+    "state",
+    "closed_forms",
+    "model",
+    "solve",
+    "judge",
+    "tell",
+    "bench",
+    "sweep",
+    "cli",
+]
 
 
 def imports(path: Path) -> list[tuple[str, bool]]:

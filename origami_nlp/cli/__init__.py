@@ -7,13 +7,22 @@ import sys
 import typer
 
 from origami_nlp.cli.audit import audit
+from origami_nlp.cli.barriers import barriers
+from origami_nlp.cli.bench import bench
+from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
+from origami_nlp.cli.critical import critical
 from origami_nlp.cli.demo import demo
 from origami_nlp.cli.example import example
 from origami_nlp.cli.grid import grid
+from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.panels import panels
+from origami_nlp.cli.reproduce import reproduce
+from origami_nlp.cli.space import space
+from origami_nlp.cli.sweep import sweep
+from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.verify import verify
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
@@ -24,8 +33,28 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="The stable states of an origami vertex: found, classified, shown.",
 )
-for command in (demo, minima, contacts, model, example, grid, panels, audit, verify, vertices):
+for command in (
+    demo,
+    minima,
+    contacts,
+    critical,
+    barriers,
+    model,
+    example,
+    grid,
+    landscape,
+    panels,
+    audit,
+    verify,
+    vertices,
+    sweep,
+    space,
+    transitions,
+    reproduce,
+    bench,
+):
     app.command(command.__name__)(command)
+app.add_typer(cone, name="cone")
 
 
 def main() -> None:

@@ -8,6 +8,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+MOST_ITERATIONS = 10_000
+"""Far more than programmes of a few contacts need."""
+
 
 @lru_cache(maxsize=128)
 def _solver(n: int, m: int, quadratic: bool) -> ca.Function:
@@ -19,6 +22,9 @@ def _solver(n: int, m: int, quadratic: bool) -> ca.Function:
         "output_flag": False,
         "primal_feasibility_tolerance": 1e-10,
         "dual_feasibility_tolerance": 1e-10,
+        # without limits its active-set method can cycle for ever: seen where rows are nearly parallel
+        "simplex_iteration_limit": MOST_ITERATIONS,
+        "qp_iteration_limit": MOST_ITERATIONS,
     }
     options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "highs": highs}
     return ca.conic("small", "highs", sparsity, options)
@@ -37,7 +43,7 @@ def minimise(
     """Minimise cost . x (plus |x|^2 / 2 with `squares`) over lower <= rows x <= upper and bounds on
     x.
 
-    Returns the minimiser [n], or None where there is none.
+    Returns the minimiser [n], or None where there is none, or none was found in `MOST_ITERATIONS`.
     """
     m, n = rows.shape
     solver = _solver(n, m, squares)

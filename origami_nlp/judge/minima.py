@@ -6,7 +6,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -70,7 +70,7 @@ class SearchReport:
     expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
     reached.
     stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
-    reason and hits.
+    reason and hits.  iterations: of IPOPT, over all solves.
     """
 
     starts: int
@@ -83,6 +83,7 @@ class SearchReport:
     seconds: float
     seed: int
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
+    iterations: int = 0
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class MinimaResult:
         return as_html(self)
 
 
-def check_options(seed: object, max_starts: object) -> None:
+def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
     """Complain about a seed or a cap on starts that is no natural number.
 
     Raises
@@ -124,7 +125,8 @@ def check_options(seed: object, max_starts: object) -> None:
     OptionError
         With the name, the value and what it must be.
     """
-    for name, value, least in (("seed", seed, 0), ("max_starts", max_starts, 1)):
+    wanted = (("seed", seed, 0), ("max_starts", max_starts, 1), ("fewest_starts", fewest_starts, 1))
+    for name, value, least in wanted:
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
             raise OptionError(f"{name} = {value!r} must be a whole number, at least {least}")
 
@@ -134,6 +136,8 @@ def find_minima(
     *,
     seed: int = 0,
     max_starts: int = MOST_STARTS,
+    fewest_starts: int = FEWEST_STARTS,
+    guesses: Sequence[np.ndarray] = (),
     full: bool = False,
     progress: Progress | None = None,
 ) -> MinimaResult:
@@ -145,6 +149,11 @@ def find_minima(
         Of the random starts; the same seed gives the same answer.
     max_starts
         Cap on random starts, for scenes where the stopping rule asks for more.
+    fewest_starts
+        Random starts before the stopping rule is believed.
+    guesses
+        Fold angles [N] to start from before the random starts (states of a neighbouring scene); they do not
+        enter the stopping rule.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
@@ -154,9 +163,9 @@ def find_minima(
     Raises
     ------
     OptionError
-        If `seed` or `max_starts` is not a natural number.
+        If `seed`, `max_starts` or `fewest_starts` is not a natural number.
     """
-    check_options(seed, max_starts)
+    check_options(seed, max_starts, fewest_starts)
     begin = time.perf_counter()
     model = scene.model()
     record = Record()
@@ -174,6 +183,9 @@ def find_minima(
     else:
         for new in run_boundaries(model, seed, record):
             _judge_new(model, new, verdicts, record)
+        for guess in guesses:
+            new = run_one(model, model.reduce(guess), record, count=False)
+            _judge_new(model, new, verdicts, record)
         stream = run_starts(model, seed, record)
         while record.starts < max_starts:
             new = next(stream)
@@ -186,7 +198,7 @@ def find_minima(
             missing = expected_undiscovered(hits, reached)
             if progress:
                 progress(record.starts, found, missing)
-            if record.starts >= FEWEST_STARTS and enough(hits, reached):
+            if record.starts >= fewest_starts and enough(hits, reached):
                 stopped_by = "rule"
                 break
     minima, rejected, outcomes = [], [], Counter[str]()
@@ -231,6 +243,7 @@ def find_minima(
         seconds=time.perf_counter() - begin,
         seed=seed,
         rejected=tuple(rejected),
+        iterations=record.iterations,
     )
     return MinimaResult(scene, model, tuple(minima), report)
 

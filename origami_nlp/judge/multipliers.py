@@ -83,8 +83,7 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> 
             upper[i] = corners[-1][i]
     tiny = tolerance * size
     lower, upper = np.where(lower <= tiny, 0.0, lower), np.where(upper <= tiny, 0.0, upper)
-    smallest = minimise(np.zeros(r), b, low, high, 0.0, LARGEST, squares=True)
-    smallest = found if smallest is None else _refined(b, c, smallest)
+    smallest = smallest_norm(b, found)
     vertices = np.vstack([smallest, corners])
     return Multipliers(residual, False, smallest, lower, upper, vertices)
 
@@ -120,6 +119,31 @@ def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
                 still[np.flatnonzero(blocked)[int(share.argmin())]] = False
             free = still
     return mu
+
+
+def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """Minimise |mu| over {mu >= 0: B mu = B found}, by least squares (Lawson and Hanson 1974, chapter 23: LDP).
+
+    mu = p + N z with p of smallest norm and N the kernel of B; |z| is smallest under N z >= -p.  `found` >= 0
+    is returned where rounding leaves no better point.
+    """
+    _, singular, vt = np.linalg.svd(b)
+    rank = int((singular > 1e-9).sum())
+    kernel = vt[rank:].T
+    size = float(np.abs(found).max(initial=0.0))
+    if size == 0.0 or kernel.shape[1] == 0:
+        return found
+    p = found / size - kernel @ (kernel.T @ (found / size))
+    e = np.vstack([kernel.T, -p])
+    f = np.zeros(len(e))
+    f[-1] = 1.0
+    left = e @ nonnegative_least_squares(e, f) - f
+    if abs(left[-1]) <= 1e-12:
+        return found
+    mu = np.maximum(p - kernel @ (left[:-1] / left[-1]), 0.0) * size
+    mu = _refined(b, b @ found, np.where(mu <= 1e-13 * size, 0.0, mu))
+    closer = np.abs(b @ (mu - found)).max() <= 1e-12 * max(1.0, size)
+    return mu if closer and np.linalg.norm(mu) <= np.linalg.norm(found) else found
 
 
 def _refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:

@@ -138,7 +138,7 @@ def find_segments(
     segments = [
         segment
         for number, curve in enumerate(curves)
-        for segment in _flat_parts(curve, number, total, slope, stiffness, angles)
+        for segment in flat_parts(curve, number, total, slope, stiffness, angles)
     ]
     return SegmentReport(
         result.scene, tuple(curves), tuple(states), tuple(segments), slope, stiffness
@@ -202,7 +202,7 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[tuple[n
                 yield exact, row
 
 
-def _flat_parts(
+def flat_parts(
     curve: BoundaryCurve,
     number: int,
     total: float,

@@ -21,6 +21,8 @@ MOST_STEPS = 12
 MOST_REPAIRS = 8
 RANK = 1e-14
 """Relative singular values of the KKT matrix below this count as zero (dependent contacts)."""
+PULL = 1e-14
+"""Multipliers below minus this (relative) pull: the contact is dropped, however little it would open."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
 
@@ -63,6 +65,7 @@ def _at_singular_folding(model: Model, state: Polished) -> Polished:
     """Move a state beside a flat folding where closure loses rank onto it.
 
     There any state at distance d closes to d^2, so that Newton stops short of the folding, or next to it.
+    A state of lower energy stays where it is if closed states really lead there from the folding.
     """
     flat = math.pi * np.round(state.x / math.pi)
     y = np.where(np.abs(state.x - flat) <= 1e-5, flat, state.x)
@@ -72,7 +75,22 @@ def _at_singular_folding(model: Model, state: Polished) -> Polished:
     singular = np.linalg.svd(jacobian, compute_uv=False).min() <= 1e-9
     if not singular or np.abs(residual).max() > 1e-14:
         return state
+    if state.converged and model.energy_change(y, state.x) < 0 and _leads_on(model, y, state.x - y):
+        return state
     return replace(state, x=y, closure_residual=float(np.abs(residual).max()))
+
+
+def _leads_on(model: Model, y: np.ndarray, direction: np.ndarray) -> bool:
+    """Tell whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
+    far = 1e-3
+    guess = y + far * direction / np.linalg.norm(direction)
+    x = guess
+    for _ in range(8):
+        value, jacobian = model.closure(x)
+        if np.abs(value).max() <= 1e-14:
+            break
+        x = x - np.linalg.lstsq(jacobian, value, rcond=1e-6)[0]
+    return bool(np.abs(model.closure(x)[0]).max() <= 1e-13 and np.linalg.norm(x - guess) < far / 10)
 
 
 def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polished | None, bool]:
@@ -92,7 +110,7 @@ def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polishe
         violated = _violated(model, result.x, key)
         if violated:
             rows = tuple(dict.fromkeys((*key, *violated)))
-        elif len(multipliers) and multipliers.min() < -1e-12 * max(1, np.abs(multipliers).max()):
+        elif len(multipliers) and multipliers.min() < -PULL * max(1, np.abs(multipliers).max()):
             drop = int(multipliers.argmin())
             rows = key[:drop] + key[drop + 1 :]
         else:

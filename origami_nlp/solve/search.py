@@ -12,8 +12,8 @@ import numpy as np
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, same_gap
 from origami_nlp.solve.ipopt import Solve, solve, solve_on_boundary
-from origami_nlp.solve.polish import Polished, guess_active, polish
-from origami_nlp.solve.starts import StartStream, crossed_pairs
+from origami_nlp.solve.polish import Polished, guess_active, newton, polish
+from origami_nlp.solve.starts import StartStream, broken_gap, crossed_pairs
 
 SAME = 1e-6
 """Polished states closer than this in every fold angle [rad] are one state."""
@@ -42,7 +42,8 @@ class Record:
 
     answers: distinct states that solves ended at.  listed: flat foldings that no solve ended at.
     statuses: IPOPT's return statuses, counted over all solves.  starts, feasible_starts: starts
-    drawn, and those that satisfied every constraint.  converged: starts that ended at an answer.
+    drawn, and those that satisfied every constraint.  iterations: of IPOPT, over all solves.
+    converged: starts that ended at an answer.
     """
 
     answers: list[Answer] = field(default_factory=list)
@@ -51,6 +52,7 @@ class Record:
     starts: int = 0
     feasible_starts: int = 0
     solves: int = 0
+    iterations: int = 0
     converged: int = 0
 
 
@@ -83,9 +85,7 @@ def run_one(
         return None
     record.converged += count
     for known in record.answers:  # most starts end where another did: no need to polish again
-        near = np.abs(known.polished.x - answer.x).max() <= SAME
-        # beside a state that is no minimum there may be one (sectors within 1e-6 of a special vertex)
-        if known.is_minimum and known.polished.converged and near:
+        if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
             known.hits += count
             return None
     return _file(polish(model, answer), record, count)
@@ -111,6 +111,7 @@ def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer |
             answer = solve_on_boundary(model, next(stream).x, row)
             record.solves += 1
             record.statuses[answer.status] += 1
+            record.iterations += answer.iterations
             if answer.succeeded:
                 yield _settle_on_boundary(model, answer, row, record)
 
@@ -121,19 +122,31 @@ def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -
     for side in sides:
         guess = tuple(dict.fromkeys((Row(row.kind, row.index, side), *guess_active(model, answer))))
         result = polish(model, answer, guess)
-        if result.converged and result.rows:
+        if result.converged and result.rows and not _free_beside(model, result):
             return _file(result, record, 0)
     return None
+
+
+def _free_beside(model: Model, state: Polished) -> bool:
+    """Tell whether a state without contacts lies beside one that a contact was asked to hold: it is the answer then."""
+    free, _ = newton(model, state.x, ())
+    if free is None or not free.converged or np.abs(free.x - state.x).max() > SAME:
+        return False
+    return not _beyond_contacts(model, free.x)
+
+
+def _beyond_contacts(model: Model, x: np.ndarray) -> bool:
+    """Tell whether x is beyond a fold limit, a mirror or the axis, by however little."""
+    if model.structure.limits and (np.abs(x) > model.bound).any():
+        return True
+    return bool(model.structure.gaps) and broken_gap(model, model.local(x).gaps, 0.0) is not None
 
 
 def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
     """File a polished state under the answer that it is, or as a new one, which is returned."""
     for known in record.answers:
         exact = known.polished.converged and polished.converged
-        apart = np.abs(known.polished.x - polished.x).max()
-        if exact and not known.is_minimum and known.polished.rows != polished.rows and apart > 1e-9:
-            continue  # another active set: a minimum can lie this near to a state that a contact only seems to pin
-        if apart <= (SAME if exact else SAME_UNPOLISHED):
+        if np.abs(known.polished.x - polished.x).max() <= (SAME if exact else SAME_UNPOLISHED):
             known.hits += hits
             if polished.converged and not known.polished.converged:
                 known.polished = polished  # judged anew by whoever asks for the answer
@@ -175,6 +188,7 @@ def solve_without_crossing(
         answer = solve(model, x, pairs)
         record.solves += 1
         record.statuses[answer.status] += 1
+        record.iterations += answer.iterations
         crossed = crossed_pairs(model, answer.x, 1e-6)
         if not crossed or set(crossed) <= set(pairs):
             return answer

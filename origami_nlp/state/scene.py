@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from origami_nlp.model.nlp import Model
 
 Contact = Literal["full", "fold-limits", "none"]
+NARROWEST = 1e-7
+"""Narrowest facet [rad] of a scene with full contact: its two creases must not count as touching."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,12 @@ class Scene:
             raise SceneError(
                 f"contact = {self.contact!r} is unknown: use one of {', '.join(get_args(Contact))}"
             )
+        for i, a in enumerate(self.vertex.sector_angles, start=1):
+            if self.contact == "full" and a < NARROWEST:
+                raise SceneError(
+                    f"sector_angles[{i}] = {a:.6g} is narrower than {NARROWEST:g} rad: contact at so narrow a "
+                    "facet is below the accuracy of contacts (1e-8); use contact = 'fold-limits', or merge its creases"
+                )
         if self.name is not None and not isinstance(self.name, str):
             raise SceneError(f"name = {self.name!r} must be text")
         object.__setattr__(self, "stiffness", stiffness)

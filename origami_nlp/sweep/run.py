@@ -9,14 +9,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import OrigamiError
+from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
 
@@ -101,6 +108,11 @@ def run_sweep(
     progress
         Called after each scene.
 
+    Raises
+    ------
+    SweepError
+        If the folder holds another sweep, or a worker died.
+
     Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
     goes on from there.
     """
@@ -166,6 +178,11 @@ def _walk(
                 if progress:
                     progress(finished, sweep.count, states)
                 submit(chain, k + 1)
+    except BrokenExecutor:
+        raise SweepError(
+            f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "
+            "the same command goes on; fewer --workers need less memory"
+        ) from None
     except KeyboardInterrupt:
         for future in running:
             future.cancel()

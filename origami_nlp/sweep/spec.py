@@ -91,6 +91,7 @@ class Sweep:
 
     def parameters(self, index: int) -> dict[str, float]:
         """Values of the axes of scene `index`; the last axis runs fastest."""
+        where: tuple[Any, ...]
         if self.search["mode"] == "grid":
             where = np.unravel_index(index, self.shape)
         else:

@@ -230,10 +230,10 @@ def _title(result: MinimaResult) -> str:
     group = f"{scene.group.kind}{subscript}"
     symmetry = "" if scene.group.is_trivial else f" with symmetry {group}"
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
-    return _plain(f"{who}: {states}{symmetry}, {contact[scene.contact]}")
+    return plain(f"{who}: {states}{symmetry}, {contact[scene.contact]}")
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Text that matplotlib does not take for a formula."""
     pretty = (
         text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")

@@ -40,6 +40,7 @@ def result_to_dict(result: MinimaResult) -> dict[str, Any]:
             "starts": search.starts,
             "feasible_starts": search.feasible_starts,
             "solves": search.solves,
+            "iterations": search.iterations,
             "statuses": search.statuses,
             "outcomes": search.outcomes,
             "expected_undiscovered": _finite(search.expected_undiscovered),

@@ -106,10 +106,10 @@ def draw_area(
     # margins: a marker at phi = +-pi is seen whole
     pad_x, pad_y = 0.045 * (right - left), 0.045 * (high - low)
     axes.set(xlim=(left - pad_x, right + pad_x), ylim=(low - pad_y, high + pad_y))
-    axes.set_xlabel(_label(chart.coordinates[0]))
-    axes.set_ylabel(_label(chart.coordinates[1]))
-    _angle_ticks(axes.xaxis, left, right)
-    _angle_ticks(axes.yaxis, low, high)
+    axes.set_xlabel(coordinate_label(chart.coordinates[0]))
+    axes.set_ylabel(coordinate_label(chart.coordinates[1]))
+    angle_ticks(axes.xaxis, left, right)
+    angle_ticks(axes.yaxis, low, high)
     if branch.name:
         axes.set_title(branch.name.replace("-", "−"), fontsize=10, pad=4)
     return image
@@ -128,8 +128,8 @@ def draw_curves(axes: Any, chart: Landscape) -> None:
         )
     axes.set(xlim=(-1.06 * math.pi, 1.06 * math.pi))
     axes.margins(y=0.09)
-    _angle_ticks(axes.xaxis, -math.pi, math.pi)
-    axes.set_xlabel(_label(chart.coordinates[0]))
+    angle_ticks(axes.xaxis, -math.pi, math.pi)
+    axes.set_xlabel(coordinate_label(chart.coordinates[0]))
     axes.set_ylabel(f"energy U [{UNIT}]")
     axes.grid(color="#dddddd", linewidth=0.6)
     if len(chart.branches) > 1:
@@ -289,14 +289,16 @@ def _levels(norm: Normalize, energy: Any) -> list[float]:
     return [v for v in nice[-7:] if values.min() < v < values.max()]
 
 
-def _label(name: str) -> str:
+def coordinate_label(name: str) -> str:
+    """Return the name of a chart's coordinate for an axis."""
     if name.startswith("phi_"):
         return rf"$\varphi_{{{name[4:]}}}$ [rad]"
     crease = name.rsplit(" ", 1)[-1].rstrip(")")
     return rf"elevation $\upsilon$ of crease {crease} [rad]"
 
 
-def _angle_ticks(axis: Any, low: float, high: float) -> None:
+def angle_ticks(axis: Any, low: float, high: float) -> None:
+    """Put ticks at multiples of pi/4 between low and high, pi/2 where there are many."""
     quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
     if high - low > 1.1 * math.pi:
         quarters = [q for q in quarters if q % 2 == 0]

@@ -1,0 +1,239 @@
+"""Cases that are hard by construction: each says why, what is known exactly, and what must come out.
+
+A case yields outcomes, one for each setting.  An outcome holds what was measured beside the bound that it must
+keep; one that misses a bound, ends in another verdict, or raises, is a failure and is shown as one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One number of an outcome: what it is, its value, and the largest value that passes."""
+
+    what: str
+    value: float
+    bound: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value keeps its bound (nan does not)."""
+        return self.value <= self.bound
+
+    def __str__(self) -> str:
+        return f"{self.what} {self.value:.1e}" + ("" if self.passed else f" > {self.bound:.0e}")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came out of one setting of a case.
+
+    setting: which one, in words.  measured: numbers with their bounds.  verdict: what the package says of the
+    state.  right: whether that is what must come out.  iterations: of IPOPT, over all solves; None where
+    nothing was solved.  seconds: wall time, set by the runner.  note: what else a reader must know.
+    """
+
+    setting: str
+    measured: tuple[Measured, ...]
+    verdict: str
+    right: bool
+    iterations: int | None = None
+    seconds: float = 0.0
+    note: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the verdict is right and every number keeps its bound."""
+        return self.right and all(m.passed for m in self.measured)
+
+
+@dataclass(frozen=True)
+class HardCase:
+    """A hard case.
+
+    hard, known, must: what is hard, what is known exactly, what must come out.  run: yields the outcomes.
+    """
+
+    name: str
+    hard: str
+    known: str
+    must: str
+    run: Callable[[], Iterator[Outcome]]
+
+
+@dataclass(frozen=True)
+class HardResult:
+    """The outcomes of one case."""
+
+    case: HardCase
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def failures(self) -> tuple[Outcome, ...]:
+        """Outcomes that missed a bound or a verdict."""
+        return tuple(o for o in self.outcomes if not o.passed)
+
+
+@dataclass(frozen=True)
+class HardReport:
+    """The outcomes of all cases; prints as a table of one row an outcome."""
+
+    results: tuple[HardResult, ...]
+
+    @property
+    def failures(self) -> tuple[tuple[str, Outcome], ...]:
+        """Failed outcomes with the name of their case."""
+        return tuple((r.case.name, o) for r in self.results for o in r.failures)
+
+    def summary(self) -> str:
+        """One line: how many settings passed, how many failed."""
+        count = sum(len(r.outcomes) for r in self.results)
+        failed = len(self.failures)
+        seconds = sum(o.seconds for r in self.results for o in r.outcomes)
+        return (
+            f"{len(self.results)} hard cases, {count} settings: {count - failed} as they must, "
+            f"{failed} failures, {seconds:.1f} s"
+        )
+
+    def table(self) -> Any:
+        """Return the outcomes as a rich table."""
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table(title=self.summary(), title_justify="left")
+        for head in ("setting", "", "error", "iterations", "verdict", "s"):
+            right = head in ("iterations", "s")
+            table.add_column(head, justify="right" if right else "left", overflow="fold")
+        for result in self.results:
+            table.add_row(Text(result.case.name, style="bold"), "", "", "", "", "")
+            for o in result.outcomes:
+                passed = Text("ok", style="green") if o.passed else Text("FAILS", style="bold red")
+                table.add_row(Text(f"  {o.setting}"), passed, *(Text(c) for c in _cells(o)))
+            table.add_section()
+        return table
+
+    def markdown(self) -> str:
+        """Return every case with its statement and a table of its outcomes."""
+        lines = [
+            "# Hard cases",
+            "",
+            "Printed by `origami-nlp bench --hard`.",
+            "",
+            self.summary() + ".",
+        ]
+        lines.append(
+            "Errors are largest differences; fold angles in radians, energies and multipliers relative."
+        )
+        lines += ["", "## Failures", ""]
+        lines += [
+            f"- {name}, {o.setting}: {', '.join(_cells(o)[:1])}; {o.verdict}"
+            for name, o in self.failures
+        ]
+        if not self.failures:
+            lines.append("None.")
+        for r in self.results:
+            c = r.case
+            lines += [
+                "",
+                f"## {c.name}",
+                "",
+                f"- Hard: {c.hard}",
+                f"- Known: {c.known}",
+                f"- Must: {c.must}",
+                "",
+            ]
+            lines += [
+                "| setting | passes | error | iterations | verdict | s |",
+                "|---|---|---|---|---|---|",
+            ]
+            for o in r.outcomes:
+                cells = " | ".join(cell.replace("|", "\\|") for cell in _cells(o))
+                lines.append(f"| {o.setting} | {'yes' if o.passed else '**fails**'} | {cells} |")
+        return "\n".join(lines) + "\n"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return {
+            "schema": "origami-nlp-hard-1",
+            "cases": [
+                {
+                    "name": r.case.name,
+                    "hard": r.case.hard,
+                    "known": r.case.known,
+                    "must": r.case.must,
+                    "outcomes": [
+                        {
+                            "setting": o.setting,
+                            "passed": o.passed,
+                            "measured": [
+                                {"what": m.what, "value": _number(m.value), "bound": m.bound}
+                                for m in o.measured
+                            ],
+                            "verdict": o.verdict,
+                            "verdict_right": o.right,
+                            "iterations": o.iterations,
+                            "seconds": o.seconds,
+                            "note": o.note,
+                        }
+                        for o in r.outcomes
+                    ],
+                }
+                for r in self.results
+            ],
+        }
+
+
+def _number(value: float) -> float | None:
+    return value if abs(value) < float("inf") else None
+
+
+def _cells(o: Outcome) -> tuple[str, str, str, str]:
+    errors = ", ".join(map(str, o.measured))
+    verdict = o.verdict + ("" if o.right else " (wrong)") + (f"; {o.note}" if o.note else "")
+    iterations = "-" if o.iterations is None else str(o.iterations)
+    return errors, iterations, verdict, f"{o.seconds:.2f}"
+
+
+Progress = Callable[[str, Outcome], None]
+"""Called as progress(name of the case, outcome) after each outcome."""
+
+
+def hard_cases() -> tuple[HardCase, ...]:
+    """Return all hard cases."""
+    from origami_nlp.bench.hard_contact import CONTACT_CASES
+    from origami_nlp.bench.hard_flat import FLAT_CASES
+    from origami_nlp.bench.hard_fold_point import FOLD_POINT_CASES
+    from origami_nlp.bench.hard_large import LARGE_CASES
+    from origami_nlp.bench.hard_springs import SPRING_CASES
+
+    return (*FLAT_CASES, *SPRING_CASES, *FOLD_POINT_CASES, *CONTACT_CASES, *LARGE_CASES)
+
+
+def run_case(case: HardCase, progress: Progress | None = None) -> HardResult:
+    """Run one case; an exception inside it becomes a failed outcome, not the end of the run."""
+    outcomes: list[Outcome] = []
+    stream = case.run()
+    while True:
+        begin = time.perf_counter()
+        try:
+            outcome = next(stream)
+        except StopIteration:
+            break
+        except Exception as error:  # whatever it is: the case failed, and the others still run
+            outcome = Outcome("(after the above)", (), f"{type(error).__name__}: {error}", False)
+            outcomes.append(replace(outcome, seconds=time.perf_counter() - begin))
+            break
+        outcomes.append(replace(outcome, seconds=time.perf_counter() - begin))
+        if progress:
+            progress(case.name, outcomes[-1])
+    return HardResult(case, tuple(outcomes))
+
+
+def run_hard(progress: Progress | None = None) -> HardReport:
+    """Run every hard case."""
+    return HardReport(tuple(run_case(case, progress) for case in hard_cases()))

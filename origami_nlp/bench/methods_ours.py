@@ -1,0 +1,42 @@
+"""The package itself: IPOPT at a loose tolerance, Newton polish, and a verdict on every new answer."""
+
+from __future__ import annotations
+
+from origami_nlp.bench.attempt import Attempt, Method, Solver, StartPoint
+from origami_nlp.judge.classify import classify
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.search import Answer, Record, run_one
+
+OURS = "this package"
+
+
+def ours() -> list[Method]:
+    """Return the package's multi-start as one method."""
+    return [Method(OURS, "", OURS, 0.0, prepare)]
+
+
+def prepare(model: Model) -> Solver:
+    """Return a solver that solves, polishes and classifies; it remembers earlier answers, as the package does."""
+    record = Record()
+
+    def run(start: StartPoint) -> Attempt:
+        before = [answer.hits for answer in record.answers]
+        new = run_one(model, start.x, record, pairs=start.pairs)
+        if new is not None:
+            state = new.polished
+            new.is_minimum = classify(model, state.x, polished=state.converged).verdict == "minimum"
+        answer = new or _hit(record, before)
+        if answer is None:
+            return Attempt(None, False, "IPOPT did not converge")
+        verdict = "minimum" if answer.is_minimum else "no minimum"
+        return Attempt(answer.polished.x, answer.is_minimum, verdict)
+
+    return run
+
+
+def _hit(record: Record, before: list[int]) -> Answer | None:
+    """Return the known answer that the last solve ended at."""
+    for answer, hits in zip(record.answers, before, strict=False):
+        if answer.hits > hits:
+            return answer
+    return None

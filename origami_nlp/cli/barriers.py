@@ -1,0 +1,79 @@
+"""`origami-nlp barriers`: the lowest pass between every two minima of a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure, progress_bar
+from origami_nlp.errors import OptionError
+from origami_nlp.state.scene_file import read_scene
+
+
+def barriers(
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
+        ),
+    ] = None,
+    seed: Seed = 0,
+    json: JsonFile = None,
+    figure: FigureFile = None,
+    full: Annotated[
+        bool, typer.Option("--full", help="Also bound the barriers without the symmetry.")
+    ] = False,
+    panels: Annotated[
+        bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
+    ] = False,
+    markdown: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a Markdown table to FILE.")
+    ] = None,
+) -> None:
+    """Find the lowest pass between every two minima of SCENE, and a path through it."""
+    from rich.console import Console
+
+    check_figure(figure)
+    if panels == (scene is not None):
+        raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
+    from origami_nlp.judge.barriers import check_freedoms, find_barriers
+    from origami_nlp.judge.minima import check_options, find_minima
+    from origami_nlp.state import examples
+    from origami_nlp.tell.barriers_table import barriers_to_dict, markdown_rows, print_barriers
+    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.merge_tree_figure import draw_merge_trees
+
+    check_options(seed, 1)
+    for target, option in ((json, "--json"), (figure, "--figure"), (markdown, "--markdown")):
+        check_writable(target, option)
+    stated = examples.panels() if panels else [read_scene(scene or "-")]
+    for one in stated:
+        check_freedoms(one)
+    console = Console(stderr=json == "-")
+    found = []
+    for one in stated:
+        with progress_bar(one.name or str(scene)) as report:
+            result = find_minima(one, seed=seed, full=full, progress=report)
+        with console.status("passes between the minima") if console.is_terminal else _quiet():
+            found.append(find_barriers(one, result, full=full, seed=seed))
+        print_barriers(found[-1], console)
+    documents = [barriers_to_dict(b) for b in found]
+    if json:
+        write_json(documents if panels else documents[0], json)
+    if markdown:
+        head = "| scene | pair | minima [J] | pass [J] | kind | fold angles at the pass [deg] | full space |"
+        table = [head, "|---|---|---|---|---|---|---|"]
+        table += [row for b in found for row in markdown_rows(b)]
+        write_whole(markdown, ("\n".join(table) + "\n").encode())
+    if figure:
+        draw_merge_trees(found, figure)
+        console.print(f"figure written to {figure}")
+
+
+def _quiet():  # type: ignore[no-untyped-def]
+    from contextlib import nullcontext
+
+    return nullcontext()

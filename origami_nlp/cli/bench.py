@@ -1,0 +1,96 @@
+"""`origami-nlp bench`: speed against error of every method, on this machine."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure
+
+Markdown = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Write the report as Markdown.")
+]
+
+
+def bench(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A few problems and methods, in about a minute.")
+    ] = False,
+    hard: Annotated[
+        bool, typer.Option("--hard", help="Run the hard cases instead: error and verdict of each.")
+    ] = False,
+    json: JsonFile = None,
+    figure: FigureFile = None,
+    markdown: Markdown = None,
+    seed: Seed = 0,
+) -> None:
+    """Measure speed against error: ours, IPOPT alone, other solvers, grids, the paper's own test."""
+    from origami_nlp.judge.minima import check_options
+    from origami_nlp.tell.files import check_writable
+
+    check_options(seed, 1)
+    check_figure(figure)
+    check_writable(json, "--json")
+    check_writable(figure, "--figure")
+    check_writable(markdown, "--markdown")
+    _single_thread()
+    (_hard if hard else _speed)(quick, json, figure, markdown, seed)
+
+
+def _speed(
+    quick: bool, json: str | None, figure: Path | None, markdown: Path | None, seed: int
+) -> None:
+    """Run all methods, show the headline and the targets, and write what was asked for."""
+    from rich.console import Console
+    from rich.markdown import Markdown as Rendered
+
+    from origami_nlp.bench.report import in_short
+    from origami_nlp.bench.report import markdown as as_markdown
+    from origami_nlp.bench.run import run_bench, write_bench
+    from origami_nlp.tell.files import write_whole
+
+    with _status() as tell:
+        data = run_bench(quick=quick, seed=seed, tell=tell)
+    Console(stderr=json == "-").print(Rendered(in_short(data)))
+    if json:
+        write_bench(data, json)
+    if figure:
+        from origami_nlp.bench.figure import draw_bench
+
+        draw_bench(data, figure)
+    if markdown:
+        link = None
+        if figure and figure.suffix.lower() in (".png", ".svg"):
+            link = Path(os.path.relpath(figure.resolve(), markdown.resolve().parent)).as_posix()
+        write_whole(markdown, as_markdown(data, link).encode())
+
+
+def _single_thread() -> None:
+    """One process, one thread: has an effect where NumPy is not loaded yet."""
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+
+
+@contextmanager
+def _status() -> Iterator[Callable[[str], Any]]:
+    """Show what is being measured (on stderr, on terminals only)."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda text: None
+        return
+    with console.status("starting") as status:
+        yield status.update
+
+
+def _hard(
+    quick: bool, json: str | None, figure: Path | None, markdown: Path | None, seed: int
+) -> None:
+    """Run the hard cases (`origami_nlp.bench.hard`): error, iterations and verdict of each."""
+    raise NotImplementedError

@@ -1,0 +1,41 @@
+"""`origami-nlp cone branch`: fold angles of one state of a branch."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.cone_count import EndRule
+from origami_nlp.cli.minima import JsonFile
+
+Flaps = Annotated[
+    str, typer.Option(help='Valley and mountain flaps around the ring: "VVM", or "V2M".')
+]
+Elevation = Annotated[str, typer.Option(help='Elevation nu, up > 0 and down < 0: 0.3 or "-pi/6".')]
+
+
+def branch(
+    flaps: Flaps,
+    elevation: Elevation,
+    end: EndRule = "contract",
+    json: JsonFile = None,
+) -> None:
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
+    from rich.console import Console
+
+    from origami_nlp.model.cone import ConeBranch
+    from origami_nlp.state.angles import parse_angle
+    from origami_nlp.state.cone import parse_flaps
+    from origami_nlp.tell.cone_json import branch_to_dict, write_lines
+    from origami_nlp.tell.cone_table import print_branch
+    from origami_nlp.tell.files import check_writable
+
+    check_writable(json, "--json")
+    nu = parse_angle(elevation, "--elevation")
+    state = ConeBranch(parse_flaps(flaps), -1 if nu < 0 else 1, end)
+    data = branch_to_dict(state, nu)  # complains past the end, before anything is written
+    if json != "-":
+        print_branch(state, nu, Console())
+    if json:
+        write_lines(data, json)

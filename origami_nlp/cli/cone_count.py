@@ -1,0 +1,55 @@
+"""`origami-nlp cone count`: how many branches of a cone hold a stable state."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.minima import JsonFile
+
+Degree = Annotated[int, typer.Option(help="Number N of creases: even, at least 6.")]
+RestRule = Annotated[
+    str,
+    typer.Option(help="waterbomb: a state of the cone; paper: as printed in section 5."),
+]
+EndRule = Annotated[
+    str,
+    typer.Option(
+        help="contract: branches with a steep flap end at pi/2 - 2 pi/N; contact: a single steep "
+        "flap goes on until it touches."
+    ),
+]
+
+
+def count(
+    degree: Degree,
+    ratio: Annotated[float, typer.Option(help="Stiffness ratio r_k = k_even/k_odd.")],
+    elevation: Annotated[
+        str, typer.Option(help='Elevation nu_0 of the rest state, signed: 0.3 or "-pi/6".')
+    ],
+    depth: Annotated[
+        float,
+        typer.Option(help="Count wells deeper than this share of U_flat; 0 counts all minima."),
+    ] = 0.0,
+    rest: RestRule = "waterbomb",
+    end: EndRule = "contract",
+    json: JsonFile = None,
+) -> None:
+    """Count the minima on all 2^(N/2 + 1) branches exactly, interior and pinned at contact."""
+    from rich.console import Console
+
+    from origami_nlp.judge.cone_minima import branch_minima
+    from origami_nlp.state.angles import parse_angle
+    from origami_nlp.tell.cone_json import count_to_dict, write_lines
+    from origami_nlp.tell.cone_table import print_count
+    from origami_nlp.tell.files import check_writable
+
+    check_writable(json, "--json")
+    found = branch_minima(
+        degree, ratio, parse_angle(elevation, "--elevation"), rest=rest, depth=depth, end=end
+    )
+    if json != "-":
+        print_count(found, Console())
+    if json:
+        write_lines(count_to_dict(found), json)

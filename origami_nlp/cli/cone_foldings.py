@@ -1,0 +1,35 @@
+"""`origami-nlp cone foldings`: how many foldings of a cone are different, and which."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.cone_count import Degree
+from origami_nlp.cli.minima import JsonFile
+
+
+def foldings(
+    degree: Degree,
+    listed: Annotated[
+        bool | None,
+        typer.Option("--list/--no-list", help="List them (up to degree 32; default: up to 16)."),
+    ] = None,
+    json: JsonFile = None,
+) -> None:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
+    from rich.console import Console
+
+    from origami_nlp.state.cone import LARGEST_LISTED, check_degree
+    from origami_nlp.tell.cone_json import foldings_to_dict, write_lines
+    from origami_nlp.tell.cone_table import print_foldings
+    from origami_nlp.tell.files import check_writable
+
+    check_degree(degree, LARGEST_LISTED if listed else 100_000)
+    check_writable(json, "--json")
+    shown = degree <= 16 if listed is None else listed
+    if json != "-":
+        print_foldings(degree, Console(), shown)
+    if json:
+        write_lines(foldings_to_dict(degree, shown), json)

@@ -1,0 +1,47 @@
+"""`origami-nlp cone speed`: time against the number of creases, beside brute force."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.minima import Seed
+
+DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
+QUICK = (6, 8, 10, 12, 100, 1000)
+
+
+def speed(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer degrees, one map.")] = False,
+    points: Annotated[int, typer.Option(min=1, help="Random points a degree.")] = 10,
+    seed: Seed = 0,
+    markdown: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the table as Markdown.")
+    ] = None,
+) -> None:
+    """Measure the time of an exact count against N, beside brute force, each with its error."""
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    from origami_nlp.judge.cone_speed import MAP_DEGREES, measure
+    from origami_nlp.judge.minima import check_options
+    from origami_nlp.tell.cone_speed_table import as_markdown
+    from origami_nlp.tell.files import check_writable, write_whole
+
+    check_options(seed, points)
+    check_writable(markdown, "--markdown")
+    console = Console()
+    with Console(stderr=True).status("measuring") as status:
+        rows = measure(
+            QUICK if quick else DEGREES,
+            points,
+            seed,
+            maps=(12,) if quick else MAP_DEGREES,
+            progress=lambda degree: status.update(f"degree {degree} done"),
+        )
+    text = as_markdown(rows)
+    console.print(Markdown(text))
+    if markdown:
+        write_whole(markdown, text.encode())

@@ -1,0 +1,41 @@
+"""`origami-nlp space`: topology of the admissible space of a scene."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli.minima import FigureFile, JsonFile, SceneFile, check_figure
+from origami_nlp.state.scene_file import read_scene
+
+
+def space(
+    scene: SceneFile,
+    size: Annotated[int, typer.Option(help="Rings of the mesh around the flat state.")] = 64,
+    json: JsonFile = None,
+    figure: FigureFile = None,
+) -> None:
+    """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
+    from rich.console import Console
+
+    check_figure(figure)
+    stated = read_scene(scene)
+    from origami_nlp.judge.space import analyse_space
+    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.space_table import print_space
+
+    check_writable(json, "--json")
+    check_writable(figure, "--figure")
+    console = Console(stderr=json == "-")
+    with Console(stderr=True).status(f"{stated.name or scene}: mesh, walls, layers"):
+        found = analyse_space(stated, size)
+    print_space(found, console)
+    if json:
+        write_json(found.to_dict(), json)
+    if figure:
+        from origami_nlp.tell.space_figure import draw_space
+
+        draw_space(found, figure)
+        console.print(f"figure written to {figure}")

@@ -1,0 +1,110 @@
+"""`origami-nlp sweep`: many scenes, on processes or a cluster, stored as they finish."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from origami_nlp.cli.minima import FigureFile, check_figure
+from origami_nlp.errors import OptionError, SweepError
+
+
+def sweep(
+    spec: Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOML).")],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the store; made if new.")
+    ],
+    workers: Annotated[
+        int | None, typer.Option(help="Processes (default: one a processor).")
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
+    ] = None,
+    figure: FigureFile = None,
+) -> None:
+    """Find the stable states of every scene of SWEEP; run it again to go on after an interruption."""
+    from rich.console import Console
+
+    from origami_nlp.sweep.run import run_sweep
+    from origami_nlp.sweep.spec import read_sweep
+    from origami_nlp.tell.files import check_writable
+
+    check_figure(figure)
+    check_writable(figure, "--figure")
+    if workers is not None and workers < 1:
+        raise OptionError(f"--workers = {workers} must be at least 1")
+    if out.exists() and not out.is_dir():
+        raise OptionError(f"--out = {str(out)!r} is a file: give a folder")
+    stated = read_sweep(spec)
+    console = Console()
+    with _executor(dask) as executor, _bar(Path(spec).name, stated.count) as report:
+        done = run_sweep(stated, out, executor=executor, workers=workers, progress=report)
+    counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
+    console.print(
+        f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s"
+    )
+    if done.interrupted:
+        console.print("interrupted: the same command goes on from here")
+        raise typer.Exit(130)
+    if figure:
+        from origami_nlp.sweep.figure import draw_sweep
+
+        draw_sweep(out, figure)
+        console.print(f"figure written to {figure}")
+    if done.counts.get("failed"):
+        console.print("failed scenes are tried again by the same command; reasons are in the store")
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _executor(address: str | None):  # type: ignore[no-untyped-def]
+    """The executor of a Dask cluster, or None for processes."""
+    if address is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
+    try:
+        client: Any = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise SweepError(
+            f"--dask {address!r} cannot be reached: {str(error).splitlines()[0]}"
+        ) from None
+    try:
+        pool = client.get_executor()
+        pool.num_workers = sum(client.nthreads().values())
+        yield pool
+    finally:
+        client.close()
+
+
+@contextmanager
+def _bar(title: str, count: int):  # type: ignore[no-untyped-def]
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed} of {task.total} scenes, {task.fields[states]} states"),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task(title, total=count, states=0)
+        yield lambda finished, total, states: bar.update(task, completed=finished, states=states)

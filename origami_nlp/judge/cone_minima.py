@@ -1,0 +1,281 @@
+"""Minima of the energy on all 2^(N/2 + 1) branches of a cone, counted exactly.
+
+A branch has an interior minimum where the slope F of its energy turns from falling to rising,
+and a contact-pinned one at its end where the energy still falls there, with multiplier
+-F(end) > 0 (the generalised force along |v| that the contact bears).  All branches of a class
+have the same energy, so O(N^2) classes stand for all branches; `cone_roots` isolates every zero.
+The flat state, where all branches begin, is not counted.
+
+Ties, which no rounding-error bound decides: where F(0) = 0 the flat state itself is the minimum
+(F'(0) > 0 always); where F(end) = 0 and F rises to it, the end is a minimum with multiplier 0, counted
+as contact (the rest state of the all-valley branch at the end of its range is of this kind).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.cone_energy import DirectionClasses, Rest, rest_state
+from origami_nlp.judge.cone_roots import polish, slope_signs
+from origami_nlp.state.cone import cone_classes
+
+
+@dataclass(frozen=True)
+class BranchMinima:
+    """Minima of branches, one entry a class and minimum; arrays of one length.
+
+    Attributes
+    ----------
+    valleys, changes
+        The class (see `state.cone.ConeClasses`); changes is 2j.
+    direction
+        +1 up, -1 down.
+    multiplicity
+        Number of branches that have this minimum, exact.
+    elevation
+        Signed, nu [rad].
+    energy
+        Of the springs, with k_odd = 1 and k_even = r per crease.
+    depth
+        (U_flat - U)/U_flat; below 0 where a minimum at contact lies higher than the flat state.
+    contact
+        True: pinned at the end of the branch; False: interior.
+    multiplier
+        -dU/d|nu| at contact, 0 for interior minima.
+    """
+
+    valleys: np.ndarray
+    changes: np.ndarray
+    direction: np.ndarray
+    multiplicity: tuple[int, ...]
+    elevation: np.ndarray
+    energy: np.ndarray
+    depth: np.ndarray
+    contact: np.ndarray
+    multiplier: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.multiplicity)
+
+    def where(self, keep: np.ndarray) -> BranchMinima:
+        """Return the minima of a mask."""
+        rows = np.nonzero(keep)[0]
+        multiplicity = tuple(self.multiplicity[k] for k in rows.tolist())
+        return BranchMinima(
+            self.valleys[rows],
+            self.changes[rows],
+            self.direction[rows],
+            multiplicity,
+            self.elevation[rows],
+            self.energy[rows],
+            self.depth[rows],
+            self.contact[rows],
+            self.multiplier[rows],
+        )
+
+
+@dataclass(frozen=True)
+class ConeCount:
+    """Stable states of a cone, branch by branch.
+
+    Attributes
+    ----------
+    rest
+        Degree and rest angles.
+    ratio
+        r_k = k_even/k_odd.
+    depth
+        Only minima deeper than this were kept; 0: all minima.
+    minima
+        One entry a class and minimum: up first, then by valleys, changes, |elevation|.
+    stable_interior, stable_contact
+        Numbers of branch minima of either kind, exact.
+    branches_with_minimum
+        Number of branches with at least one minimum (a branch may have several).
+    undecided
+        (valleys, changes, direction) of classes with a tie: slope 0 to rounding at either end, or a
+        double zero of it.  Their minima are counted as the module says.
+    """
+
+    rest: Rest
+    ratio: float
+    depth: float
+    end_rule: str
+    minima: BranchMinima
+    stable_interior: int
+    stable_contact: int
+    branches_with_minimum: int
+    undecided: tuple[tuple[int, int, int], ...]
+
+    @property
+    def degree(self) -> int:
+        """N."""
+        return self.rest.degree
+
+    @property
+    def branches(self) -> int:
+        """Number of all branches, 2^(N/2 + 1)."""
+        return 1 << (self.degree // 2 + 1)
+
+    def __repr__(self) -> str:
+        return (
+            f"ConeCount(degree {self.degree}, ratio {self.ratio:g}, elevation "
+            f"{self.rest.elevation:g}: {self.stable_interior} interior and {self.stable_contact} "
+            f"contact-pinned minima on {self.branches} branches)"
+        )
+
+
+def branch_minima(
+    degree: int,
+    ratio: float,
+    elevation: float,
+    *,
+    rest: str = "waterbomb",
+    depth: float = 0.0,
+    end: str = "contract",
+) -> ConeCount:
+    """Find the minima of every branch of a cone.
+
+    Parameters
+    ----------
+    degree
+        N, even, 6 to 4000.
+    ratio
+        r_k = k_even/k_odd > 0.
+    elevation
+        v_0 of the rest state, signed [rad]; see `cone_energy.rest_state` for `rest`.
+    depth
+        Keep only minima with (U_flat - U)/U_flat > depth; 0 (or less) keeps all of them, also
+        those at contact that lie higher than the flat state.
+    end
+        Where branches with a single steep flap end, see `model.cone.branch_end`.
+
+    Raises
+    ------
+    OptionError, AngleError
+        For values out of range.
+    """
+    ratio, depth = check_ratio(ratio), check_depth(depth)
+    state = rest_state(degree, elevation, rest)
+    classes = cone_classes(degree)
+    parts, undecided = [], []
+    for direction in (1, -1):
+        branches = DirectionClasses(classes, direction, state, end)
+        found, ties = _direction_minima(branches, ratio)
+        parts.append(found)
+        rows = zip(classes.valleys[ties].tolist(), classes.changes[ties].tolist(), strict=True)
+        undecided += [(a, c, direction) for a, c in rows]
+    minima = _join(parts)
+    if depth > 0:
+        minima = minima.where(minima.depth > depth)
+    interior = contact = having = 0
+    last = None
+    keys = zip(
+        minima.direction.tolist(), minima.valleys.tolist(), minima.changes.tolist(), strict=True
+    )
+    for number, pinned, key in zip(minima.multiplicity, minima.contact.tolist(), keys, strict=True):
+        if pinned:
+            contact += number
+        else:
+            interior += number
+        having += number if key != last else 0
+        last = key
+    return ConeCount(state, ratio, depth, end, minima, interior, contact, having, tuple(undecided))
+
+
+def _direction_minima(branches: DirectionClasses, ratio: float) -> tuple[BranchMinima, np.ndarray]:
+    """Minima of all classes of one direction, and rows of the classes with ties."""
+    if branches.rest.odd == 0 and branches.rest.even == 0:  # flat at rest: all branches climb
+        none = np.zeros(0, dtype=np.int64)
+        return _entries(branches, ratio, none, none.astype(float), none == 1, none * 1.0), none
+    signs = slope_signs(branches, ratio)
+    inside = polish(branches, ratio, signs)
+    tied = np.nonzero(signs.end == 0)[0]
+    bend, even = branches.curvatures(branches.end[tied], tied)
+    pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend + ratio * even > 0])
+    rows = np.concatenate([signs.rows, pinned])
+    s = np.concatenate([inside, branches.end[pinned]])
+    contact = np.concatenate([np.zeros(len(inside), bool), np.ones(len(pinned), bool)])
+    multiplier = np.concatenate([np.zeros(len(inside)), np.maximum(-signs.end[pinned], 0.0)])
+    order = np.lexsort((s, rows))
+    found = _entries(branches, ratio, rows[order], s[order], contact[order], multiplier[order])
+    ties = np.concatenate([np.nonzero(signs.start == 0)[0], tied, signs.undecided])
+    return found, np.unique(ties)
+
+
+def _entries(
+    branches: DirectionClasses,
+    ratio: float,
+    rows: np.ndarray,
+    s: np.ndarray,
+    contact: np.ndarray,
+    multiplier: np.ndarray,
+) -> BranchMinima:
+    """Fill in energies and depths of minima at s of classes `rows`."""
+    odd, even = branches.energies(s, rows)
+    well_odd, well_even = branches.wells(s, rows)
+    flat_odd, flat_even = branches.flat_energies()
+    flat = flat_odd + ratio * flat_even
+    classes = branches.classes
+    return BranchMinima(
+        classes.valleys[rows],
+        classes.changes[rows],
+        np.full(len(rows), branches.direction),
+        tuple(classes.multiplicity[k] for k in rows.tolist()),
+        branches.direction * s,
+        odd + ratio * even,
+        np.minimum((well_odd + ratio * well_even) / flat, 1.0) if flat else np.zeros(len(rows)),
+        contact,
+        multiplier,
+    )
+
+
+def _join(parts: list[BranchMinima]) -> BranchMinima:
+    up, down = parts
+    return BranchMinima(
+        np.concatenate([up.valleys, down.valleys]),
+        np.concatenate([up.changes, down.changes]),
+        np.concatenate([up.direction, down.direction]),
+        up.multiplicity + down.multiplicity,
+        np.concatenate([up.elevation, down.elevation]),
+        np.concatenate([up.energy, down.energy]),
+        np.concatenate([up.depth, down.depth]),
+        np.concatenate([up.contact, down.contact]),
+        np.concatenate([up.multiplier, down.multiplier]),
+    )
+
+
+def check_ratio(ratio: float, field: str = "ratio") -> float:
+    """Return a stiffness ratio, or complain.
+
+    Raises
+    ------
+    OptionError
+        Unless it is a finite number between 1e-12 and 1e12 (beyond, one kind of spring is rounding).
+    """
+    value = float(ratio)
+    if not (math.isfinite(value) and 1e-12 <= value <= 1e12):
+        raise OptionError(
+            f"{field} = {ratio!r}: write r_k = k_even/k_odd as a number between 1e-12 and 1e12"
+        )
+    return value
+
+
+def check_depth(depth: float) -> float:
+    """Return a well depth, or complain.
+
+    Raises
+    ------
+    OptionError
+        Unless it is a number of [0, 1): U >= 0, so no well is deeper than 1.
+    """
+    value = float(depth)
+    if not 0 <= value < 1:
+        raise OptionError(
+            f"depth = {depth!r}: write a share of the flat state's energy, 0 <= depth < 1"
+        )
+    return value

@@ -1,0 +1,122 @@
+"""The phase diagram of a cone: numbers of stable branches over (nu_0, r_k), and the curves that bound them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.cone_map import CountMap, count_map
+from origami_nlp.judge.cone_minima import check_depth, check_ratio
+from origami_nlp.judge.cone_phase_curves import Boundary, phase_boundaries
+from origami_nlp.judge.cone_phase_energy import rest_range
+from origami_nlp.state.cone import check_degree
+
+RATIOS = (1e-2, 1e2)
+"""Smallest and largest ratio of a diagram."""
+LARGEST_SIZE = 2000
+LARGEST_DEGREE = 200
+"""Of the boundaries: 7,500 classes of both directions at degree 200."""
+
+
+@dataclass(frozen=True)
+class PhaseDiagram:
+    """Map and boundaries.
+
+    map: interior and contact-pinned minima, shape [ratios, elevations].  contact: whether the pinned ones count.
+    boundaries: of every class; those of kind "end" move a minimum between inside and end.
+    """
+
+    map: CountMap
+    contact: bool
+    boundaries: tuple[Boundary, ...] = field(repr=False)
+
+    @property
+    def degree(self) -> int:
+        """N."""
+        return self.map.degree
+
+    @cached_property
+    def stable(self) -> np.ndarray:
+        """Number of stable states [ratios, elevations]."""
+        return self.map.interior + self.map.contact if self.contact else self.map.interior
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers that occur."""
+        return tuple(int(x) for x in np.unique(self.stable))
+
+
+def phase_diagram(
+    degree: int,
+    *,
+    size: int = 200,
+    ratios: tuple[float, float] = RATIOS,
+    rest_elevations: tuple[float, float] | None = None,
+    depth: float = 0.0,
+    rest: str = "waterbomb",
+    end: str = "contract",
+    contact: bool = True,
+    progress: Callable[[int], None] | None = None,
+) -> PhaseDiagram:
+    """Compute a phase diagram.
+
+    Parameters
+    ----------
+    size
+        Points of the map along each coordinate, at the centres of its cells.
+    ratios
+        Smallest and largest r_k; spaced geometrically.
+    rest_elevations
+        Lowest and highest nu_0 [rad]; default: all before contact (for the printed rest formula, the paper's).
+    depth, rest, end
+        See `cone_minima.branch_minima`.
+    contact
+        Whether minima pinned at the end of a branch count.
+    progress
+        Called with the number of columns of the map that are done.
+
+    Raises
+    ------
+    OptionError, AngleError
+        For values out of range.
+    """
+    check_degree(degree, LARGEST_DEGREE)
+    check_size(size)
+    bottom, top = check_ratio(ratios[0]), check_ratio(ratios[1])
+    low, high = rest_elevations or rest_range(degree, rest)
+    if not (bottom < top and low < high):
+        raise OptionError(
+            f"ratios = {ratios!r} and rest elevations = ({low}, {high}) must increase"
+        )
+    cells = (np.arange(size) + 0.5) / size
+    r = bottom * (top / bottom) ** cells
+    nu = low + (high - low) * cells
+    nu = nu[nu != 0]  # on that line only the flat state is stable
+    counts = count_map(
+        degree, r, nu, depth=check_depth(depth), rest=rest, end=end, progress=progress
+    )
+    curves = phase_boundaries(degree, depth=depth, rest=rest, end=end)
+    inside = [b for b in curves if _within(b, (low, high), (bottom, top))]
+    return PhaseDiagram(counts, contact, tuple(inside))
+
+
+def check_size(size: object) -> None:
+    """Complain about a size of a map that is no number of points.
+
+    Raises
+    ------
+    OptionError
+        Unless 2 <= size <= `LARGEST_SIZE`.
+    """
+    if isinstance(size, bool) or not isinstance(size, int) or not 2 <= size <= LARGEST_SIZE:
+        raise OptionError(f"size = {size!r} must be a whole number from 2 to {LARGEST_SIZE}")
+
+
+def _within(curve: Boundary, nu: tuple[float, float], ratio: tuple[float, float]) -> bool:
+    """Whether a curve runs through the window of a diagram."""
+    x, y = curve.rest_elevation, curve.ratio
+    return bool(((x >= nu[0]) & (x <= nu[1]) & (y >= ratio[0]) & (y <= ratio[1])).any())

@@ -1,0 +1,304 @@
+"""Phase boundaries of cones: different counts on either side, and nothing but boundaries where counts change."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mpmath import mp
+from typer.testing import CliRunner
+
+from origami_nlp.cli import app
+from origami_nlp.judge import cone_phase_printed as printed
+from origami_nlp.judge.cone_energy import direction_classes, rest_state
+from origami_nlp.judge.cone_map import count_map
+from origami_nlp.judge.cone_minima import branch_minima
+from origami_nlp.judge.cone_phase import phase_diagram
+from origami_nlp.judge.cone_phase_curves import KINDS, phase_boundaries
+from origami_nlp.judge.cone_phase_energy import (
+    branch_classes,
+    class_energy,
+    rest_angles,
+    rest_range,
+)
+
+SIDE = 1e-9
+SLOW = pytest.mark.slow
+
+
+def counts_of(branches, ratio, nu, depth, rest="waterbomb"):
+    """(interior, contact) minima of one class."""
+    found = branch_minima(branches.degree, ratio, nu, depth=depth, rest=rest).minima
+    own = (
+        (found.valleys == branches.valleys)
+        & (found.changes == branches.changes)
+        & (found.direction == branches.direction)
+    )
+    return int((own & ~found.contact).sum()), int((own & found.contact).sum())
+
+
+def sample(curve, many, rng):
+    """Points of a curve away from its ends and from the largest ratios."""
+    inner = np.arange(1, len(curve.ratio) - 1)
+    inner = inner[(curve.ratio[inner] > 1e-4) & (curve.ratio[inner] < 1e4)]
+    return rng.choice(inner, min(many, len(inner)), replace=False) if len(inner) else inner
+
+
+@pytest.mark.parametrize(
+    "degree, depth", [(6, 0.0), (8, 0.0), (10, 0.0), (12, 0.0), (8, 1e-3), (10, 0.05)]
+)
+def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
+    rng = np.random.default_rng(degree)
+    kinds = set()
+    for curve in phase_boundaries(degree, depth=depth, lines=120):
+        for k in sample(curve, 3, rng):
+            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
+            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
+            assert sides[0] != sides[1], (curve, nu, ratio)
+            changed = abs(sum(sides[0]) - sum(sides[1]))
+            if curve.kind in ("start", "fold", "depth", "depth-at-end"):
+                assert changed == 1
+            kinds.add(curve.kind)
+    assert {"start", "end"} <= kinds if depth == 0 else {"depth", "end"} <= kinds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 20])
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.3])
+def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
+    rng = np.random.default_rng(degree)
+    for curve in phase_boundaries(degree, depth=depth, rest=rest):
+        for k in sample(curve, 25, rng):
+            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
+            sides = [
+                counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth, rest) for s in (-1, 1)
+            ]
+            assert sides[0] != sides[1], (curve, nu, ratio)
+
+
+@pytest.mark.parametrize(
+    "degree, depth",
+    [(6, 0.0), (8, 1e-3), pytest.param(10, 0.0, marks=SLOW), pytest.param(12, 0.02, marks=SLOW)],
+)
+def test_class_counts_change_only_across_boundaries(degree, depth):
+    """Along a vertical line the changes of every class's counts are the crossings of its curves."""
+    curves = phase_boundaries(degree, depth=depth)
+    low, high = rest_range(degree)
+    for nu in (0.93 * low, 0.31 * high, 0.77 * high):
+        for branches in branch_classes(degree):
+            levels = []
+            for curve in (c for c in curves if c.branches == branches):
+                x, y = curve.rest_elevation, curve.ratio
+                hit = np.flatnonzero((x[:-1] - nu) * (x[1:] - nu) < 0)
+                w = (nu - x[hit]) / (x[hit + 1] - x[hit])
+                levels += np.exp((1 - w) * np.log(y[hit]) + w * np.log(y[hit + 1])).tolist()
+            levels = sorted(r for r in levels if 1e-5 < r < 1e5)
+            between = np.sqrt(np.array([1e-5, *levels]) * np.array([*levels, 1e5]))
+            seen = [counts_of(branches, float(r), nu, depth) for r in between]
+            assert all(a != b for a, b in itertools.pairwise(seen)), (branches, nu)
+            # and nothing happens between two crossings
+            for r, wanted, a, b in zip(between, seen, [1e-5, *levels], [*levels, 1e5], strict=True):
+                for w in (0.2, 0.8):
+                    inner = math.exp((1 - w) * math.log(a) + w * math.log(b))
+                    assert counts_of(branches, inner, nu, depth) == wanted, (branches, nu, r)
+
+
+@given(
+    degree=st.sampled_from([6, 8, 10, 12, 14]),
+    log_ratio=st.floats(-4, 4),
+    place=st.floats(0.01, 0.99),
+)
+@settings(max_examples=60, deadline=None)
+def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
+    """The branches (word, up) and (complement, down) leave the flat state in opposite directions."""
+    low, high = rest_range(degree)
+    nu = low + (high - low) * place
+    if abs(nu) < 1e-3:
+        return
+    count = branch_minima(degree, 10**log_ratio, nu)
+    assert count.branches_with_minimum >= count.branches // 2
+    # exactly half unless a fold has added a pair
+    slopes = 0
+    for direction in (1, -1):
+        odd, even = direction_classes(degree, nu, direction=direction).slopes(np.zeros(1))
+        falls = (odd + 10**log_ratio * even)[:, 0] < 0
+        branches = direction_classes(degree, nu, direction=direction).classes.multiplicity
+        slopes += sum(m for m, f in zip(branches, falls, strict=True) if f)
+    assert slopes == count.branches // 2
+
+
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+@pytest.mark.parametrize("degree", [6, 10, 16])
+def test_class_energy_is_that_of_all_creases(degree, rest):
+    """Against the sum over the fold angles of an assignment, and derivatives against 40 digits."""
+    from origami_nlp.model.cone import ConeBranch
+    from origami_nlp.state.cone import bracelets, class_of
+
+    rng = np.random.default_rng(degree)
+    low, high = rest_range(degree, rest)
+    for folding in bracelets(degree)[::3]:
+        for direction in (1, -1):
+            branches = next(
+                b
+                for b in branch_classes(degree)
+                if (b.valleys, b.changes, b.direction) == (*class_of(folding.flaps), direction)
+            )
+            t, nu = rng.uniform(0, branches.end), rng.uniform(low, high)
+            phi = ConeBranch(folding.flaps, direction).fold_angles(direction * t)
+            state = rest_state(degree, nu, rest)
+            energy = class_energy(branches, t, nu, rest)
+            assert energy.a == pytest.approx(((phi[::2] - state.odd) ** 2).sum() / 2, rel=1e-12)
+            assert energy.b == pytest.approx(((phi[1::2] - state.even) ** 2).sum() / 2, rel=1e-12)
+            with mp.workdps(40):
+                exact = _by_digits(folding.flaps, direction, degree, state)
+                assert float(energy.da) == pytest.approx(
+                    float(mp.diff(exact, t)), rel=1e-12, abs=1e-12
+                )
+                assert float(energy.dda) == pytest.approx(
+                    float(mp.diff(exact, t, 2)), rel=1e-11, abs=1e-11
+                )
+
+
+def _by_digits(flaps, direction, degree, state):
+    """A(t) from eq:partial-N without the modulus, crease by crease."""
+    sine = mp.sin(2 * mp.pi / degree)
+
+    def partial(flap, t):
+        plus = 1 if flap * direction > 0 else -1  # shallow: +
+        return flap * mp.acos((mp.cos(t) + plus * sine) / (1 + plus * mp.cos(t) * sine))
+
+    def energy(t):
+        rho = [partial(f, t) for f in flaps]
+        return sum((rho[i - 1] + rho[i] - mp.mpf(state.odd)) ** 2 for i in range(len(rho))) / 2
+
+    return energy
+
+
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+def test_rest_angles_of_many_are_those_of_one(rest):
+    low, high = rest_range(12, rest)
+    nu = np.linspace(low, high, 41)[1:-1]
+    odd, even = rest_angles(12, nu, rest)
+    single = [rest_state(12, float(v), rest) for v in nu]
+    assert np.allclose(odd, [s.odd for s in single], rtol=1e-15, atol=0)
+    assert np.allclose(even, [s.even for s in single], rtol=1e-15, atol=0)
+
+
+@pytest.mark.parametrize("depth, contact", [(0.0, True), (1e-3, False)])
+def test_dense_scan_agrees_with_exact_counts(depth, contact):
+    """The scan that stands in for printed roots, run on exact ones."""
+    reading = printed.Reading("", "", False, depth, contact, "waterbomb", "exact")
+    rng = np.random.default_rng(1)
+    nu = rng.uniform(*rest_range(8), 12)
+    ratios = 10 ** rng.uniform(-2, 2, 12)
+    scanned = printed.scan_counts(8, ratios, nu, reading)
+    exact = count_map(8, ratios, nu, depth=depth)
+    wanted = (exact.interior + contact * exact.contact).T
+    assert (scanned != wanted).mean() < 0.02  # a scan of 400 points misses minima within its step
+
+
+def test_printed_plateaus_agree_with_the_symbolic_claims():
+    """s5.plateau-N counts branches of finite depth as r -> infinity; so do the maps."""
+    from symbolic.claims.section5 import stiff_even_minima
+
+    for degree in (6, 8, 10, 12):
+        counts = count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
+        assert (counts.interior + counts.contact == stiff_even_minima(degree // 2)).all()
+
+
+def test_findings_are_consistent_with_what_was_counted():
+    for finding in printed.check_statements(8, degrees=(6, 8)):
+        for reading, share, value, holds in zip(
+            printed.READINGS, finding.shares, finding.values, finding.holds, strict=True
+        ):
+            if holds and finding.statement.kind == "somewhere":
+                assert share > 0 and value[0] <= finding.statement.count <= value[1], reading
+        assert (finding.first is None) == (not any(finding.holds))
+
+
+def test_command_writes_map_and_boundaries(tmp_path):
+    files = {k: tmp_path / f"phase.{k}" for k in ("png", "csv", "json")}
+    wanted = [
+        f"--{option}={files[k]}"
+        for option, k in (("figure", "png"), ("csv", "csv"), ("json", "json"))
+    ]
+    result = CliRunner().invoke(app, ["cone", "phase", "--degree", "8", "--size", "12", *wanted])
+    assert result.exit_code == 0, result.output
+    told = json.loads(files["json"].read_text())
+    assert told["schema"] == "origami-nlp/cone-phase/1" and told["branches"] == "32"
+    assert {b["kind"] for b in told["boundaries"]} <= set(KINDS)
+    rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
+    assert len(rows) == 144
+    for nu, ratio, interior, contact in rows[::17]:
+        count = branch_minima(8, ratio, nu)
+        assert (interior, contact) == (count.stable_interior, count.stable_contact)
+    assert np.array(told["interior"]).shape == (12, 12)
+    assert files["png"].stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    "options, word",
+    [
+        (["--degree", "7"], "degree"),
+        (["--degree", "8", "--size", "1"], "size"),
+        (["--degree", "8", "--depth", "2"], "depth"),
+        (["--degree", "8", "--figure", "x.txt"], "figure"),
+        (["--degree", "8", "--csv", "no/such/folder.csv"], "csv"),
+        (["--degree", "8", "--rest", "mine"], "rest"),
+    ],
+)
+def test_bad_options_are_named(options, word):
+    result = CliRunner().invoke(app, ["cone", "phase", *options])
+    assert result.exit_code != 0 and word in str(result.exception or result.output)
+
+
+def test_diagram_counts_only_inside_when_asked():
+    both, inside = (phase_diagram(6, size=9, contact=c) for c in (True, False))
+    assert (both.stable == both.map.interior + both.map.contact).all()
+    assert (inside.stable == both.map.interior).all() and (inside.stable < both.stable).any()
+
+
+@pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])
+def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
+    from origami_nlp.tell import cone_figures
+
+    monkeypatch.setattr(cone_figures, "SIZE", 6)
+    cone_figures._diagram.cache_clear()
+    result = CliRunner().invoke(app, ["reproduce", name, "--out", str(tmp_path)])
+    cone_figures._diagram.cache_clear()
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
+    assert (tmp_path / f"{name}.pdf").read_bytes()[:5] == b"%PDF-"
+
+
+def test_figure_axis_is_the_papers(monkeypatch):
+    """Colours of the drawn map, read back, are the counts at minus nu_0."""
+    from origami_nlp.tell import cone_figures
+
+    monkeypatch.setattr(cone_figures, "SIZE", 8)
+    cone_figures._diagram.cache_clear()
+    drawn = cone_figures.draw_cone_figure("cone-4")
+    cone_figures._diagram.cache_clear()
+    axes = drawn.axes[0]
+    mesh = axes.collections[0]
+    shown = mesh.get_array().reshape(8, 8)
+    low, high = axes.get_xlim()
+    assert (low, high) == pytest.approx((-math.pi / 2, math.pi / 4))
+    nu = low + (high - low) * (np.arange(8) + 0.5) / 8
+    ratios = 10 ** (-2 + 4 * (np.arange(8) + 0.5) / 8)
+    wanted = np.array(
+        [[branch_minima(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
+    )
+    numbers = np.unique(wanted)
+    assert (numbers[shown.astype(int)] == wanted).all()
+
+
+def test_m2v_up_never_holds_a_minimum_in_our_convention():
+    """Both A and B climb from the flat state on M_2V up; the paper's sentence fits M_2V down."""
+    shares = printed.m2v_shares(8)
+    assert shares[1, True] == shares[1, False] == (0, 0)
+    assert shares[-1, False][0] > shares[-1, True][0]
