@@ -17,8 +17,10 @@ from origami_nlp.judge import cone_roots
 from origami_nlp.judge.cone_energy import direction_classes, rest_state
 from origami_nlp.judge.cone_map import count_map
 from origami_nlp.judge.cone_minima import branch_minima
+from origami_nlp.judge.cone_speed import measure, scan_branches
 from origami_nlp.model.cone import steep_end
 from origami_nlp.state.cone import class_of, cone_classes
+from origami_nlp.tell.cone_speed_table import as_markdown
 from tests.independent import cone_branches as brute
 
 RATIOS = (1e-4, 1e4)
@@ -581,6 +583,17 @@ def test_long_integers_are_strings(tmp_path):
     assert number == sum(int(row["multiplicity"]) for row in data["classes"]) > 2**53
     for row in data["classes"]:
         assert isinstance(row["multiplicity"], int if int(row["multiplicity"]) <= 2**53 else str)
+
+
+def test_speed_is_measured_with_errors(tmp_path):
+    rows = measure([6, 30], points=3, maps=(6,))
+    assert [r.degree for r in rows] == [6, 30]
+    assert rows[0].exact_error < 1e-10 and rows[1].exact_error < 1e-10
+    assert rows[0].brute_seconds > 0 and rows[0].map_seconds > 0 and rows[1].brute_seconds is None
+    assert "| 65,536 |" in as_markdown(rows)
+    # with many nodes the scan finds what the exact count finds
+    found = branch_minima(8, 0.3, -0.5)
+    assert scan_branches(8, 0.3, -0.5, 4000) == (found.stable_interior, found.stable_contact)
 
 
 def test_bad_input_ends_before_anything_is_written(tmp_path):

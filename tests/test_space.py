@@ -31,17 +31,16 @@ SCENES = {
     "8, pi/6": degree8("pi/6"),
     "8, pi/4": degree8("pi/4"),
 }
-by_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 
 
 @pytest.fixture(scope="module")
 def spaces():
-    return {name: analyse_space(scene, 24) for name, scene in SCENES.items()}
+    return {name: analyse_space(scene, 16) for name, scene in SCENES.items()}
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_topology_does_not_depend_on_the_mesh(spaces, name):
-    coarse, middle = analyse_space(SCENES[name], 13), spaces[name]
+    coarse, middle = analyse_space(SCENES[name], 11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
 
@@ -90,8 +89,8 @@ def test_neighbours_on_the_mesh_are_close_states(spaces, name):
     """Edges join states between which a straight line stays near X: no jump from phi = +pi to -pi."""
     mesh = spaces[name].mesh
     length = np.abs(mesh.wedge[mesh.edges[:, 0]] - mesh.wedge[mesh.edges[:, 1]]).max(axis=1)
-    assert length.max() < 1.3
-    assert np.median(length) < 0.3
+    assert length.max() <= 16 / 16 + 0.2  # those along curved walls are not divided
+    assert np.median(length) < 0.35
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -107,10 +106,9 @@ def test_chart_coordinates_lead_back_to_the_states(spaces, name):
         assert np.quantile(error[known], 0.95) < 1e-7
 
 
-@by_scene
-def test_space_is_two_discs_that_touch_in_the_flat_state(scene):
-    """Three formulations: mesh, its own link at the flat state, and the Kuhn triangulation without charts."""
-    space = analyse_space(scene, 24)
+@pytest.mark.parametrize("name", SCENES)
+def test_space_is_two_discs_that_touch_in_the_flat_state(spaces, name):
+    space = spaces[name]
     assert (len(space.components), space.holes, space.euler_characteristic) == (1, 0, 1)
     pinch = [p for p in space.pinch_points if p.kind == "pinch point"]
     assert len(pinch) == 1
@@ -204,7 +202,7 @@ def test_picture_joins_states_that_are_apart(spaces):
     assert spaces["6, pi/4"].picture_holes == 0
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
 def test_every_sector_angle_gives_a_sound_space(alpha, make):
     space = analyse_space(make(alpha), 12)
@@ -214,10 +212,10 @@ def test_every_sector_angle_gives_a_sound_space(alpha, make):
     assert np.abs(q[:, 1:]).max() < 1e-11
 
 
-@by_scene
-def test_states_negate(scene):
+@pytest.mark.parametrize("name", SCENES)
+def test_states_negate(spaces, name):
     """Turning the sheet over maps X to itself: phi -> -phi."""
-    space = analyse_space(scene, 16)
+    space = spaces[name]
     corners = dict(space.corners)
     swap = str.maketrans("+-", "-+")
     for contacts, count in corners.items():
@@ -228,7 +226,7 @@ def test_states_negate(scene):
 
 def test_mesh_of_closed_states_is_a_surface():
     sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
-    edges, of_triangle = topology.edges_of(sheets.triangles)
+    _, of_triangle = topology.edges_of(sheets.triangles)
     assert np.bincount(of_triangle.ravel()).max() == 2
     assert (sheets.sheet[sheets.on >> SEAM & 1 == 1] == 0).all()
 
@@ -277,13 +275,13 @@ def test_command_writes_json_and_figures(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(degree6("pi/3")))
     run = CliRunner().invoke
-    for ending in ("png", "pdf", "svg"):
+    for ending in ("pdf", "svg"):
         out, figure = tmp_path / "space.json", tmp_path / f"space.{ending}"
         arguments = [
             "space",
             str(scene),
             "--size",
-            "12",
+            "8",
             "--json",
             str(out),
             "--figure",

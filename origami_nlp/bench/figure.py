@@ -44,6 +44,10 @@ def draw_bench(data: dict[str, Any], target: Path) -> None:
     titles = {"panel": "The paper's panels", "random": "Random vertices, degree 4 to 12"}
     for ax, family in zip(axes[0], families, strict=False):
         _work_precision(ax, rows(data, family), titles[family])
+    if len(families) == 2:
+        low, high = zip(*(ax.get_ylim() for ax in axes[0]), strict=True)
+        for ax in axes[0]:
+            ax.set_ylim(min(low), max(high))
     handles = {
         label: handle
         for ax in axes[0]
@@ -92,6 +96,7 @@ def _work_precision(ax: Any, found: list[Row], title: str) -> None:
     ax.set(xscale="log", yscale="log", title=title)
     ax.set_xlabel("median error of the fold angles [rad]  (exact to the left)")
     ax.set_ylabel("time a start [ms]  (fast at the bottom)")
+    ax.yaxis.set_minor_formatter("")
     ax.grid(alpha=0.3, which="major")
 
 

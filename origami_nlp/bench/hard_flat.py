@@ -136,12 +136,12 @@ def _next_to_pi() -> Iterator[Outcome]:
         bound = max(ROUNDING, 2 * EPS + min(distance, 4 * EPS / max(distance, 1e-300)))
         yield known_state(f"book of degree 4, pi - {distance:g}", scene, rest, 0.0, bound)
     for sign, distance in ((1, 1e-6), (1, 1e-12), (-1, 1e-12), (1, 0.0)):
-        scene, state = _regular_at_pi(sign * (math.pi - distance))
+        scene, state = regular_at_pi(sign * (math.pi - distance))
         title = f"regular, degree 5, {'+' if sign > 0 else '-'}(pi - {distance:g})"
         yield known_state(title, scene, state, 0.0)
 
 
-def _regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
+def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     """A degree-5 scene at rest in an admissible state of full rank whose third fold angle is given."""
     vertex = Vertex((1.0, 1.3, 1.4, 1.2, 2 * math.pi - 4.9))
     model = Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none").model()

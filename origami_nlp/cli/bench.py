@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure
+from origami_nlp.errors import OptionError
 
 Markdown = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Write the report as Markdown.")
@@ -92,5 +93,27 @@ def _status() -> Iterator[Callable[[str], Any]]:
 def _hard(
     quick: bool, json: str | None, figure: Path | None, markdown: Path | None, seed: int
 ) -> None:
-    """Run the hard cases (`origami_nlp.bench.hard`): error, iterations and verdict of each."""
-    raise NotImplementedError
+    """Run the hard cases (`origami_nlp.bench.hard`): error, iterations and verdict of each.
+
+    Exit code 1 if any of them fails.
+    """
+    from rich.console import Console
+
+    if figure is not None or quick:
+        option = "--figure" if figure is not None else "--quick"
+        raise OptionError(
+            f"{option} does not go with --hard: the hard cases are one table, all of it"
+        )
+    from origami_nlp.bench.hard import run_hard
+    from origami_nlp.tell.files import write_whole
+    from origami_nlp.tell.json_file import write_json
+
+    with _status() as tell:
+        report = run_hard(lambda name, outcome: tell(f"{name}: {outcome.setting}"))
+    Console(stderr=json == "-").print(report.table())
+    if json:
+        write_json(report.to_dict(), json)
+    if markdown:
+        write_whole(markdown, report.markdown().encode())
+    if report.failures:
+        raise typer.Exit(1)

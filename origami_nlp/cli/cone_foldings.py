@@ -9,6 +9,9 @@ import typer
 from origami_nlp.cli.cone_count import Degree
 from origami_nlp.cli.minima import JsonFile
 
+MOST_DIGITS = 28_000
+"""Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
+
 
 def foldings(
     degree: Degree,
@@ -26,7 +29,7 @@ def foldings(
     from origami_nlp.tell.cone_table import print_foldings
     from origami_nlp.tell.files import check_writable
 
-    check_degree(degree, LARGEST_LISTED if listed else 100_000)
+    check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
     check_writable(json, "--json")
     shown = degree <= 16 if listed is None else listed
     if json != "-":

@@ -108,7 +108,7 @@ def _admissible_run(model: Model, states: list[np.ndarray]) -> int:
     """How many of the states, from the first on, are admissible."""
     count = 0
     for x in states:
-        beyond = model.structure.limits and (np.abs(x) > model.bound + 1e-11).any()
+        beyond = _beyond(model, x)
         if beyond or broken_gap(model, model.local(x).gaps) is not None:
             break
         count += 1
@@ -124,6 +124,11 @@ def _admissible_run(model: Model, states: list[np.ndarray]) -> int:
     return high
 
 
+def _beyond(model: Model, x: np.ndarray) -> bool:
+    """Whether a fold angle exceeds pi, by however little."""
+    return model.structure.limits and bool((np.abs(x) > model.bound).any())
+
+
 def _last_stretch(
     model: Model,
     point: Point,
@@ -135,7 +140,7 @@ def _last_stretch(
     """Bisect to the end of a line, put its last point on the corner, and say what closes there."""
     while h > SHORTEST:
         moved = advance(model, point, rows, h)
-        if moved is None or not is_admissible(model, moved[0].x):
+        if moved is None or _beyond(model, moved[0].x) or not is_admissible(model, moved[0].x):
             h /= 2
             continue
         point, s = moved[0], s + moved[1]

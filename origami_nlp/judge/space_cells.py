@@ -2,7 +2,8 @@
 
 Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`examine`)
 decides all of it.  Every edge on a wall, and every vertex, that borders no admissible face is looked at by itself,
-layers and all: those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat foldings).
+layers and all: those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat
+foldings).
 """
 
 from __future__ import annotations

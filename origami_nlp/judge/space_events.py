@@ -1,14 +1,14 @@
 """Sector angles at which contacts of symmetric states become dependent: where the topology of X can change.
 
-Let the states x and the sector angle alpha of a family of vertices vary together.  The set {(x, alpha)} is cut by contact
-walls into smooth strata, and the topology of its slices X(alpha) changes only where alpha, as a function on a
+Let the states x and the sector angle alpha of a family of vertices vary together.  The set {(x, alpha)} is cut by
+contact walls into smooth strata, and the topology of its slices X(alpha) changes only where alpha, as a function on a
 stratum, has a critical point (stratified Morse theory).  With closure g = 0 and active walls f_A = 0 such a point is a
 KKT point of "alpha is extreme":
 
     g = 0,   f_A = 0,   (g_x; f_x)' lambda = 0,   (g_alpha; f_alpha) . lambda = 1.
 
-The system is square.  It is solved from many random starts for every set A of up to three walls; nothing is told about where
-to look.  Events at which a whole curve is critical (two walls coincide) are found as points of that curve.
+The system is square.  It is solved from many random starts for every set A of up to three walls; nothing is told
+about where to look.  Events at which a whole curve is critical (two walls coincide) are found as points of that curve.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.judge.space_chain import Chain, chain_of
+from origami_nlp.model import quaternion as quat
 from origami_nlp.model.embedding import crossing_depth, examine, fold_vertex
 from origami_nlp.state.scene import Scene
 
@@ -150,9 +152,11 @@ class System:
         self.k = k
 
     def residual(self, z: np.ndarray) -> np.ndarray:
+        """Evaluate the KKT system at z = (x, alpha, lambda)."""
         return np.asarray(self._residual(z)).ravel()
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """Evaluate its Jacobian."""
         return np.asarray(self._jacobian(z))
 
     def gradients(self, x: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
@@ -161,6 +165,7 @@ class System:
         return np.asarray(value).ravel(), np.asarray(jac)
 
     def first_multipliers(self, z: np.ndarray) -> np.ndarray:
+        """Return the multipliers that fit best at the x and alpha of z."""
         _, jac = self.gradients(z[: self.k], z[self.k])
         target = np.concatenate([np.zeros(self.k), [1.0]])
         return np.linalg.lstsq(jac.T, target, rcond=1e-8)[0]
@@ -171,9 +176,9 @@ def _equations(
     middle: float,
     chain: Chain,
     walls: list[Wall],
-    x: object,
-    alpha: object,
-) -> object:
+    x: Any,
+    alpha: Any,
+) -> Any:
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
@@ -185,14 +190,15 @@ def _equations(
     sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
     group = chain.scene.group
     piece = fold_piece(group.kind, group.order, (True,) * chain.size, x, sectors)
-    rows = [piece.equations]
+    rows: list[Any] = [piece.equations]
     for wall in walls:
         if wall.variable >= 0:
-            rows.append(x[wall.variable] - wall.side * math.pi)  # type: ignore[index]
+            rows.append(x[wall.variable] - wall.side * math.pi)
         elif chain.kind == "degree6":
             rows.append(piece.rays[-1][2])  # crease 4 on the line of crease 1
         elif wall.side == 0:
-            rows.append(ca.dot(ca.vertcat(*piece.rays[0]), ca.vertcat(*piece.end_normal)))
+            assert piece.end_normal is not None
+            rows.append(quat.dot(piece.rays[0], piece.end_normal))
         else:
             rows.append(piece.rays[-1][1])
     return ca.vertcat(*rows)

@@ -99,12 +99,13 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
         middle = 0.5 * (x + y)
         mark = PASS_MARK.get(join.pass_kind, "o")
         ax.plot(middle, join.energy, mark, color=PASS_COLOUR, mec=INK, mew=0.6, ms=6, zorder=3)
+        last = len(join.first) + len(join.second) == len(minima)
         ax.annotate(
             f"{join.energy:.4g}",
             (middle, join.energy),
-            (0, 6),
+            (0, 6) if last else (-5, 4),  # beside the branch that goes on upwards
             textcoords="offset points",
-            ha="center",
+            ha="center" if last else "right",
             va="bottom",
             fontsize=7.5,
         )
@@ -128,6 +129,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
     ax.set_xlim(-0.6, len(minima) - 0.4)
     ax.set_ylim(min(reach) - 0.24 * span, max(reach) + 0.16 * span)
     ax.set_xticks([])
+    ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
     title = (barriers.scene.name or "").replace("alpha_1", r"$\alpha_1$").replace("r_k", "$r_k$")

@@ -91,7 +91,11 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
     for k in range(5):
         lines = xy[edges[wall == k]]
         # families over one point, and border pieces that the chart draws as a point, have no length
-        axis.add_collection(LineCollection(list(lines), colors=WALLS[k], lw=1.4, capstyle="round"))
+        axis.add_collection(
+            LineCollection(
+                list(lines), colors=WALLS[k], lw=1.6, capstyle="round", zorder=4, clip_on=False
+            )
+        )
     for handle in space.handles:
         axis.plot(
             *xy[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=5, clip_on=False

@@ -50,29 +50,39 @@ def print_space(space: Space, console: Console) -> None:
 
 def print_transitions(sweep: Sweep, console: Console) -> None:
     """Print where the space of a family changes, and how each change was confirmed."""
-    table = _table(
-        f"{sweep.family}: {len(sweep.transitions)} transition(s), {len(sweep.samples)} sector angles swept",
-        ("alpha_1 [rad]", "", "sweep", "changes", "below", "at", "above", "creases meet"),
+    count = len(sweep.transitions)
+    console.print(
+        f"{sweep.family}: {count} transition(s), {len(sweep.samples)} sector angles swept"
     )
     for t in sweep.transitions:
-        width = "-" if t.bracket is None else f"+-{(t.bracket[1] - t.bracket[0]) / 2:.0e}"
-        shapes = [
-            f"chi {s.topology[2]}, {s.topology[5]} handles, drawn holes {s.picture_holes}, {len(s.corners)} corners"
-            for s in (t.below, t.at, t.above)
-        ]
-        creases = ", ".join(f"{i} on {j}" for i, j in t.creases) or "-"
-        table.add_row(
-            f"{t.alpha:.15f}", format_angle(t.alpha), width, ", ".join(t.changes), *shapes, creases
+        console.print(
+            f"\n[bold]alpha_1 = {t.alpha:.15f}[/bold] = {format_angle(t.alpha)}: {', '.join(t.changes)}"
         )
-    console.print(table)
-    for t in sweep.transitions:
-        console.print(f"{format_angle(t.alpha)}: contacts that become dependent")
+        if t.bracket is None:
+            console.print("  not seen by the sweep: both sides are alike")
+        else:
+            half = (t.bracket[1] - t.bracket[0]) / 2
+            console.print(f"  the sweep's bracket: {sum(t.bracket) / 2:.9f} +- {half:.0e}")
+        table = _table("", ("", "components", "holes", "chi", "handles", "drawn holes", "corners"))
+        for name, s in (("below", t.below), ("at", t.at), ("above", t.above)):
+            cells = (*s.topology[:3], s.topology[5], s.picture_holes)
+            corners = "-" if s.topology[5] else str(sum(n for _, n in s.corners))
+            table.add_row(name, *(str(c) for c in cells), corners)
+        console.print(table)
+        before, after = dict(t.below.corners), dict(t.above.corners)
+        for what, one, other in (("gone", before, after), ("new", after, before)):
+            for contacts in sorted(c for c in one if other.get(c) != one[c]):
+                console.print(f"  corner {what}: {'; '.join(contacts)}")
+        if t.creases:
+            console.print(f"  creases that meet: {', '.join(f'{i} on {j}' for i, j in t.creases)}")
+        console.print("  contacts that become dependent:")
         for contacts in t.contacts:
-            console.print(f"  {'; '.join(contacts)}")
-        console.print(f"  witnesses, admissible on one side only: {len(t.witnesses)}")
+            console.print(f"    {'; '.join(contacts)}")
+        console.print(f"  states admissible on one side only: {len(t.witnesses)}")
         for w in t.witnesses:
             side = "below" if w.admissible[0] else "above"
-            console.print(f"    {side}: held {'; '.join(w.kept)}: {_angles(w.fold_angles[0])}")
+            state = ", ".join(f"{v:.4f}" for v in w.fold_angles[1])
+            console.print(f"    {side}, with {'; '.join(w.kept)} held: ({state})")
     for a, b in sweep.unexplained:
         console.print(f"unexplained: the signature changes between {a:.9f} and {b:.9f}")
     for a in sweep.silent:

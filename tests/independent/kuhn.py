@@ -37,7 +37,7 @@ def chains(d: int, length: int) -> list[tuple[int, ...]]:
     masks = range(1, 2**d)
     found = [(m,) for m in masks]
     for _ in range(length - 1):
-        found = [c + (m,) for c in found for m in masks if m != c[-1] and m & c[-1] == c[-1]]
+        found = [(*c, m) for c in found for m in masks if m != c[-1] and m & c[-1] == c[-1]]
     return found
 
 

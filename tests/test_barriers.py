@@ -1,0 +1,268 @@
+"""Barriers: merge trees against brute force, exact passes against closed forms and a flood fill."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from origami_nlp.closed_forms import degree6
+from origami_nlp.errors import OptionError
+from origami_nlp.judge.barriers import find_barriers
+from origami_nlp.judge.barriers_flood import ChartGrid
+from origami_nlp.judge.barriers_graph import parabola_top, side_of_flat
+from origami_nlp.judge.barriers_merge_tree import is_ultrametric, merge_tree
+from origami_nlp.judge.barriers_thin import thin_curves
+from origami_nlp.judge.minima import find_minima
+from origami_nlp.judge.nearby import is_admissible
+from origami_nlp.solve.starts import StartStream
+from origami_nlp.state import examples
+from origami_nlp.state.scene import Scene
+from origami_nlp.state.vertex import Vertex
+
+
+@pytest.fixture(scope="module")
+def saddle_scene():
+    """The panel with an interior saddle between two minima below the flat state."""
+    return examples.degree6("5*pi/12", 100)
+
+
+@pytest.fixture(scope="module")
+def saddle_barriers(saddle_scene):
+    return find_barriers(saddle_scene, find_minima(saddle_scene, max_starts=24))
+
+
+@pytest.fixture(scope="module")
+def handle_barriers():
+    scene = examples.degree6("pi/3", 1)
+    return find_barriers(scene, find_minima(scene, max_starts=24))
+
+
+def grid_graph(values):
+    """Four-neighbour graph of a grid of values."""
+    number = np.arange(values.size).reshape(values.shape)
+    edges = np.vstack(
+        [
+            np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
+            np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
+        ]
+    )
+    flat = values.ravel()
+    return flat, edges, flat[edges].max(axis=1)
+
+
+def test_double_well_by_hand():
+    # (x^2 - 1)^2 + y^2 + x/10: the saddle is the middle root of 4 x^3 - 4 x + 1/10
+    x, y = np.linspace(-1.6, 1.6, 321), np.linspace(-0.8, 0.8, 161)
+    u = (x[:, None] ** 2 - 1) ** 2 + y[None, :] ** 2 + 0.1 * x[:, None]
+    energy, edges, height = grid_graph(u)
+    left = np.ravel_multi_index(np.unravel_index(u[:160].argmin(), u[:160].shape), u.shape)
+    right = int(np.where(np.arange(321)[:, None] > 160, u, np.inf).argmin())
+    tree = merge_tree(energy, edges, height, [int(left), right])
+    root = sorted(np.roots([4, 0, -4, 0.1]).real)[1]
+    exact = (root**2 - 1) ** 2 + 0.1 * root
+    assert len(tree.merges) == 1
+    assert 0 <= exact - tree.merges[0].height < 1e-3 or tree.merges[0].height >= exact
+    assert abs(tree.merges[0].height - exact) < 1e-3
+    vertices, used = tree.path(int(left), right)
+    assert max(height[e] for e in used) == tree.merges[0].height
+    assert len(vertices) == len(used) + 1
+
+
+def test_apart_components_have_no_barrier():
+    tree = merge_tree(np.zeros(4), np.array([[0, 1], [2, 3]]), np.ones(2), [0, 2])
+    assert tree.barrier(0, 1) is None and tree.path(0, 2) is None
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 10_000))
+def test_merge_tree_is_the_min_max_of_all_paths(seed):
+    rng = np.random.default_rng(seed)
+    n = 9
+    energy = rng.uniform(size=n)
+    pairs = [p for p in itertools.combinations(range(n), 2) if rng.uniform() < 0.3]
+    if not pairs:
+        return
+    edges = np.array(pairs)
+    height = energy[edges].max(axis=1) + rng.uniform(0, 0.5, len(edges))
+    best = np.full((n, n), np.inf)
+    np.fill_diagonal(best, energy)
+    for (a, b), h in zip(pairs, height, strict=True):
+        best[a, b] = best[b, a] = h
+    for k, i, j in itertools.product(range(n), repeat=3):
+        best[i, j] = min(best[i, j], max(best[i, k], best[k, j]))
+    leaves = [int(v) for v in rng.permutation(n)[:4]]
+    tree = merge_tree(energy, edges, height, leaves)
+    found = np.full((4, 4), np.inf)
+    for i, j in itertools.permutations(range(4), 2):
+        merge = tree.barrier(i, j)
+        found[i, j] = np.inf if merge is None else merge.height
+        assert found[i, j] == best[leaves[i], leaves[j]]
+    assert is_ultrametric(found)
+
+
+@given(*[st.floats(-10, 10)] * 3)
+def test_parabola_top_is_the_largest_sample(a, m, b):
+    t = np.linspace(0, 1, 2001)
+    values = a * (1 - t) * (1 - 2 * t) + 4 * m * t * (1 - t) + b * t * (2 * t - 1)
+    top = float(parabola_top(np.array([a]), np.array([m]), np.array([b]))[0])
+    assert top == pytest.approx(values.max(), abs=1e-5)
+    assert top >= values.max() - 1e-12
+
+
+@pytest.mark.parametrize("make, alpha", [(examples.degree6, "pi/3"), (examples.degree8, "pi/6")])
+def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
+    # area to the left 2 pi - sum phi, length 2 pi: equal areas only on the great circle
+    model = make(alpha, 1, symmetry="none").model()
+    seen = {1: 0, -1: 0}
+    for start in itertools.islice(StartStream(model, 0), 150):
+        if start.feasible and is_admissible(model, start.x):
+            phi = model.expand(start.x)
+            area = 2 * math.pi - phi.sum()
+            assert -1e-9 <= area <= 4 * math.pi + 1e-9
+            assert abs(phi.sum()) > 1e-3 * np.abs(phi).max()
+            seen[int(side_of_flat(phi))] += 1
+    assert min(seen.values()) > 5
+    assert side_of_flat(np.zeros(6)) == 0
+
+
+def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers):
+    passes = {(p.from_state, p.to_state): p for p in saddle_barriers.passes}
+    p = passes[2, 3]
+    assert p.pass_kind == "saddle" and p.residual < 1e-12 and not p.contacts
+    a = saddle_scene.vertex.sector_angles
+    point = degree6(a[0], a[1], p.fold_angles[1], p.fold_angles[2])
+    assert np.allclose(point.value, [p.fold_angles[0], p.fold_angles[3]], atol=1e-10)
+    k = np.array(saddle_scene.stiffness)[:4] * [1, 2, 2, 1]
+    pull = k * (np.array(p.fold_angles)[:4] - np.array(saddle_scene.rest_angles)[:4])
+    jac = np.vstack([point.first[0], np.eye(2), point.first[1]])
+    assert np.abs(jac.T @ pull).max() < 1e-9 * np.abs(pull).max() * np.abs(jac).max()
+    hessian = jac.T @ np.diag(k) @ jac + pull[0] * point.second[0] + pull[3] * point.second[1]
+    assert (np.linalg.eigvalsh(hessian) < 0).sum() == 1
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+def test_paths_can_be_replayed(which, request):
+    found = request.getfixturevalue(which)
+    model = found.scene.model()
+    for p in found.passes:
+        ends = [found.result.minima[k - 1].fold_angles for k in (p.from_state, p.to_state)]
+        assert np.allclose(p.path[[0, -1]], ends, atol=1e-6)
+        assert np.abs(np.diff(p.path, axis=0)).max() < 0.5
+        assert p.path_energy.max() <= p.energy * (1 + 1e-12)
+        x = model.reduce(p.path)
+        assert max(float(np.abs(model.closure(y)[0]).max()) for y in x) < 1e-10
+        assert all(is_admissible(model, y) for y in x[:: max(1, len(x) // 40)])
+    assert is_ultrametric(found.matrix())
+    assert len(found.merges) == len(found.result.minima) - 1
+
+
+def test_handles_are_left_through_their_ends(handle_barriers):
+    # (-pi, pi/2, -pi, 0): crease 1 at rest, 2 and 6 at rest, 3 and 5 off by 3 pi/2, 4 off by pi
+    end = 0.5 * 0.025 * (2 * (1.5 * math.pi) ** 2 + math.pi**2)
+    minima = handle_barriers.result.minima
+    handles = [k + 1 for k, m in enumerate(minima) if m.local_dimension == 1]
+    assert len(handles) == 2
+    for p in handle_barriers.passes:
+        if {p.from_state, p.to_state} & set(handles):
+            assert p.pass_kind == "singular" and p.energy == pytest.approx(end, rel=1e-12)
+        else:
+            assert p.pass_kind == "flat state" and np.abs(p.fold_angles).max() == 0
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+def test_flood_fill_agrees_from_above(which, request):
+    found = request.getfixturevalue(which)
+    flooded(found, (129, 257, 513), 0.5)
+
+
+def flooded(found, sizes, share):
+    """Compare with flood fills: never lower, and at the finest size `share` closer than at the first."""
+    scene, model = found.scene, found.scene.model()
+    chains = [model.expand(c.states) for c in thin_curves(model)]
+    over = []
+    for size in sizes:
+        grid = ChartGrid(scene, size, chains)
+        row = []
+        for p in found.passes:
+            ends = [
+                np.array(found.result.minima[k - 1].fold_angles) for k in (p.from_state, p.to_state)
+            ]
+            flood = grid.flood(scene, *ends)
+            assert flood is not None and flood.height >= flood.level
+            row.append(flood.height - p.energy)
+        over.append(row)
+    over = np.array(over)
+    tiny = 1e-10 * max(p.energy for p in found.passes)
+    assert over.min() >= -tiny
+    assert (over[-1] <= share * over[0] + tiny).all()
+    return over[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", range(18))
+def test_all_panels_against_2049(k):
+    scene = examples.panels()[k]
+    found = find_barriers(scene, find_minima(scene))
+    over = flooded(found, (257, 2049), 0.5)
+    highest = max(p.energy for p in found.passes)
+    lowest = min(m.energy for m in found.result.minima)
+    assert over.max() <= 0.02 * (highest - lowest)
+
+
+@pytest.mark.slow
+def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are():
+    scene = examples.degree6("pi/3", 1)
+    found = find_barriers(scene, find_minima(scene, max_starts=24, full=True), full=True)
+    assert len(found.full) == 3  # of four minima one is unstable there
+    for f in found.full:
+        assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-9)
+
+
+def test_wrong_scenes_are_named(saddle_scene):
+    with pytest.raises(OptionError, match="degrees of freedom"):
+        find_barriers(examples.degree6("pi/4", 1, symmetry="none"))
+    with pytest.raises(OptionError, match="spacing"):
+        find_barriers(saddle_scene, spacing=3.0)
+    with pytest.raises(OptionError, match="odd"):
+        ChartGrid(saddle_scene, 128)
+
+
+def test_command(tmp_path):
+    from origami_nlp.cli import app
+
+    run = CliRunner().invoke
+    scene = tmp_path / "scene.toml"
+    scene.write_text(run(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "1"]).stdout)
+    out = [tmp_path / name for name in ("b.json", "b.svg", "b.md")]
+    asked = ["--json", str(out[0]), "--figure", str(out[1]), "--markdown", str(out[2])]
+    result = run(app, ["barriers", str(scene), *asked])
+    assert result.exit_code == 0, result.output
+    found = json.loads(out[0].read_text())
+    assert found["schema"] == "origami-nlp/barriers/1"
+    (barrier,) = found["barriers"]
+    assert (barrier["from"], barrier["to"], barrier["pass_kind"]) == (1, 2, "flat state")
+    # all creases pi/2 from rest with unit ratio
+    assert barrier["energy"] == pytest.approx(8 * 0.5 * 0.025 * (math.pi / 2) ** 2, rel=1e-12)
+    assert out[1].stat().st_size > 1000 and out[2].read_text().count("\n") == 3
+    wrong = run(app, ["barriers", str(scene), "--panels"])
+    assert wrong.exit_code != 0 and "--panels" in str(wrong.exception)
+
+
+def test_other_vertices_work_as_well():
+    # an asymmetric assignment of springs on another degree-6 vertex with one mirror
+    a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
+    rest = (-2.0, 1.0, 1.3, 0.7, 1.3, 1.0)
+    scene = Scene(Vertex(a), (0.02, 0.03, 0.01, 0.05, 0.01, 0.03), rest, "D1", "full")
+    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=0.2)
+    sides = side_of_flat(np.array([m.fold_angles for m in found.result.minima]))
+    flat = found.result.model.energy(np.zeros(4))
+    for p in found.passes:
+        if sides[p.from_state - 1] * sides[p.to_state - 1] < 0:
+            assert p.energy >= flat
+        top = max(found.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
+        assert p.energy >= top
