@@ -50,9 +50,9 @@ BAD = {
         text(sector_angles="[1.0472, 1.0472, 1.0472, 1.0472, 1.0472, 1.0472]"),
         ["sector_angles", "pi/3"],
     ),
-    "three creases": (
-        text(sector_angles='["2*pi/3", "2*pi/3", "2*pi/3"]'),
-        ["sector_angles", "at least 4"],
+    "two creases": (
+        text(sector_angles='["pi", "pi"]'),
+        ["sector_angles", "at least 3"],
     ),
     "negative sector": (
         text(sector_angles='["-pi/4", "pi", "pi/4", "pi/4", "pi/2", "pi/4"]'),
