@@ -133,10 +133,10 @@ class _Prepare:
 
     def __call__(self, model: Model) -> Solver:
         def once(x: np.ndarray, pairs: Pairs) -> Attempt:
-            begin = time.perf_counter()
+            begin = time.process_time()
             built = programme(model.structure, pairs)
             solver = _solver(model.structure, pairs, self._plugin, self._options)
-            building = time.perf_counter() - begin
+            building = time.process_time() - begin
             return _solve(model, built, solver, x, building)
 
         def run(start: StartPoint) -> Attempt:

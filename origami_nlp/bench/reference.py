@@ -72,7 +72,9 @@ def solve_reference(model: Model, start: np.ndarray, rows: tuple[Row, ...]) -> R
     with mp.workdps(WORKING):
         piece = ExactPiece(model)
         problem = ""
-        for turn in range(model.equation_count):  # dependent equations of closure: any may be the good one
+        for turn in range(
+            model.equation_count
+        ):  # dependent equations of closure: any may be the good one
             chosen, unique = _independent(model, start, rows, turn)
             try:
                 x, lam = _newton(piece, start, rows, chosen)
@@ -185,7 +187,8 @@ def _finish(
         pull = piece.stiffness * (x - piece.rest)
         force = pull - sum((v * j.first for v, j in zip(lam, held, strict=True)), 0 * pull)
         residual = max(residual, *(abs(v) for v in force))
-    multipliers, loaded = np.zeros(0), ()
+    multipliers = np.zeros(0)
+    loaded: tuple[Row, ...] = ()
     eigenvalues = np.zeros(0)
     if unique:
         value = dict(zip(chosen, lam, strict=True))
