@@ -18,7 +18,7 @@ from origami_nlp.judge import space_topology as topology
 from origami_nlp.judge.space import analyse_space
 from origami_nlp.judge.space_chain import chain_of
 from origami_nlp.judge.space_mesh import SEAM, mesh_sheets
-from origami_nlp.model.chart import chart_of
+from origami_nlp.model.chart import admissible, chart_of
 from origami_nlp.model.embedding import examine, fold_vertex
 from origami_nlp.state.examples import degree6, degree8
 from origami_nlp.state.scene_file import format_scene
@@ -296,3 +296,17 @@ def test_command_writes_json_and_figures(tmp_path):
     assert data["euler_characteristic"] == 1
     bad = run(app, ["space", str(scene), "--figure", str(tmp_path / "space.doc")])
     assert isinstance(bad.exception, OptionError)
+
+
+@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3", "6, 5 pi/12"])
+def test_picture_covers_the_pixels_that_the_closed_forms_admit(spaces, name):
+    """Area in the (phi_2, phi_3) plane: triangles of the mesh against pixels of the chart's closed forms."""
+    scene, mesh = SCENES[name], spaces[name].mesh
+    a, b, c = (mesh.chart[mesh.triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum()
+    n = 301
+    axis = -math.pi + 2 * math.pi * (np.arange(n) + 0.5) / n
+    states = chart_of(scene).fold_angles(0, *np.meshgrid(axis, axis)).reshape(-1, 6)
+    pixels = admissible(scene, states).mean() * (2 * math.pi) ** 2
+    assert area == pytest.approx(pixels, rel=0.02)

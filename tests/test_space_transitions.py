@@ -66,19 +66,23 @@ def test_signatures_on_both_sides(make, alpha, changes):
     assert (above.picture_holes != below.picture_holes) == changes
 
 
-def test_pi_3_is_confirmed_by_states_that_share_no_code():
-    """With phi_2 = -pi and phi_1 = 2 a state is admissible above pi/3 (a strip), at pi/3 (a handle), not below."""
+@pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])
+@pytest.mark.parametrize(("held", "free"), [(1, 3), (3, 1)])
+def test_pi_3_is_confirmed_by_states_that_share_no_code(phi_1, held, free):
+    """With phi_2 = -pi, or phi_4 = -pi, a state is admissible above pi/3 (a strip), at pi/3 (a handle), not below."""
     verdicts = []
     for shift in (-1e-5, 0.0, 1e-5):
         piece = Piece.of(degree6(math.pi / 3 + shift))
-        x = np.array([2.0, -math.pi, 0.4, -math.pi])
-        for _ in range(40):  # Newton in phi_3, phi_4
+        x = np.array([phi_1, -math.pi, 2.4, -math.pi])
+        for _ in range(60):  # Newton in phi_3 and the free one
             g, jac = piece.closure(x[None])
-            x[2:] -= np.linalg.lstsq(jac[0][:, 2:], g[0], rcond=1e-9)[0]
+            x[[2, free]] -= np.linalg.lstsq(jac[0][:, [2, free]], g[0], rcond=1e-9)[0]
         assert np.abs(piece.closure(x[None])[0]).max() < 1e-13
+        assert x[held] == -math.pi
+        assert x[2] > math.pi / 2  # beyond the end of the surface
         if shift == 0:
-            assert abs(x[3]) == pytest.approx(math.pi, abs=1e-12)
-            x[3] = -math.pi
+            assert x[free] == pytest.approx(-math.pi, abs=1e-12)
+            x[free] = -math.pi
         verdicts.append(bool(symmetrically_admissible(piece, x[None])[0]))
     assert verdicts == [False, True, True]
 

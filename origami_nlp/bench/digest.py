@@ -31,8 +31,8 @@ class Spread:
         if not len(v):
             return None
         # the quartiles are numbers of the list: no means of a finite and an infinite one
-        pick = [float(v[round(q * (len(v) - 1))]) for q in (0.25, 0.5, 0.75)]
-        return cls(*pick, len(v))
+        low, mid, high = (float(v[round(q * (len(v) - 1))]) for q in (0.25, 0.5, 0.75))
+        return cls(low, mid, high, len(v))
 
 
 @dataclass(frozen=True)

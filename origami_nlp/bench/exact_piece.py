@@ -150,8 +150,9 @@ class ExactPiece:
         turn = 2 * mp.pi / self.order
         q = _rotation(_unit(2), turn)
         parts = [dot(e, end(q @ e.value)) for e in (e1, e2, e3)]
+        a, b, c = parts
         total = Jet(
-            sum(p.value for p in parts), sum(p.first for p in parts), sum(p.second for p in parts)
+            a.value + b.value + c.value, a.first + b.first + c.first, a.second + b.second + c.second
         )
         return [_shifted(total, -1 - 2 * mp.cos(turn))]
 

@@ -26,7 +26,6 @@ STYLES = {  # Okabe and Ito's colours, told apart by marker too
     "uno": ("#999933", "h", 7),
     "sleqp": ("#882255", "p", 7),
     "alpaqa": ("#777777", "<", 6),
-    "bonmin": ("#777777", ">", 6),
 }
 ROUNDING = 1e-17
 """Smaller errors are drawn here."""

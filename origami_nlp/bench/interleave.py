@@ -2,6 +2,9 @@
 
 A slow moment of the machine thus hits all methods alike.  Each round draws new starts, so that rounds are
 independent searches.  The first start of a problem is run once untimed by each method (warm-up).
+
+Seconds are processor time of this one-threaded process: wall time on an idle machine, and hardly touched by what else
+runs on a busy one.
 """
 
 from __future__ import annotations
@@ -45,11 +48,11 @@ def run_problem(
         starts, drawing = draw_starts(model, seed + 1000 * r, plan.starts)
         solvers: dict[str, Solver] = {}
         for method in methods:
-            begin = time.perf_counter()
+            begin = time.process_time()
             with silence():
                 solvers[method.label] = method.prepare(model)
             if r == 0:
-                out[method.label].building = time.perf_counter() - begin
+                out[method.label].building = time.process_time() - begin
                 with silence():  # warm-up, with a solver of its own: ours remembers answers
                     method.prepare(model)(starts[0])
         spent = dict.fromkeys(out, 0.0)
@@ -86,9 +89,9 @@ def _attempt(
     """Time one attempt and judge its answer (judging is not timed); returns the seconds it took."""
     attempts = out[method.label]
     with silence():
-        begin = time.perf_counter()
+        begin = time.process_time()
         answer = solver(start)
-        seconds = time.perf_counter() - begin
+        seconds = time.process_time() - begin
     attempts.iterations.append(answer.iterations)
     attempts.building += answer.building
     outcome = None

@@ -139,9 +139,9 @@ class Judge:
         if (np.abs(x) > model.bound + OPEN).any():
             return "beyond a fold limit"
         if self.scene.contact == "full":
-            state = examine(self.scene.vertex, model.expand(x), tolerance=OPEN)
-            if not state.admissible:
-                return "facets cross" if "cross" in state.reason else "not admissible"
+            paper = examine(self.scene.vertex, model.expand(x), tolerance=OPEN)
+            if not paper.admissible:
+                return "facets cross" if "cross" in paper.reason else "not admissible"
         answer = solve_without_crossing(model, x, Record(), model.structure.pairs[:6])
         state = polish(model, answer) if answer.succeeded else None
         if state is None or np.abs(state.x - x).max() > NEAR:

@@ -80,9 +80,9 @@ class _Prepare:
             return evaluators[pairs]
 
         def once(x: np.ndarray, pairs: Pairs) -> Attempt:
-            begin = time.perf_counter()
+            begin = time.process_time()
             built, evaluate = get(pairs)
-            building = time.perf_counter() - begin
+            building = time.process_time() - begin
             bound = built.bound(model)
             z = np.clip(built.begin(model, x), -bound, bound)
             try:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -104,11 +105,12 @@ def _call(
     function: ca.Function, arguments: list[np.ndarray], results: list[np.ndarray]
 ) -> Callable[[], None]:
     """Bind a CasADi function to arrays that it reads and fills."""
+    buffer: Any
     buffer, call = function.buffer()
     for i, a in enumerate(arguments):
-        buffer.set_arg(i, memoryview(a))
+        buffer.set_arg(i, memoryview(a))  # type: ignore[arg-type]
     for i, r in enumerate(results):
-        buffer.set_res(i, memoryview(r.ravel(order="K")))
+        buffer.set_res(i, memoryview(r.ravel(order="K")))  # type: ignore[arg-type]
     keep = (buffer, arguments, results)
 
     def run() -> None:

@@ -187,7 +187,8 @@ def _finish(
         pull = piece.stiffness * (x - piece.rest)
         force = pull - sum((v * j.first for v, j in zip(lam, held, strict=True)), 0 * pull)
         residual = max(residual, *(abs(v) for v in force))
-    multipliers, loaded = np.zeros(0), ()
+    multipliers = np.zeros(0)
+    loaded: tuple[Row, ...] = ()
     eigenvalues = np.zeros(0)
     if unique:
         value = dict(zip(chosen, lam, strict=True))

@@ -30,7 +30,10 @@ def bench(
     markdown: Markdown = None,
     seed: Seed = 0,
 ) -> None:
-    """Measure speed against error: ours, IPOPT alone, other solvers, grids, the paper's own test."""
+    """Measure speed against error: ours, IPOPT alone, other solvers, grids, the paper's own test.
+
+    Set OMP_NUM_THREADS=1 for steady numbers: seconds are processor time of one thread.
+    """
     from origami_nlp.judge.minima import check_options
     from origami_nlp.tell.files import check_writable
 
@@ -39,7 +42,6 @@ def bench(
     check_writable(json, "--json")
     check_writable(figure, "--figure")
     check_writable(markdown, "--markdown")
-    _single_thread()
     (_hard if hard else _speed)(quick, json, figure, markdown, seed)
 
 
@@ -69,12 +71,6 @@ def _speed(
         if figure and figure.suffix.lower() in (".png", ".svg"):
             link = Path(os.path.relpath(figure.resolve(), markdown.resolve().parent)).as_posix()
         write_whole(markdown, as_markdown(data, link).encode())
-
-
-def _single_thread() -> None:
-    """One process, one thread: has an effect where NumPy is not loaded yet."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(name, "1")
 
 
 @contextmanager

@@ -6,7 +6,8 @@ such a function, import what it needs inside it, and add a line to the dictionar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,6 +20,9 @@ from origami_nlp.errors import OptionError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
+
+    from origami_nlp.judge.minima import MinimaResult
+    from origami_nlp.tell.grid_convergence import GridCount, GridErrors
 
 ENDINGS = ("png", "pdf")
 """Written to --out."""
@@ -39,9 +43,45 @@ class Request:
 def _sheet(request: Request) -> Figure:
     from origami_nlp.tell.sheet import draw_sheet, find_panels, sheet_table
 
-    panels = find_panels(request.name, seed=request.seed)
+    with _progress(request.name) as report:
+        panels = find_panels(request.name, seed=request.seed, progress=report)
     request.console.print(sheet_table(panels))
     return draw_sheet(request.name, panels)
+
+
+def _grid_convergence(request: Request) -> Figure:
+    from origami_nlp.judge.minima import find_minima
+    from origami_nlp.state import examples
+    from origami_nlp.tell.grid_convergence import count_grid_minima, grid_errors
+    from origami_nlp.tell.grid_convergence_figure import draw_grid_convergence, print_convergence
+
+    scenes = examples.panels()
+    results: list[MinimaResult] = []
+    errors: list[GridErrors] = []
+    counts: dict[str, tuple[GridCount, ...]] = {}
+    with _progress(request.name) as report:
+        for number, scene in enumerate(scenes):
+            results.append(find_minima(scene, seed=request.seed))
+            errors += grid_errors(results[-1], seed=request.seed)
+            report(number + 1, len(scenes) + 2)
+        for degree in (6, 8):
+            those = [r for r in results if r.scene.degree == degree]
+            counts[f"degree {degree}"] = count_grid_minima(those)
+            report(len(scenes) + len(counts), len(scenes) + 2)
+    print_convergence(errors, counts, request.console)
+    return draw_grid_convergence(tuple(errors), counts)
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Callable[[int, int], None]]:
+    """Show how many parts of the work are done (on stderr)."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _cones(request: Request) -> Figure:
@@ -53,6 +93,7 @@ def _cones(request: Request) -> Figure:
 FIGURES: dict[str, Callable[[Request], Figure]] = {
     "figure3": _sheet,
     "figure4": _sheet,
+    "grid-convergence": _grid_convergence,
     "cones": _cones,
     "cone-3": _cones,
     "cone-3-firing": _cones,
@@ -60,7 +101,7 @@ FIGURES: dict[str, Callable[[Request], Figure]] = {
     "cone-4-firing": _cones,
     "cone-56": _cones,
 }
-"""What `reproduce` can draw: name in the paper and the function that draws it."""
+"""What `reproduce` can draw: name in the paper (or of ours) and the function that draws it."""
 
 
 def reproduce(

@@ -36,6 +36,8 @@ SMOOTH = 0.1
 REPLAY = 8
 """Points at which each edge of the way found is looked at again."""
 MOST_REPLAYS = 400
+BRIDGES = (0.5, 0.35, 0.25, 0.15, 0.1, 0.05)
+"""Distances from the chart's origin [rad] at which its two sides are joined through the book fold."""
 DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
@@ -166,13 +168,12 @@ class ChartGrid:
         """Join cells across the chart's origin, and chains to each other and to the cells at their ends."""
         self.extra = np.empty((0, len(self.wedge)))
         self.links: dict[int, list[int]] = {}
+        self.bridges: dict[tuple[int, int], np.ndarray] = {}
         centre, n = self.size // 2, self.size
         near = 3.0 * math.sqrt(self.spacing)
-        reach = math.ceil(near / self.spacing)
         if self.chart.kind == "degree6":
-            # states of the book fold lie along the antidiagonal; its two sides are mirror images to first order
-            i, k = np.meshgrid(np.arange(1, reach + 1), np.arange(-reach, reach + 1), indexing="ij")
-            pairs = [(0, i, k - i, 0, -i, k + i)]
+            self._bridge_book_fold()
+            pairs = []
         else:
             i, k = np.meshgrid(np.arange(-4, 5), np.arange(1, 5), indexing="ij")
             pairs = [(b, i, k, 1 - b, -i, -k) for b in (0, 1)]
@@ -202,6 +203,27 @@ class ChartGrid:
                 self._link(a, a + 1)
             for at in (0, len(states) - 1):
                 self._link_to_cells(start + at, states[at])
+
+    def _bridge_book_fold(self) -> None:
+        """Join cells (r, -r + c r^2) to (-r, r + c r^2): as r falls to 0 both go to the book fold that belongs to c.
+
+        Each way is kept as closed-form states on the two parabolas, for the replay.
+        """
+        h, n, centre = self.spacing, self.size, self.size // 2
+        t = np.concatenate([np.linspace(1, 0.05, 20), -np.linspace(0.05, 1, 20)])
+        for i in sorted({max(1, round(r / h)) for r in BRIDGES}):
+            most = min(centre - i, 4 + math.ceil(6 * (i * h) ** 2 / h))
+            for k in range(-most, most + 1):
+                if not (abs(k - i) <= centre and abs(k + i) <= centre):
+                    continue
+                x, y = i * h * t, -i * h * t + k * h * t * t
+                states, good = self._at(self.chart, 0, x, y)
+                if not good.all() or np.abs(np.diff(states, axis=0)).max() > 2 * SMOOTH:
+                    continue
+                a = (centre + i) * n + centre + k - i
+                c = (centre - i) * n + centre + k + i
+                self._link(a, c)
+                self.bridges[a, c], self.bridges[c, a] = states, states[::-1]
 
     def _link(self, a: int, b: int) -> None:
         self.links.setdefault(a, []).append(b)
@@ -309,7 +331,10 @@ class ChartGrid:
         flat = self.size // 2 * (n + 1)
         for m, (u, v) in enumerate(itertools.pairwise(way)):
             linked = u >= cells or v >= cells or v in self.links.get(u, ())
-            if linked or flat in (u, v):  # straight in the fold angles
+            if (u, v) in self.bridges:
+                over = self.bridges[u, v]
+                height = max(height, float((0.5 * (k * (over - rest) ** 2).sum(axis=1)).max()))
+            elif linked or flat in (u, v):  # straight in the fold angles
                 chord = tops[m] + t * (tops[m + 1] - tops[m])
                 height = max(height, float((0.5 * (k * (chord - rest) ** 2).sum(axis=1)).max()))
             else:

@@ -185,6 +185,24 @@ class RefinedGraph:
             height[found.edge] = np.nextafter(level, math.inf) if level else 0.0
         self.graph = replace(g, height=height)
 
+    def only_exit(self, v: int, i: int, j: int) -> bool:
+        """Tell whether vertex v is the one end at which a thin set with just one of minima i and j is left."""
+        for curve in self.curves:
+            on = [
+                bool(np.abs(curve.states - self.minima[k]).max(axis=1).min() <= 0.03)
+                for k in (i, j)
+            ]
+            ends = [
+                s for s, goes_on in zip(curve.states[[0, -1]], curve.ends, strict=True) if goes_on
+            ]
+            if (
+                on[0] != on[1]
+                and len(ends) == 1
+                and np.abs(ends[0] - self.graph.states[v]).max() < 1e-9
+            ):
+                return True
+        return False
+
     def path(self, tree: MergeTree, merge: Merge, i: int, j: int) -> np.ndarray:
         """Return states from minimum i over the pass to minimum j: descents where they lead there, else the graph."""
         vertices, edges = tree.path(i, j) or ([], [])

@@ -266,15 +266,13 @@ def _thin_lines(
 
 
 def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list[BoundaryLine]:
-    """Trace contacts of facet pairs from corners: a family of states on one point of the chart has no cells."""
+    """Trace from corners the contacts whose whole line is one point of the chart, which no cell sees."""
     found: list[BoundaryLine] = []
     for line in lines:
         for phi in line.fold_angles[[0, -1]]:
             x = model.reduce(phi)
             closed = closed_contacts(model, x, model.local(x).gaps)
             for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
-                if row.kind != "gap" or model.structure.gaps[row.index].type != "facet-pair":
-                    continue
                 if not _stays(chart, model, x, row):
                     continue
                 # dependent contacts describe one line twice

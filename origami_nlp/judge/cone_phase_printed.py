@@ -187,12 +187,13 @@ class Finding:
 
     @property
     def verdict(self) -> str:
-        """In words."""
+        """In words, with the share of the region where the number stands in the first reading that has it."""
         if self.first is None:
             return "in no reading"
         if self.first.name.startswith("exact"):
             return "physics" + ("" if self.first.mirrored else " (with nu_0 as printed)")
-        return f"drawn by {self.first.why}"
+        share = self.shares[READINGS.index(self.first)]
+        return f"drawn by {self.first.why} ({share:.1%})"
 
 
 def check_statements(

@@ -23,7 +23,7 @@ from origami_nlp.judge import critical_batch as batch
 from origami_nlp.judge.branch import null_space
 from origami_nlp.judge.critical_count import count_links, in_degrees, links_of, shape_of, springs
 from origami_nlp.judge.critical_edges import Edge, tangent_of, touches
-from origami_nlp.judge.critical_link import closed_rows
+from origami_nlp.judge.critical_link import RADII, closed_rows
 from origami_nlp.judge.critical_points import (
     ROUNDING,
     CriticalPoint,
@@ -83,6 +83,7 @@ def find_critical_points(
     vertices = np.array([v.x for v in strata.vertices]).reshape(-1, model.size)
     points += _interior_points(model, strata, doubts, all_links)
     points += _edge_points(model, strata, vertices, doubts, all_links)
+    _warn_of_neighbours(model, points, vertices, doubts)
     points.sort(key=lambda p: (round(p.energy / model.scale, 9), p.fold_angles))
     found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
     return found if minima is None else compare_minima(found, minima)
@@ -94,10 +95,14 @@ def _interior_points(
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
     x, _, residual = _distinct(model, batch.kkt_newton(model, starts))
+    # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
+    tips = [v.x for v in strata.vertices if v.links and len(v.links[0].circles) != 1]
     out = []
     for state, error in zip(x, residual, strict=True):
-        if not np.isfinite(state).all() or _touching(model, state):
+        if _touching(model, state):
             continue  # the strata of closed contacts are looked at by themselves
+        if any(np.abs(state - tip).max() <= RADII[-1] for tip in tips):
+            continue
         local = model.local(state)
         lam = np.linalg.lstsq(local.closure_jacobian.T, local.gradient, rcond=1e-10)[0]
         h = batch.lagrangian_hessian(model, state[None], lam[None], ())[0]
@@ -146,6 +151,17 @@ def _edge_points(
         for edge, _ in edges:
             doubts += _unmet(model, edge, (edge.x - rest) * stiffness, found, vertices)
     return out
+
+
+def _warn_of_neighbours(
+    model: Model, points: list[CriticalPoint], vertices: np.ndarray, doubts: list[str]
+) -> None:
+    """Record points so near to a vertex that the vertex's link may have counted them already."""
+    for p in points:
+        if p.stratum in ("interior", "boundary", "handle"):
+            x = model.reduce(np.array(p.fold_angles))
+            if np.abs(vertices - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
+                doubts.append(f"{in_degrees(model, x)} lies inside the sampled link of a vertex")
 
 
 def _is_on(model: Model, x: np.ndarray, row: Row) -> bool:

@@ -6,9 +6,9 @@ Two searches that share only the geometry of the half-chain, and neither is told
   in the paper's chart) differs between neighbours, bisection closes in on the change;
 - the events: KKT points of the sector angle (`space_events`), exact to rounding.
 
-A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at
-one sector angle only).  Brackets without event, and events without bracket, are reported, not hidden.  Each
-transition is confirmed by witnesses: states that keep all but one of the event's contacts closed while alpha moves, and that are
+A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at one
+sector angle only).  Brackets without event, and events without change, are reported, not hidden.  Each transition is
+confirmed by witnesses: states that keep all but one of the event's contacts closed while alpha moves, and that are
 admissible on one side only.  The topology does not depend on stiffness.
 """
 

@@ -72,7 +72,7 @@ def _curves(axes: Any, degree: int, exact: bool) -> None:
     draw_boundaries(axes, diagram.boundaries, *window, mirrored=True)
     name = "exact" if exact else "interior, depth > $10^{-3}$"
     axes.set_title(f"$N$ = {degree}: {name}", fontsize=9)
-    legend(axes, loc="upper right")
+    legend(axes)
 
 
 def _snapshots(figure: Any) -> None:

@@ -193,7 +193,11 @@ def _place_labels(
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
         side = _stable_side(curve)
-        offset = points[at] + np.array([0.0, 0.028 * side])
+        slope = np.gradient(points, axis=0)[at]
+        steep = np.abs(slope[:, 1]) > 1.5 * np.abs(slope[:, 0])
+        uphill = np.sign(slope[:, 0] * slope[:, 1])  # above a rising curve is to its left
+        aside = np.stack([-0.05 * side * uphill, np.zeros(len(at))], axis=-1)
+        offset = points[at] + np.where(steep[:, None], aside, [0.0, 0.028 * side])
         room = np.full(len(at), 1.0)
         for other in placed:
             d = (offset - other) * np.array([0.55, 1.0])
@@ -231,15 +235,17 @@ def _stable_side(curve: Boundary) -> float:
     return 1.0 if slope_of_well > 0 else -1.0
 
 
-def legend(axes: Any, **place: Any) -> None:
-    """One entry for each kind of curve."""
+def legend(axes: Any) -> None:
+    """One entry for each kind of curve, below the axes, where no curve is hidden."""
     from matplotlib.lines import Line2D
 
     names = dict.fromkeys(line.get_label() for line in axes.get_lines())
     kinds = [k for k in STYLES if WORDS[k] in names]
     handles = [Line2D([], [], color="#444444", ls=STYLES[k], lw=1.2) for k in kinds]
     if handles:
-        axes.legend(handles, [WORDS[k] for k in kinds], fontsize=6.5, framealpha=0.9, **place)
+        words = [WORDS[k] for k in kinds]
+        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": 2}
+        axes.legend(handles, words, fontsize=6.5, frameon=False, **place)
 
 
 def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -275,7 +281,7 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
     window = (grid[0].get_xlim(), grid[0].get_ylim())
     draw_boundaries(grid[-1], diagram.boundaries, *window)
     grid[-1].set_title("boundaries, labelled where the branch is stable", fontsize=9)
-    legend(grid[-1], loc="upper left")
+    legend(grid[-1])
     figure.suptitle(
         f"cone of degree {diagram.degree}, {counts.branches} branches, rest state: {counts.rest_rule}",
         fontsize=10,

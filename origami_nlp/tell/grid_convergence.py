@@ -59,7 +59,7 @@ class GridErrors:
         """Slope of the logarithm of the largest error over shifts against that of h; NaN with fewer than 3 sizes."""
         worst = self.worst(what)
         good = np.isfinite(worst) & (worst > 0)
-        if good.sum() < 3:
+        if good.sum() < 3 or self.sort == "handle":
             return float("nan")
         return float(np.polyfit(np.log(self.cell[good]), np.log(worst[good]), 1)[0])
 

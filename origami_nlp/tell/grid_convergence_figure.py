@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from origami_nlp.tell.grid_convergence import GridCount, GridErrors
 
@@ -36,7 +40,7 @@ def draw_grid_convergence(
     samples = [
         Line2D([], [], color=LOOK[s][0], marker=LOOK[s][1], ms=4, label=LOOK[s][2]) for s in seen
     ]
-    middle.legend(handles=samples, fontsize=7, loc="upper left", framealpha=0.9)
+    left.legend(handles=samples, fontsize=6.5, loc="lower right", framealpha=0.9)
     _counts(right, counts)
     for letter, axes in zip("abc", (left, middle, right), strict=True):
         axes.set_title(f"({letter})", loc="left", fontsize=9, weight="bold")
@@ -101,3 +105,43 @@ def _counts(axes: Any, counts: dict[str, tuple[GridCount, ...]]) -> None:
     axes.tick_params(axis="y", labelsize=7)
     axes.legend(fontsize=6.5, loc="upper left", framealpha=0.9)
     axes.grid(color="#E3E3E3", lw=0.5)
+
+
+def print_convergence(
+    errors: Iterable[GridErrors], counts: dict[str, tuple[GridCount, ...]], console: Console
+) -> None:
+    """Print orders and finest errors of every minimum, and the counts of grid minima by size."""
+    table = Table(title="order of the largest error over shifted grids", title_justify="left")
+    heads = (
+        "scene",
+        "#",
+        "sort",
+        "energy",
+        "place",
+        "state",
+        "finest dU [J]",
+        "finest place [rad]",
+    )
+    for head in heads:
+        left = head in ("scene", "sort")
+        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
+    for e in errors:
+        orders = [e.order(what) for what in ("energy", "distance", "state")]
+        finest = [e.worst(what)[-1] for what in ("energy", "distance")]
+        table.add_row(
+            e.scene.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", ""),
+            str(e.number),
+            e.sort,
+            *("-" if np.isnan(v) else f"{v:.2f}" for v in orders),
+            *("-" if np.isnan(v) or e.sort == "handle" else f"{v:.1e}" for v in finest),
+        )
+    console.print(table)
+    for name, rows in counts.items():
+        for size in sorted({row.size for row in rows}):
+            here = [row for row in rows if row.size == size]
+            console.print(
+                f"{name}, {size}^2: {sum(r.found for r in here)} grid minima, {sum(r.claimed for r in here)} nearest "
+                f"to one of {sum(r.exact for r in here)} exact, {sum(r.false for r in here)} false",
+                highlight=False,
+                soft_wrap=True,
+            )

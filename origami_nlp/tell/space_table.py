@@ -13,39 +13,43 @@ from origami_nlp.state.angles import format_angle
 
 def print_space(space: Space, console: Console) -> None:
     """Print components, pinch points and handles of a space."""
-    title = f"{space.scene.name or 'scene'}: {len(space.components)} component(s), "
-    title += f"{space.holes} hole(s), Euler characteristic {space.euler_characteristic}"
-    table = _table(title, ("component", "dimension", "chi", "holes", "a state of it"))
+    console.print(
+        f"{space.scene.name or 'scene'}: {len(space.components)} component(s), {space.holes} hole(s), "
+        f"Euler characteristic {space.euler_characteristic} (mesh of {space.size} rings, "
+        f"{len(space.mesh.wedge)} vertices)",
+        soft_wrap=True,
+    )
     for k, part in enumerate(space.components, start=1):
-        state = _angles(part.fold_angles)
-        table.add_row(
-            str(k), str(part.dimension), str(part.euler_characteristic), str(part.holes), state
+        console.print(
+            f"  component {k}: dimension {part.dimension}, Euler characteristic {part.euler_characteristic}, "
+            f"{part.holes} hole(s), such as {_angles(part.fold_angles)}",
+            soft_wrap=True,
         )
-    console.print(table)
-    if space.pinch_points:
-        heads = ("where branches meet", "dimensions", "contacts", "state")
-        table = _table("", heads)
-        for pinch in space.pinch_points:
-            branches = " + ".join(str(d) for d, _ in pinch.branches)
-            contacts = "; ".join(pinch.contacts) or "-"
-            table.add_row(pinch.kind, branches, contacts, _angles(pinch.fold_angles))
-        console.print(table)
-    if space.handles:
-        table = _table("", ("handle", "length [rad]", "from", "to", "ends"))
-        for handle in space.handles:
-            first, last = (_angles(handle.fold_angles[k]) for k in (0, -1))
-            names = "; ".join(handle.contacts)
-            table.add_row(names, f"{handle.length:.4f}", first, last, " / ".join(handle.ends))
-        console.print(table)
+    for pinch in space.pinch_points:
+        dimensions = " + ".join(str(d) for d, _ in pinch.branches)
+        contacts = f", {'; '.join(pinch.contacts)}" if pinch.contacts else ""
+        state = _angles(pinch.fold_angles)
+        console.print(f"  {pinch.kind} ({dimensions}): {state}{contacts}", soft_wrap=True)
+    for handle in space.handles:
+        first, last = (_angles(handle.fold_angles[k]) for k in (0, -1))
+        ends = " to ".join(
+            f"{phi} [{end}]" for phi, end in zip((first, last), handle.ends, strict=True)
+        )
+        console.print(
+            f"  handle, {'; '.join(handle.contacts)}, length {handle.length:.4f} rad: {ends}",
+            soft_wrap=True,
+            markup=False,
+        )
     joins = space.picture_joins
     if joins:
         console.print(
-            f"The picture in the paper's chart encloses {space.picture_holes} hole(s), the space {space.holes}: "
-            "these chart points carry states that are apart in the space"
+            f"  the picture in the paper's chart encloses {space.picture_holes} hole(s), the space {space.holes}: "
+            "these chart points carry states that are apart in the space",
+            soft_wrap=True,
         )
         for point, states in joins:
             shown = " | ".join(_angles(phi) for phi in states)
-            console.print(f"  ({_angles(point)}): {shown}")
+            console.print(f"  {_angles(point)}: {shown}", soft_wrap=True)
 
 
 def print_transitions(sweep: Sweep, console: Console) -> None:
@@ -81,8 +85,8 @@ def print_transitions(sweep: Sweep, console: Console) -> None:
         console.print(f"  states admissible on one side only: {len(t.witnesses)}")
         for w in t.witnesses:
             side = "below" if w.admissible[0] else "above"
-            state = ", ".join(f"{v:.4f}" for v in w.fold_angles[1])
-            console.print(f"    {side}, with {'; '.join(w.kept)} held: ({state})")
+            state = _angles(w.fold_angles[1])
+            console.print(f"    {side}, with {'; '.join(w.kept)} held: {state}")
     for a, b in sweep.unexplained:
         console.print(f"unexplained: the signature changes between {a:.9f} and {b:.9f}")
     for a in sweep.silent:
@@ -97,4 +101,9 @@ def _table(title: str, heads: tuple[str, ...]) -> Table:
 
 
 def _angles(values: object) -> str:
-    return ", ".join(format_angle(v) for v in values)  # type: ignore[attr-defined]
+    """Write fold angles for people: multiples of pi as such, others with four decimals."""
+    texts = []
+    for v in values:  # type: ignore[attr-defined]
+        text = format_angle(v) if abs(v) > 1e-12 else "0"
+        texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
+    return "(" + ", ".join(texts) + ")"
