@@ -187,13 +187,13 @@ def _place_labels(
     every = [unit(x, y) for _, x, y in curves]
     for own, (curve, _, _) in enumerate(curves):
         points = every[own]
-        good = (points > 0.05).all(axis=1) & (points < 0.95).all(axis=1)
+        good = (points > 0.04).all(axis=1) & (points < 0.97).all(axis=1)
         if good.sum() < 5:
             continue
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
         side = _stable_side(curve)
-        slope = np.gradient(points, axis=0)[at]
+        slope = np.gradient(points[at], axis=0) if len(at) > 1 else np.ones((1, 2))
         steep = np.abs(slope[:, 1]) > 1.5 * np.abs(slope[:, 0])
         uphill = np.sign(slope[:, 0] * slope[:, 1])  # above a rising curve is to its left
         aside = np.stack([-0.05 * side * uphill, np.zeros(len(at))], axis=-1)
