@@ -104,7 +104,8 @@ def run_sweep(
     ----------
     executor
         Any `concurrent.futures.Executor`: a process pool of `workers` by default; `dask.distributed`'s
-        ``Client.get_executor()``, `mpi4py.futures.MPIPoolExecutor` and others have the same interface.
+        ``Client.get_executor()``, `mpi4py.futures.MPIPoolExecutor` and others have the same interface.  Not
+        threads: CasADi's solvers are not for two of them at once.
     progress
         Called after each scene.
 
