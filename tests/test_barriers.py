@@ -159,6 +159,8 @@ def test_paths_can_be_replayed(which, request):
         assert all(is_admissible(model, y) for y in x[:: max(1, len(x) // 40)])
     assert is_ultrametric(found.matrix())
     assert len(found.merges) == len(found.result.minima) - 1
+    for basin in found.unlisted:  # ripples of the graph, not minima that the list lacks
+        assert basin.lands_on is not None
 
 
 def test_handles_are_left_through_their_ends(handle_barriers):

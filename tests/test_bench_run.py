@@ -229,6 +229,27 @@ def test_the_report_says_what_the_data_say(tiny):
         assert any(line.startswith(f"- {word}: {t.text}") for line in text.splitlines())
 
 
+def test_whole_searches_are_compared_by_seconds_per_minimum():
+    search = {"starts": 128, "stopped": True, "seconds": 6.0, "found": {"0": 1e-12, "1": 1e-7}}
+    job = {"problem": "p", "seconds": [2.0, 4.0, 4.0], "found": {"0": 0.0, "1": 0.0}, "missed": 0}
+    data = {"job": [job], "cells": [{"problem": "p", "method": "m", "until_the_rule": search}]}
+    assert digest.whole_job_ratios(data, "m") == Spread(3.0, 3.0, 6.0, 3)
+    assert digest.whole_job_ratios(data, "m", 1e-4) == Spread(1.5, 1.5, 3.0, 3)
+    assert digest.whole_job_ratios(data, "m", 1e-15).median == math.inf
+    assert digest.whole_job_ratios(data, "another") is None
+
+
+def test_appendix_a_is_compared_by_its_best_step():
+    state = {
+        "seconds": {"exact": [1.0, 2.0], "appendix A": [100.0, 100.0]},
+        "error_exact": 1e-15,
+        "error_appendix": {"0.0003": 1e-9, "0.001": 1e-8, "0.003": None},
+    }
+    time, error = digest.hessian_ratios({"hessian": [state]})
+    assert (time.low, time.high, time.count) == (50.0, 100.0, 2)
+    assert error.median == pytest.approx(1e6)
+
+
 @pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
 def test_the_figure_is_written(tiny, tmp_path, suffix):
     draw_bench(tiny, tmp_path / f"x{suffix}")

@@ -96,7 +96,7 @@ def kkt_points(scene, rng, starts):
     pairs = [p for p in itertools.combinations(rows, 2)]
     ends = []
     for held in [(), *((r,) for r in rows), *pairs]:
-        count = starts * (6 if not held else 2 if len(held) == 1 else 1)
+        count = starts * (20 if not held else 8 if len(held) == 1 else 1)
         x = rng.uniform(-math.pi, math.pi, (count, model.size))
         x, _ = project_batch(model, x, np.zeros_like(x, dtype=bool))
         for state in x:
@@ -117,10 +117,10 @@ def kkt_points(scene, rng, starts):
 @pytest.mark.parametrize("scene", SOME[1:], ids=lambda s: s.name)
 def test_every_kkt_point_of_a_multistart_is_listed(scene):
     listed = np.array([p.fold_angles for p in find_critical_points(scene).points])
-    ends = kkt_points(scene, np.random.default_rng(7), 2)
-    assert len(np.unique(ends.round(4), axis=0)) >= 8
-    away = np.abs(ends[:, None] - listed).max(axis=2).min(axis=1)
-    assert away.max() < 1e-6, ends[away.argmax()]
+    ends = kkt_points(scene, np.random.default_rng(7), 30)
+    apart = np.abs(ends[:, None] - listed).max(axis=2)
+    assert apart.min(axis=1).max() < 1e-6, ends[apart.min(axis=1).argmax()]
+    assert (apart.min(axis=0) < 1e-6).mean() > 0.5  # most listed points were found this way too
 
 
 def chart_points(scene, size):

@@ -52,6 +52,6 @@ def test_sparser_and_denser_samples_find_the_same_points(scene):
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
 def test_every_kkt_point_of_a_long_multistart_is_listed(scene):
     listed = np.array([p.fold_angles for p in find_critical_points(scene).points])
-    ends = kkt_points(scene, np.random.default_rng(23), 8)
+    ends = kkt_points(scene, np.random.default_rng(23), 100)
     away = np.abs(ends[:, None] - listed).max(axis=2).min(axis=1)
     assert away.max() < 1e-6, ends[away.argmax()]

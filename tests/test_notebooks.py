@@ -8,7 +8,8 @@ import pytest
 from nbclient import NotebookClient
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
-NAMES = ("01_stable_states.ipynb", "03_contact.ipynb")  # 02 is tested beside the equations
+NAMES = ("01_stable_states.ipynb", "03_contact.ipynb", "04_landscapes.ipynb", "05_cones.ipynb", "06_speed_error.ipynb")
+# 02 is tested beside the equations
 LARGEST = 1_500_000  # bytes, outputs included
 VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succeeded|hits|│).*")
 """Rounding errors, times and counts of the search: they may differ between machines."""

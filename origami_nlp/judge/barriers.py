@@ -17,14 +17,17 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.barriers_full import Exits, FullPass, full_pass
 from origami_nlp.judge.barriers_graph import StateGraph, energies, side_of_flat
 from origami_nlp.judge.barriers_merge_tree import MergeTree
-from origami_nlp.judge.barriers_pass import Pass, PassKind, critical_at
+from origami_nlp.judge.barriers_pass import Pass, PassKind, critical_at, slide
 from origami_nlp.judge.barriers_refine import RefinedGraph
 from origami_nlp.judge.full_space import judge_in_full_space
 from origami_nlp.judge.loads import row_name
 from origami_nlp.judge.minima import MinimaResult, find_minima
+from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.solve.active import closed_contacts
 from origami_nlp.state.scene import Scene
 
+MOST_UNLISTED = 3
+"""Basins of the graph that are followed downhill."""
 SPACING = 0.12
 """Lattice of the graph [rad]."""
 
@@ -40,11 +43,23 @@ class Join:
 
 
 @dataclass(frozen=True)
+class Unlisted:
+    """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
+
+    depth: energy up to where it joins a deeper one.  fold_angles: of its bottom [N].
+    lands_on: number (1-based) of the minimum to which the bottom descends, or None.
+    """
+
+    depth: float
+    fold_angles: tuple[float, ...]
+    lands_on: int | None
+
+
+@dataclass(frozen=True)
 class Barriers:
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
 
-    unlisted: basins of the graph without a listed minimum, as (depth, fold angles of the bottom), deepest first:
-    ripples of the graph, if the list of minima is complete.
+    unlisted: the deepest basins of the graph without a listed minimum.
     full: what is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
     """
 
@@ -52,7 +67,7 @@ class Barriers:
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
     graph: StateGraph
-    unlisted: tuple[tuple[float, tuple[float, ...]], ...] = field(repr=False, default=())
+    unlisted: tuple[Unlisted, ...] = field(repr=False, default=())
     full: tuple[FullPass, ...] = ()
 
     @property
@@ -124,11 +139,17 @@ def find_barriers(
         )
         for m in tree.merges
     )
-    unlisted = tuple(
-        (life, tuple(model.expand(work.graph.states[v]).tolist())) for life, v in tree.others[:20]
-    )
+    unlisted = []
+    for life, v in tree.others:
+        if len(unlisted) == MOST_UNLISTED:
+            break
+        if not is_admissible(model, work.graph.states[v]):
+            continue  # a touching state without a layer order: the graph does not ask for one
+        down = slide(model, work.graph.states[v], work.minima)
+        lands = down.lands_on + 1 if down is not None and down.lands_on is not None else None
+        unlisted.append(Unlisted(life, tuple(model.expand(work.graph.states[v]).tolist()), lands))
     broken = _without_symmetry(scene, result, passes) if full else ()
-    return Barriers(result, passes, merges, work.graph, unlisted, broken)
+    return Barriers(result, passes, merges, work.graph, tuple(unlisted), broken)
 
 
 def check_freedoms(scene: Scene) -> None:

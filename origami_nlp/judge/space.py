@@ -16,15 +16,17 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.judge import space_topology as topology
-from origami_nlp.judge.space_cells import Cells, admissible_cells
+from origami_nlp.judge.space_cells import Cells, admissible_cells, check_thin
 from origami_nlp.judge.space_chain import Chain, chain_of
-from origami_nlp.judge.space_mesh import SEAM, mesh_sheets
+from origami_nlp.judge.space_mesh import SEAM, MeshError, mesh_sheets
 from origami_nlp.model.chart import wedge_point
 from origami_nlp.state.scene import Scene
 
 SIZE = 64
 """Default number of rings of the mesh around the flat state."""
 SIZES = (8, 1025)
+ATTEMPTS = (0, 1, 3, 5, 9)
+"""Rings added where a mesh turns out too coarse."""
 SAME_POINT = 1e-6
 """Points [rad] that are closer are one when the picture in the paper's chart is looked at."""
 NEARBY = 0.5
@@ -213,7 +215,8 @@ def analyse_space(scene: Scene, size: int = SIZE) -> Space:
     Parameters
     ----------
     size
-        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.
+        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.  A few more are
+        taken where that mesh is too coarse (`Space.size` tells).
 
     Raises
     ------
@@ -226,7 +229,16 @@ def analyse_space(scene: Scene, size: int = SIZE) -> Space:
     if isinstance(size, bool) or not isinstance(size, int) or not low <= size <= high:
         raise OptionError(f"size = {size!r} must be a whole number from {low} to {high}")
     chain = chain_of(scene)
-    cells = admissible_cells(mesh_sheets(chain, size))
+    for attempt in ATTEMPTS:
+        try:
+            cells = admissible_cells(mesh_sheets(chain, size + attempt))
+            check_thin(cells)
+        except MeshError:
+            if attempt == ATTEMPTS[-1]:
+                raise
+            continue
+        size += attempt
+        break
     count = len(cells.wedge)
     pieces = topology.parts(count, cells.triangles, cells.extra_edges)
     component = np.zeros(count, dtype=int)

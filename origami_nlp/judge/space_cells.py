@@ -35,6 +35,8 @@ WITNESSES = 3
 """States of a face that are examined; they must agree."""
 TOO_CLOSE = 1e-12
 """States closer to a wall are not examined."""
+BESIDE = 1e-4
+"""How close to handles other states are looked for, in base coordinates [rad]."""
 CROSSING = 1e-13
 """Crossings that are deeper count: next to where two walls meet, facets cross by products of small angles."""
 
@@ -206,6 +208,35 @@ def _edges_alone(
         found.append(edges[alone])
         signs.append(ends[alone])
     return np.concatenate(found), np.concatenate(signs)
+
+
+def check_thin(cells: Cells) -> None:
+    """Look around every handle for states that nothing holds: there must be none.
+
+    Raises
+    ------
+    MeshError
+        If a handle has embedded states beside it: then it is the border of a surface that the mesh missed.
+    """
+    inner = np.setdiff1d(np.unique(cells.extra_edges), np.unique(cells.triangles))
+    if len(cells.extra_edges) and not len(inner):
+        raise MeshError("a handle is shorter than the mesh: use a larger size")
+    sheets, origin = cells.sheets, cells.origin[inner]
+    turn = 2 * math.pi * np.arange(16) / 16
+    circle = BESIDE * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    for side in (-1, 1):
+        sheet = np.where(sheets.sheet[origin] == 0, side, sheets.sheet[origin])
+        for step in circle:
+            base = sheets.base[origin] + step
+            states = sheets.chain.points(base, sheet).wedge
+            near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
+            near &= sheets.chain.fold_margin(base) > 0
+            near &= np.abs(states).max(axis=1) < math.pi - 1e-9  # not on the handle itself
+            states = states[near][:, sheets.chain.orbit]
+            states = states[admissible(sheets.chain.scene, states)]
+            vertex = sheets.chain.scene.vertex
+            if any(examine(vertex, phi, tolerance=CROSSING).admissible for phi in states):
+                raise MeshError("a handle has a surface beside it: use a larger size")
 
 
 def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:

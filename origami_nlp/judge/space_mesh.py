@@ -167,35 +167,43 @@ def _split(
     wrapped: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Cut every triangle along the zero set of `function`."""
+    period = math.pi if wrapped else math.inf
     for _ in range(LOOKS):
-        base, on, sheet, triangles = _refine(
-            base, on, sheet, triangles, function, math.pi if wrapped else math.inf
-        )
+        base, on, sheet, triangles = _refine(base, on, sheet, triangles, function, period)
+    return _cut(chain, base, on, sheet, triangles, bit, function, period)
+
+
+def _cut(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    bit: int,
+    function: Evaluate,
+    period: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Give every edge whose ends are on different sides a vertex on the wall."""
     value = function(base, sheet)
     zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
     on = on | np.where(zero, 1 << bit, 0)
     value = np.where(zero, 0.0, value)
     edges, of_triangle = edges_of(triangles)
     a, b = edges.T
-    crossing = (value[a] * value[b] < 0) & (
-        (np.abs(value[a]) + np.abs(value[b]) < math.pi) | (not wrapped)
-    )
-    cut = np.flatnonzero(crossing)
+    cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
     a, b = a[cut], b[cut]
     on_edge = np.where(sheet[a] != 0, sheet[a], sheet[b])
     common = on[a] & on[b]
     place = _find_roots(chain, function, base[a], base[b], on_edge, value[a], common)
     middle = np.full(len(edges), -1)
     middle[cut] = len(base) + np.arange(len(cut))
-    pieces = divide(triangles, middle[of_triangle])
-    new_on = common | (1 << bit)
     if bit == SEAM:
         on_edge = np.zeros_like(on_edge)
     return (
         np.vstack([base, place]),
-        np.concatenate([on, new_on]),
+        np.concatenate([on, common | (1 << bit)]),
         np.concatenate([sheet, on_edge]),
-        pieces,
+        divide(triangles, middle[of_triangle]),
     )
 
 

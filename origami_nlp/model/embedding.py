@@ -18,6 +18,7 @@ import numpy as np
 
 from origami_nlp.model import quaternion as quat
 from origami_nlp.model.layers import LayerProblem, layer_problem
+from origami_nlp.model.vectors import cross
 from origami_nlp.state.vertex import Vertex
 
 SNAP = 1e-8
@@ -91,7 +92,7 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """
     a, b = first[..., 0, :], first[..., 1, :]
     c, d = second[..., 0, :], second[..., 1, :]
-    n1, n2 = np.cross(a, b), np.cross(c, d)
+    n1, n2 = cross(a, b), cross(c, d)
     n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), 1e-300)
     n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), 1e-300)
     s = np.stack(

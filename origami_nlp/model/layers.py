@@ -17,6 +17,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from origami_nlp.model.vectors import cross
+
 Strand = tuple[int, int]
 """(arc, piece): the piece-th part of facet `arc`, cut at the nodes that lie on it."""
 Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
@@ -159,16 +161,16 @@ def _nodes_on_arc(
     """Return the nodes along arc i in order, its two ends included."""
     n = len(creases)
     a, b = creases[i], creases[(i + 1) % n]
-    normal = np.cross(a, b)
+    normal = cross(a, b)
     normal /= np.linalg.norm(normal)
     ends = (int(node[i]), int(node[(i + 1) % n]))
-    length = np.arctan2(np.dot(np.cross(a, b), normal), a @ b)
+    length = np.arctan2(np.dot(cross(a, b), normal), a @ b)
     inside = []
     for w in nodes:
         if w in ends:
             continue
         c = creases[w]
-        along = np.arctan2(np.dot(np.cross(a, c), normal), a @ c)
+        along = np.arctan2(np.dot(cross(a, c), normal), a @ c)
         if abs(c @ normal) <= tolerance and 0 < along < length:
             inside.append((along, w))
     return [ends[0], *(w for _, w in sorted(inside)), ends[1]]
@@ -221,9 +223,9 @@ def _add_passages(
 def _directions(creases: np.ndarray, w: int, far: set[int]) -> dict[int, float]:
     """Angle of the segment towards each far node, counter-clockwise seen from outside."""
     c = creases[w]
-    x = np.cross(c, [1.0, 0.0, 0.0] if abs(c[0]) < 0.9 else [0.0, 1.0, 0.0])
+    x = cross(c, [1.0, 0.0, 0.0] if abs(c[0]) < 0.9 else [0.0, 1.0, 0.0])
     x /= np.linalg.norm(x)
-    y = np.cross(c, x)
+    y = cross(c, x)
     return {v: float(np.arctan2(creases[v] @ y, creases[v] @ x)) for v in far}
 
 

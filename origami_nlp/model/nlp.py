@@ -153,34 +153,30 @@ class Model:
 
     def local(self, x: np.ndarray) -> Local:
         """Evaluate values and first derivatives at x."""
-        grad, g, jac, gaps, jac_gaps = self.functions.local(x, self.parameters)
+        grad, g, jac, gaps, jac_gaps = self.functions.evaluators["local"](x, self.parameters)
         n = self.size
         return Local(
-            np.asarray(grad).ravel(),
-            np.asarray(g).ravel(),
-            np.asarray(jac).reshape(-1, n),
-            np.asarray(gaps).ravel(),
-            np.asarray(jac_gaps).reshape(-1, n),
+            grad.ravel(), g.ravel(), jac.reshape(-1, n), gaps.ravel(), jac_gaps.reshape(-1, n)
         )
 
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate the loop-closure equations and their Jacobian at x."""
-        g, jac = self.functions.closure(x, self.parameters)
-        return np.asarray(g).ravel(), np.asarray(jac)
+        g, jac = self.functions.evaluators["closure"](x, self.parameters)
+        return g.ravel(), jac
 
     def hessian(
         self, x: np.ndarray, lam: np.ndarray, mu: np.ndarray, weight: float = 1.0
     ) -> np.ndarray:
         """Evaluate the Hessian of weight U + lam . closure + mu . gaps at x."""
-        return np.asarray(self.functions.hessian(x, self.parameters, weight, lam, mu))
+        return self.functions.evaluators["hessian"](x, self.parameters, weight, lam, mu)[0]
 
     def rays(self, x: np.ndarray) -> np.ndarray:
         """Return the deformed rays of the piece at x, shape [rays, 3]."""
-        return np.asarray(self.functions.rays(x, self.parameters)).T
+        return self.functions.evaluators["rays"](x, self.parameters)[0].T
 
     def on_sheet(self, x: np.ndarray) -> bool:
         """Tell whether x is on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
-        return float(self.functions.sheet(x, self.parameters)) > 0
+        return bool(self.functions.evaluators["sheet"](x, self.parameters)[0][0, 0] > 0)
 
     @property
     def contact_pairs(self) -> list[tuple[int, int]]:

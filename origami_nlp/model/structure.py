@@ -7,12 +7,13 @@ Sector angles, stiffness and rest angles are parameters, so one solver serves a 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 
 from origami_nlp.model.closure import Folded, fold_piece
 from origami_nlp.model.contact import Gap, gap_expression
+from origami_nlp.model.evaluator import Evaluate, evaluator
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class Functions:
     hessian(x, p, s, lam, mu): Hessian of s U + lam . equations + mu . gaps.
     rays(x, p): deformed rays, shape [3, rays].
     sheet(x, p): positive on the sheet q = +1.
+    evaluators: the same functions by name, called with NumPy arrays.
     """
 
     x: ca.SX
@@ -61,6 +63,14 @@ class Functions:
     hessian: ca.Function
     rays: ca.Function
     sheet: ca.Function
+
+    @cached_property
+    def evaluators(self) -> dict[str, Evaluate]:
+        """Return fast callables for closure, local, hessian, rays and sheet."""
+        return {
+            f.name(): evaluator(f)
+            for f in (self.closure, self.local, self.hessian, self.rays, self.sheet)
+        }
 
 
 @lru_cache(maxsize=64)

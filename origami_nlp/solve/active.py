@@ -12,14 +12,15 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from origami_nlp.model.embedding import SNAP, fold_vertex
-from origami_nlp.model.layers import layer_problem
+from origami_nlp.model.layers import LayerProblem, layer_problem
 from origami_nlp.model.nlp import Model
 from origami_nlp.model.structure import Structure
+from origami_nlp.model.vectors import cross
 
 CLOSED = 1e-8
 """Gap [rad] below which a contact of a polished state counts as closed."""
@@ -117,8 +118,9 @@ def closed_contacts(
             of_pair.setdefault(gap.pair, []).append(index)
     branches: list[tuple[tuple[Row, ...], ...]] = []
     implied: list[tuple[Row, Row]] = []
+    layers = _Layers(model, x, tolerance)
     for indices in of_pair.values():
-        options = _pair_branches(model, x, rays, gaps, indices, tolerance)
+        options = _pair_branches(model, layers, rays, gaps, indices, tolerance)
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
@@ -145,7 +147,7 @@ def same_gap(structure: Structure) -> tuple[int, ...]:
 
 def _pair_branches(
     model: Model,
-    x: np.ndarray,
+    layers: _Layers,
     rays: np.ndarray,
     gaps: np.ndarray,
     indices: list[int],
@@ -160,7 +162,7 @@ def _pair_branches(
     same = same_gap(structure)
     options: set[tuple[Row, ...]] = set()
     flat = bool((np.abs(gaps[indices]) <= tolerance).all())
-    sides = _layer_sides(model, x, structure.gaps[indices[0]].pair, tolerance) if flat else (0, 0)
+    sides = layers.sides(structure.gaps[indices[0]].pair) if flat else (0, 0)
     for ends, forced in ((indices[:2], sides[0]), (indices[2:], sides[1])):
         values = gaps[ends]
         _, j = structure.gaps[ends[0]].rays
@@ -186,32 +188,40 @@ def _pair_branches(
     return options
 
 
-def _layer_sides(
-    model: Model, x: np.ndarray, pair: tuple[int, int] | None, tolerance: float
-) -> tuple[int, int]:
-    """Return the side of the second facet on which the first must lie, and the reverse; 0 if either is possible."""
-    assert pair is not None
-    fold_angles = model.expand(x)
-    creases, _ = fold_vertex(model.scene.vertex, fold_angles)
-    problem = layer_problem(creases, fold_angles, max(tolerance, SNAP))
-    if problem is None:
+class _Layers:
+    """The layer problem of a state, posed when a pair of facets that lie on each other first asks for it."""
+
+    def __init__(self, model: Model, x: np.ndarray, tolerance: float) -> None:
+        self._model, self._x, self._tolerance = model, x, tolerance
+
+    @cached_property
+    def _problem(self) -> LayerProblem | None:
+        fold_angles = self._model.expand(self._x)
+        creases, _ = fold_vertex(self._model.scene.vertex, fold_angles)
+        return layer_problem(creases, fold_angles, max(self._tolerance, SNAP))
+
+    def sides(self, pair: tuple[int, int] | None) -> tuple[int, int]:
+        """Return the side of the second facet on which the first must lie, and the reverse; 0 if either is possible."""
+        assert pair is not None
+        problem = self._problem
+        if problem is None:
+            return 0, 0
+        first, second = (self._model.facet_of_ray(i) - 1 for i in pair)
+        for strands in problem.segments.values():
+            one = [(s, d) for s, d in strands if s[0] == first]
+            two = [(s, d) for s, d in strands if s[0] == second]
+            if one and two:
+                left = problem.forced_side(one[0][0], two[0][0])
+                # the normal c_j x c_{j+1} of a facet points to the left of its direction, seen from outside
+                return left * two[0][1], -left * one[0][1]
         return 0, 0
-    first, second = (model.facet_of_ray(i) - 1 for i in pair)
-    for strands in problem.segments.values():
-        one = [(s, d) for s, d in strands if s[0] == first]
-        two = [(s, d) for s, d in strands if s[0] == second]
-        if one and two:
-            left = problem.forced_side(one[0][0], two[0][0])
-            # the normal c_j x c_{j+1} of a facet points to the left of its direction, seen from outside
-            return left * two[0][1], -left * one[0][1]
-    return 0, 0
 
 
 def _on_arc(rays: np.ndarray, k: int, j: int, tolerance: float) -> bool:
     """Tell whether ray k lies on the arc from ray j to the next, ends included (given: in its plane)."""
     a, b, c = rays[j], rays[(j + 1) % len(rays)], rays[k]
-    normal = np.cross(a, b)
-    return bool(np.cross(a, c) @ normal >= -tolerance and np.cross(c, b) @ normal >= -tolerance)
+    normal = cross(a, b)
+    return bool(cross(a, c) @ normal >= -tolerance and cross(c, b) @ normal >= -tolerance)
 
 
 def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -> bool:
@@ -220,7 +230,7 @@ def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -
     i, j = pair
     n = len(rays)
     for a, b in ((i, j), (j, i)):
-        normal = np.cross(rays[b], rays[(b + 1) % n])
+        normal = cross(rays[b], rays[(b + 1) % n])
         normal = normal / np.linalg.norm(normal)
         for k in (a, (a + 1) % n):
             if abs(rays[k] @ normal) <= tolerance and _on_arc(rays, k, b, tolerance):

@@ -13,6 +13,7 @@ import numpy as np
 from origami_nlp.model.contact import separation_rows
 from origami_nlp.model.nlp import Model
 from origami_nlp.model.structure import Structure, compile_structure
+from origami_nlp.model.vectors import cross
 from origami_nlp.solve.active import Row
 
 OPTIONS = {
@@ -199,7 +200,7 @@ def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
     n = len(rays)
     corners = rays[[i, (i + 1) % n, j, (j + 1) % n]]
     a, b = np.triu_indices(4, 1)
-    normals = np.cross(corners[a], corners[b])
+    normals = cross(corners[a], corners[b])
     length = np.linalg.norm(normals, axis=1)
     normals = normals[length > 1e-9] / length[length > 1e-9, None]
     # planes that only touch both facets on one side are as good as the bisector of the two groups

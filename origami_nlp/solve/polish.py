@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.model.nlp import Model
+from origami_nlp.model.vectors import cross
 from origami_nlp.solve.active import Row, gap_weights, row_values, same_gap
 from origami_nlp.solve.ipopt import Solve
 
@@ -153,8 +154,8 @@ def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
     """Return the side of facet j on which the facet that ends at ray k lies; 0 if k is off the facet."""
     n = len(rays)
     a, b, c = rays[j], rays[(j + 1) % n], rays[k]
-    normal = np.cross(a, b)
-    if np.cross(a, c) @ normal < -1e-3 or np.cross(c, b) @ normal < -1e-3:
+    normal = cross(a, b)
+    if cross(a, c) @ normal < -1e-3 or cross(c, b) @ normal < -1e-3:
         return 0
     start = pair[0] if pair[1] == j else pair[1]
     other = rays[(start + 1) % n] if k == start else rays[start]

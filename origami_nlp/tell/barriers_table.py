@@ -78,6 +78,12 @@ def print_barriers(barriers: Barriers, console: Console) -> None:
     console.print(table)
     for p in barriers.passes:
         console.print(f"#{p.from_state} - #{p.to_state}: {p.why}", markup=False, highlight=False)
+    for basin in barriers.unlisted:
+        if basin.lands_on is None:
+            console.print(
+                f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum",
+                highlight=False,
+            )
     for line in full_words(barriers):
         console.print(line, markup=False, highlight=False)
 
@@ -114,6 +120,10 @@ def barriers_to_dict(barriers: Barriers) -> dict[str, Any]:
                 "energy": p.path_energy.tolist(),
             }
             for p in barriers.passes
+        ],
+        "unlisted_basins": [
+            {"depth": u.depth, "fold_angles": list(u.fold_angles), "lands_on": u.lands_on}
+            for u in barriers.unlisted
         ],
         "full_space": [f.to_dict() for f in barriers.full],
     }

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.tell.grid_convergence import GridCount, GridErrors
+from origami_nlp.tell.grid_convergence import REACH, GridCount, GridErrors
 
 LOOK: dict[str, tuple[str, str, str]] = {
     "interior": ("#0072B2", "o", "interior"),
@@ -72,7 +72,10 @@ def _errors(axes: Any, errors: tuple[GridErrors, ...], what: str, label: str) ->
             fontsize=9,
             va="center",
         )
-    axes.set_ylim(low, high)
+    axes.set_ylim(low / 12 if what == "energy" else low, high)
+    if what == "distance":
+        axes.axhline(REACH, color="#999999", lw=0.8, ls=":")
+        axes.annotate("not found nearer", (cells[0], REACH), fontsize=6.5, ha="right", va="bottom")
     axes.set_xlim(cells.min() / 1.75, cells.max() * 1.12)
     axes.set_xticks(cells, [f"2π/{round(2 * np.pi / c)}" for c in cells], fontsize=6.5)
     axes.xaxis.set_minor_locator(NullLocator())

@@ -220,16 +220,20 @@ def _bar(axes: Any, image: Any) -> None:
 
 
 def sheet_table(panels: list[ExactLandscape]) -> Table:
-    """Tabulate the panels: minima by verdict, metastable length, boundary."""
+    """Tabulate the panels: minima, those not ruled out (open) and stable in the full space, metastable length."""
     table = Table(title=f"{len(panels)} panels", title_justify="left")
-    heads = ("scene", "N_sym", "not ruled out", "N_full", "metastable [rad]", "1-handles")
+    heads = ("scene", "N_sym", "open", "N_full", "metastable [rad]", "1-handles")
     for head in heads:
-        table.add_column(Text(head), justify="left" if head == "scene" else "right", no_wrap=True)
+        left = head == "scene"
+        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
     for panel in panels:
         lines = panel.boundary.lines if panel.boundary else ()
         length = sum(part.length for part in panel.metastable)
+        name = panel.result.scene.name or ""
+        for long, short in (("degree ", "N = "), ("alpha_1 = ", ""), ("r_k = ", "")):
+            name = name.replace(long, short)
         table.add_row(
-            (panel.result.scene.name or "").replace("degree ", "N = "),
+            name,
             *("?" if n is None else str(n) for n in panel.counts),
             f"{length:.2f}" if panel.metastable else "-",
             str(sum(line.thin for line in lines)),

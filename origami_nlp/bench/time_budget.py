@@ -1,0 +1,228 @@
+"""Where the time of the main job goes: one search of each panel, stage by stage, and what share is the floor.
+
+The stage functions of the search are wrapped by stopwatches for the time of one `find_minima`; a stage that runs
+inside another counts for itself only.  Inside an IPOPT solve CasADi reports the time in functions and derivatives;
+linear algebra is estimated as one dense factorisation (LAPACK) of the KKT matrix an iteration, the rest is
+IPOPT's own.  The floor is the function evaluations of the solves alone.  CPU time of one thread, which other
+processes of the machine disturb less than wall time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.state.scene import Scene
+
+STAGES = (
+    "building",
+    "function evaluation",
+    "linear algebra",
+    "IPOPT overhead",
+    "starts",
+    "polish",
+    "thin sets and foldings",
+    "classification",
+    "other",
+)
+FACTORISATIONS_TIMED = 200
+
+
+@dataclass(frozen=True)
+class TimeBudget:
+    """Seconds of one search by stage (`STAGES`), with its numbers of solves and IPOPT iterations."""
+
+    name: str
+    seconds: dict[str, float]
+    solves: int
+    iterations: int
+
+    @property
+    def total(self) -> float:
+        """CPU time of the search, solver building included."""
+        return sum(self.seconds.values())
+
+    @property
+    def solving(self) -> float:
+        """Seconds inside IPOPT."""
+        return sum(self.seconds[s] for s in STAGES[1:4])
+
+    @property
+    def over_floor(self) -> float:
+        """Total time over the floor, the function evaluations of the solves."""
+        return self.total / self.seconds["function evaluation"]
+
+
+class _Stopwatch:
+    """Exclusive times of nested stages."""
+
+    def __init__(self) -> None:
+        self.seconds: Counter[str] = Counter()
+        self._inside: list[float] = []
+
+    def timed(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap a function so that its time, less that of stages inside it, counts for `stage`."""
+
+        def wrapped(*args: Any, **options: Any) -> Any:
+            self._inside.append(0.0)
+            begin = time.process_time()
+            try:
+                return function(*args, **options)
+            finally:
+                spent = time.process_time() - begin
+                self.seconds[stage] += spent - self._inside.pop()
+                if self._inside:
+                    self._inside[-1] += spent
+
+        return wrapped
+
+
+@contextmanager
+def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None]:
+    original = getattr(owner, name)
+    setattr(owner, name, wrap(original))
+    try:
+        yield
+    finally:
+        setattr(owner, name, original)
+
+
+def measure(scene: Scene, seed: int = 0) -> TimeBudget:
+    """Search a scene once, with everything built anew, and return where the time went."""
+    from origami_nlp.judge import minima
+    from origami_nlp.model import structure
+    from origami_nlp.solve import ipopt, search, starts
+
+    watch, inside = _Stopwatch(), Counter[str]()
+    for cached in (
+        structure.compile_structure,
+        ipopt.build_solver,
+        ipopt.build_boundary_solver,
+    ):
+        cached.cache_clear()
+
+    def asked(programme: Any) -> Any:
+        """Let a built programme report CasADi's own times after each solve."""
+
+        class Solver:
+            def __call__(self, **arguments: Any) -> Any:
+                out = programme.solver(**arguments)
+                stats = programme.solver.stats()
+                inside["evaluation"] += sum(
+                    v for k, v in stats.items() if k.startswith("t_proc_nlp_")
+                )
+                return out
+
+            def stats(self) -> Any:
+                return programme.solver.stats()
+
+        return type(programme)(Solver(), programme.lower, programme.upper)
+
+    def builder(original: Any) -> Any:
+        build = watch.timed("building", original)
+        return lambda *args: asked(build(*args))
+
+    with ExitStack() as stack:
+        for owner, name, stage in (
+            (minima, "classify", "classification"),
+            (minima, "handle_minima", "thin sets and foldings"),
+            (minima, "flat_foldings", "thin sets and foldings"),
+            (search, "polish", "polish"),
+            (search, "solve", "IPOPT"),
+            (search, "solve_on_boundary", "IPOPT"),
+            (starts.StartStream, "__next__", "starts"),
+        ):
+            stack.enter_context(_wrapped(owner, name, lambda f, s=stage: watch.timed(s, f)))
+        for name in ("build_solver", "build_boundary_solver"):
+            stack.enter_context(_wrapped(ipopt, name, builder))
+        begin = time.process_time()
+        model = scene.model()
+        watch.timed("building", lambda: model.functions.evaluators)()
+        result = minima.find_minima(scene, seed=seed)
+        total = time.process_time() - begin
+    seconds = dict.fromkeys(STAGES, 0.0)
+    for stage, spent in watch.seconds.items():
+        if stage in seconds:
+            seconds[stage] = spent
+    solving = watch.seconds["IPOPT"]
+    algebra = min(
+        result.search.iterations * _factorisation(model.size, model.equation_count),
+        max(0.0, solving - inside["evaluation"]),
+    )
+    seconds["function evaluation"] = inside["evaluation"]
+    seconds["linear algebra"] = algebra
+    seconds["IPOPT overhead"] = solving - inside["evaluation"] - algebra
+    seconds["other"] = max(0.0, total - sum(watch.seconds.values()))
+    return TimeBudget(scene.name or "", seconds, result.search.solves, result.search.iterations)
+
+
+def _factorisation(variables: int, equations: int) -> float:
+    """Seconds of one dense factorisation and solve of a KKT matrix (median)."""
+    size = variables + equations
+    matrix = np.eye(size) + np.random.default_rng(0).normal(size=(size, size))
+    right, times = np.ones(size), []
+    for _ in range(FACTORISATIONS_TIMED):
+        begin = time.perf_counter()
+        np.linalg.solve(matrix, right)
+        times.append(time.perf_counter() - begin)
+    return float(np.median(times))
+
+
+def markdown(budgets: list[TimeBudget]) -> str:
+    """Return a table of one row a panel: share of each stage [%], total [s], total over floor."""
+    heads = ("scene", *STAGES, "total [s]", "solves", "iterations", "total / floor")
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    for b in budgets:
+        shares = [f"{100 * b.seconds[s] / b.total:.0f} %" for s in STAGES]
+        cells = (
+            b.name,
+            *shares,
+            f"{b.total:.2f}",
+            str(b.solves),
+            str(b.iterations),
+            f"{b.over_floor:.0f}",
+        )
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def draw(budgets: list[TimeBudget], target: Any) -> None:
+    """Draw the stages of each panel as stacked bars, and write the figure (suffix decides the format)."""
+    from matplotlib.figure import Figure
+
+    colours = (
+        "#999999",
+        "#0072B2",
+        "#56B4E9",
+        "#CCE5F2",
+        "#F0E442",
+        "#E69F00",
+        "#CC79A7",
+        "#009E73",
+        "#DDDDDD",
+    )
+    figure = Figure(figsize=(9, 0.32 * len(budgets) + 1.8), layout="constrained")
+    axes = figure.subplots()
+    y, left = np.arange(len(budgets)), np.zeros(len(budgets))
+    for stage, colour in zip(STAGES, colours, strict=True):
+        width = np.array([b.seconds[stage] for b in budgets])
+        axes.barh(y, width, left=left, color=colour, edgecolor="white", linewidth=0.4, label=stage)
+        left += width
+    axes.set_yticks(y, [b.name for b in budgets], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel("seconds of one search (CPU time, solver building included)")
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(
+        *axes.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=5,
+        fontsize=8,
+        frameon=False,
+    )
+    figure.savefig(target, dpi=150)
