@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.errors import SweepError
 from origami_nlp.sweep.load import KINDS, sweep_grid
@@ -23,7 +24,7 @@ MISSING = "#d9d9d9"
 
 
 def draw_sweep(
-    folder: str | os.PathLike[str], path: str | os.PathLike[str] | None = None
+    folder: str | Path, path: str | os.PathLike[str] | None = None
 ) -> Figure:
     """Draw a sweep over one parameter (stacked kinds) or two (a map of each kind that occurs).
 
@@ -74,7 +75,7 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
         ylim=(0, max(1, below.max()) + 0.3),
         xlim=(x.min(), x.max()),
     )
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside upper center", ncols=4, frameon=False)
     return figure
@@ -87,7 +88,7 @@ def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
     rows = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     most = max(1, int(grid["count"].max()))
     colours = mpl.colormaps["viridis"].resampled(most + 1)
-    image = None
+    image: Any = None
     for axes, (title, count) in zip(rows, panels.items(), strict=True):
         shown = np.ma.masked_less(count, 0)
         axes.set_facecolor(MISSING)

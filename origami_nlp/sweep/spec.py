@@ -93,10 +93,10 @@ class Sweep:
         """Values of the axes of scene `index`; the last axis runs fastest."""
         where: tuple[Any, ...]
         if self.search["mode"] == "grid":
-            where = np.unravel_index(index, self.shape)
+            where = tuple(np.unravel_index(index, self.shape))
         else:
             where = (index,) * len(self.axes)
-        return {a.name: a.values[int(i)] for a, i in zip(self.axes, where, strict=True)}
+        return {a.name: a.values[i] for a, i in zip(self.axes, where, strict=True)}
 
     def scene(self, index: int) -> Scene:
         """Make scene `index`.
