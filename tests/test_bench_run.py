@@ -295,6 +295,27 @@ def test_the_command_writes_what_is_asked(tiny, monkeypatch, tmp_path):
     assert json.loads(piped.stdout)["schema"] == SCHEMA
 
 
+def test_hard_cases_are_run_shown_and_counted(monkeypatch, tmp_path):
+    from typer.testing import CliRunner
+
+    from origami_nlp.bench import hard
+
+    def of(value):
+        measured = (hard.Measured("angle", value, 1e-10),)
+        outcomes = (hard.Outcome("one setting", measured, "minimum", True),)
+        case = hard.HardCase("a case", "hard", "known", "must", lambda: iter(()))
+        return lambda progress=None: hard.HardReport((hard.HardResult(case, outcomes),))
+
+    for value, code in ((1e-12, 0), (1e-3, 1)):
+        monkeypatch.setattr("origami_nlp.bench.hard.run_hard", of(value))
+        names = ["--json", str(tmp_path / "h.json"), "--markdown", str(tmp_path / "h.md")]
+        result = CliRunner().invoke(app, ["bench", "--hard", *names])
+        assert result.exit_code == code and "one setting" in result.output
+        data = json.loads((tmp_path / "h.json").read_text())
+        assert data["cases"][0]["outcomes"][0]["passed"] is (code == 0)
+        assert "# Hard cases" in (tmp_path / "h.md").read_text()
+
+
 @pytest.mark.slow
 def test_the_quick_run_has_every_part(tmp_path):
     from origami_nlp.bench.run import run_bench

@@ -72,7 +72,7 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
 def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
     rng = np.random.default_rng(degree)
     for curve in phase_boundaries(degree, depth=depth, rest=rest):
-        for k in sample(curve, 25, rng):
+        for k in sample(curve, 8, rng):
             nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
             sides = [
                 counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth, rest) for s in (-1, 1)

@@ -16,12 +16,17 @@ from origami_nlp.solve.polish import polish
 from origami_nlp.solve.search import Record, solve_without_crossing
 from origami_nlp.solve.starts import BATCH, project_batch
 from origami_nlp.state import examples
+from origami_nlp.state.angles import parse_angles
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.vertex import Vertex
 
 ROUNDING = 1e-14
 """Bound on fold angles that are known exactly [rad]."""
 EPS = float(np.finfo(float).eps)
+
+
+def _vertex(sectors: tuple[str, ...]) -> Vertex:
+    return Vertex(parse_angles(sectors, "sector_angles"))
 
 
 def nearest(result: MinimaResult, fold_angles: object) -> tuple[Minimum | None, float]:
@@ -87,7 +92,7 @@ def _flat_answers() -> Iterator[Outcome]:
         (("pi/5",) * 10, "D5"),
     ):
         n = len(sectors)
-        scene = Scene(Vertex(sectors), (1.0,) * n, (0.0,) * n, symmetry)
+        scene = Scene(_vertex(sectors), (1.0,) * n, (0.0,) * n, symmetry)
         result = find_minima(scene)
         m, far = nearest(result, np.zeros(n))
         assert m is not None
@@ -110,7 +115,7 @@ def _flat_folded() -> Iterator[Outcome]:
     ):
         rest = tuple(pi * s for s in signs)
         n = len(sectors)
-        scene = Scene(Vertex(sectors), (1.0,) * n, rest, symmetry)
+        scene = Scene(_vertex(sectors), (1.0,) * n, rest, symmetry)
         yield known_state(f"degree {n}, {scene.group.name}, {signs}", scene, rest, 0.0)
 
 
@@ -124,7 +129,7 @@ def _book_folds() -> Iterator[Outcome]:
         yield known_state(f"closed book, {scene.name}", scene, closed, energy)
     for angle, symmetry in ((1.0, "D1"), (1e-3, "D1"), (1e-5, "D1"), (1e-6, "D1"), (1e-6, "none")):
         rest = (angle, 0.0, 0.0, angle, 0.0, 0.0)
-        scene = Scene(Vertex(("pi/4", "pi/2", "pi/4") * 2), (1.0,) * 6, rest, symmetry)
+        scene = Scene(_vertex(("pi/4", "pi/2", "pi/4") * 2), (1.0,) * 6, rest, symmetry)
         yield known_state(f"at rest open by {angle:g} rad, {symmetry}", scene, rest, 0.0)
 
 
@@ -132,7 +137,7 @@ def _next_to_pi() -> Iterator[Outcome]:
     for distance in (1e-6, 1e-9, 1e-12, 1e-14, 0.0):
         angle = math.pi - distance
         rest = (angle, 0.0, angle, 0.0)
-        scene = Scene(Vertex(("pi/2",) * 4), (1.0,) * 4, rest, "none")
+        scene = Scene(_vertex(("pi/2",) * 4), (1.0,) * 4, rest, "none")
         bound = max(ROUNDING, 2 * EPS + min(distance, 4 * EPS / max(distance, 1e-300)))
         yield known_state(f"book of degree 4, pi - {distance:g}", scene, rest, 0.0, bound)
     for sign, distance in ((1, 1e-6), (1, 1e-12), (-1, 1e-12), (1, 0.0)):

@@ -38,7 +38,7 @@ NEAR = -0.4636
 def ratio_scene(ratio: float, symmetry: str = "D3") -> Scene:
     """Equal sectors of pi/3, k_odd / k_even = ratio, every crease at rest at -3 rad."""
     root = math.sqrt(ratio)
-    return Scene(Vertex(("pi/3",) * 6), (root, 1 / root) * 3, (REST,) * 6, symmetry)
+    return Scene(Vertex((math.pi / 3,) * 6), (root, 1 / root) * 3, (REST,) * 6, symmetry)
 
 
 def exact_fold_point(digits: int = 50) -> tuple[Any, Any, Any]:
@@ -164,16 +164,16 @@ def _fold_point() -> Iterator[Outcome]:
             pair = verdicts == ["minimum", "saddle"]
             expected = pair if _exists(side) else gone
             verdict = " and ".join(verdicts) or "no critical state near"
-            measured = ()
+            checks: tuple[Measured, ...] = ()
             if pair:
                 apart = float(np.abs(states[0][0] - states[1][0]).max())
                 verdict += f", {apart:.1e} rad apart"
                 worst = max(_elevation_error(x, ratio, float(elevation)) for x, _ in states)
                 # the ratio moves the states as its square root: rounding of r counts as eps / sqrt(distance)
                 allowed = max(1e-14, 20 * np.finfo(float).eps / math.sqrt(distance))
-                measured = (Measured("angles", worst, allowed),)
+                checks = (Measured("angles", worst, allowed),)
             yield Outcome(
-                f"r_k = r* (1 {'+' if side > 0 else '-'} 1e{power})", measured, verdict, expected
+                f"r_k = r* (1 {'+' if side > 0 else '-'} 1e{power})", checks, verdict, expected
             )
 
 

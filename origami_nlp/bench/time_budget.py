@@ -10,10 +10,10 @@ processes of the machine disturb less than wall time.
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,7 +63,7 @@ class _Stopwatch:
     """Exclusive times of nested stages."""
 
     def __init__(self) -> None:
-        self.seconds: Counter[str] = Counter()
+        self.seconds: dict[str, float] = dict.fromkeys((*STAGES, "IPOPT"), 0.0)
         self._inside: list[float] = []
 
     def timed(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -99,7 +99,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     from origami_nlp.model import structure
     from origami_nlp.solve import ipopt, search, starts
 
-    watch, inside = _Stopwatch(), Counter[str]()
+    watch, inside = _Stopwatch(), {"evaluation": 0.0}
     for cached in (
         structure.compile_structure,
         ipopt.build_solver,
@@ -138,7 +138,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
             (search, "solve_on_boundary", "IPOPT"),
             (starts.StartStream, "__next__", "starts"),
         ):
-            stack.enter_context(_wrapped(owner, name, lambda f, s=stage: watch.timed(s, f)))
+            stack.enter_context(_wrapped(owner, name, partial(watch.timed, stage)))
         for name in ("build_solver", "build_boundary_solver"):
             stack.enter_context(_wrapped(ipopt, name, builder))
         begin = time.process_time()

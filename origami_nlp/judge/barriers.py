@@ -139,7 +139,7 @@ def find_barriers(
         )
         for m in tree.merges
     )
-    unlisted = []
+    unlisted: list[Unlisted] = []
     for life, v in tree.others:
         if len(unlisted) == MOST_UNLISTED:
             break

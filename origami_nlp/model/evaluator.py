@@ -18,6 +18,7 @@ def evaluator(function: ca.Function) -> Evaluate:
     array.  The values are those of calling the function itself.  Not for several threads at once: arguments
     pass through buffers that belong to the callable.
     """
+    buffer: Any
     buffer, trigger = function.buffer()
     arguments = [np.zeros(function.nnz_in(i)) for i in range(function.n_in())]
     outputs = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
@@ -25,10 +26,10 @@ def evaluator(function: ca.Function) -> Evaluate:
         if not function.sparsity_in(i).is_dense():
             raise ValueError(f"argument {i} of {function.name()} must be dense")
         if a.size:
-            buffer.set_arg(i, memoryview(a))
+            buffer.set_arg(i, memoryview(a.data))
     for i, a in enumerate(outputs):
         if a.size:
-            buffer.set_res(i, memoryview(a))
+            buffer.set_res(i, memoryview(a.data))
     shapes = [tuple(function.size_out(i)) for i in range(function.n_out())]
     where: list[Any] = []
     for i, (_, columns) in enumerate(shapes):

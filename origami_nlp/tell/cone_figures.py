@@ -149,7 +149,7 @@ def draw_cone_figure(name: str) -> Figure:
     heights = [size[1] for _, size, _ in SHEETS.values()]
     figure = Figure(figsize=(width, sum(heights)), layout="constrained", dpi=100)
     parts = figure.subfigures(len(SHEETS), 1, height_ratios=heights)
-    for part, (draw, _, title) in zip(np.ravel(parts), SHEETS.values(), strict=True):
+    for part, (draw, _, title) in zip(np.asarray(parts).tolist(), SHEETS.values(), strict=True):
         draw(part)
         part.suptitle(title, fontsize=11)
     return figure

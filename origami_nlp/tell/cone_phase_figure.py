@@ -31,6 +31,8 @@ WORDS = {
 INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
 """Okabe-Ito, by number of valley flaps."""
 HALO = [withStroke(linewidth=2.2, foreground="white")]
+NEAREST_LABELS = 0.045
+"""Labels are at least this far apart (share of the axes' height; widths count for 0.4 of it)."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
 
@@ -187,21 +189,18 @@ def _place_labels(
     every = [unit(x, y) for _, x, y in curves]
     for own, (curve, _, _) in enumerate(curves):
         points = every[own]
-        good = (points > 0.04).all(axis=1) & (points < 0.97).all(axis=1)
+        good = ((points > [0.08, 0.04]) & (points < [0.95, 0.97])).all(axis=1)
         if good.sum() < 5:
             continue
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
         side = _stable_side(curve)
-        slope = np.gradient(points[at], axis=0) if len(at) > 1 else np.ones((1, 2))
-        steep = np.abs(slope[:, 1]) > 1.5 * np.abs(slope[:, 0])
-        uphill = np.sign(slope[:, 0] * slope[:, 1])  # above a rising curve is to its left
-        aside = np.stack([-0.05 * side * uphill, np.zeros(len(at))], axis=-1)
-        offset = points[at] + np.where(steep[:, None], aside, [0.0, 0.028 * side])
+        # at an end curve the branch is stable on both sides: its label stands on the line
+        offset = points[at] + np.array([0.0, 0.028 * side * (curve.kind != "end")])
         room = np.full(len(at), 1.0)
         for other in placed:
-            d = (offset - other) * np.array([0.55, 1.0])
-            room = np.minimum(room, np.hypot(*d.T))
+            apart = np.hypot(*((offset - other) * np.array([0.4, 1.0])).T)
+            room = np.where(apart < NEAREST_LABELS, 0.0, np.minimum(room, apart))
         for k, line in enumerate(every):
             if k != own and len(line):
                 gap = np.abs(offset[:, None, :] - line[None, :: max(1, len(line) // 80), :])

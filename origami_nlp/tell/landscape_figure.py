@@ -29,6 +29,7 @@ PATH: dict[str, Any] = {
     "linewidth": 1.5,
     "path_effects": [Stroke(linewidth=3.0, foreground="black"), Normal()],
     "zorder": 5,
+    "clip_on": False,
 }
 SIDE, MARGIN, LEFT, RIGHT = 5.0, 0.15, 0.75, 0.95
 """Of a panel, and what is around it [in]."""
@@ -49,7 +50,7 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     groups = [list(range(count))] if exact.one_plane else [[k] for k in range(count)]
     panel = LEFT + SIDE + RIGHT
     width = 2 * MARGIN + panel * len(groups)
-    title = textwrap.wrap(_title(exact), int(11 * width))
+    title = textwrap.wrap(_title(exact), int(11.5 * width))
     chosen = joining_passes(barriers) if barriers else []
     entries = legend_of([exact], STYLE)
     if chosen:
@@ -71,7 +72,7 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
 
     for number, line in enumerate(title):
         y = 1 - (0.1 + 0.26 * number) / height
-        figure.text(0.3 / width, y, line, fontsize=12, weight="bold", va="top")
+        figure.text(0.3 / width, y, line, fontsize=11, weight="bold", va="top")
     for number, group in enumerate(groups):
         x = MARGIN + LEFT + number * panel
         axes = box(x, SIDE, top, SIDE)
@@ -181,7 +182,7 @@ def _notes(exact: ExactLandscape, passes: list[Pass]) -> list[str]:
     for part in hidden:
         x, y = part.points[0]
         notes.append(
-            f"Red ring at ({x:.3g}, {y:.3g}): {part.length:.3g} rad of metastable states share this point "
+            f"Red ring at ({x:.3g}, {y:.3g}): {part.length:.3g} rad of metastable states share it "
             f"({'; '.join(part.contacts)})."
         )
     drawn = [part for part in exact.metastable if not part.hidden]
