@@ -8,7 +8,14 @@ import pytest
 from nbclient import NotebookClient
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
-NAMES = ("01_stable_states.ipynb", "03_contact.ipynb", "04_landscapes.ipynb", "05_cones.ipynb", "06_speed_error.ipynb")
+NAMES = (
+    "01_stable_states.ipynb",
+    "03_contact.ipynb",
+    "04_landscapes.ipynb",
+    "05_cones.ipynb",
+    "06_speed_error.ipynb",
+    "07_from_a_fold_file.ipynb",
+)
 # 02 is tested beside the equations
 LARGEST = 1_500_000  # bytes, outputs included
 VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succeeded|hits|│).*")

@@ -23,9 +23,7 @@ COLOURS = {
 MISSING = "#d9d9d9"
 
 
-def draw_sweep(
-    folder: str | Path, path: str | os.PathLike[str] | None = None
-) -> Figure:
+def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw a sweep over one parameter (stacked kinds) or two (a map of each kind that occurs).
 
     Scenes that are invalid, failed or not yet run are grey.
