@@ -26,6 +26,9 @@ Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
 Pair = tuple[Strand, Strand]
 """Two strands of one segment, smaller first: the boolean 'the first is left of the second'."""
 
+Table = tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]
+"""Pairs, and the truth values that they may take together."""
+
 
 @dataclass
 class LayerProblem:
@@ -37,7 +40,7 @@ class LayerProblem:
     """
 
     segments: dict[tuple[int, int], list[tuple[Strand, int]]]
-    tables: list[tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
     fixed: dict[Pair, bool] = field(default_factory=dict)
     feasible: bool = True
 
@@ -49,7 +52,7 @@ class LayerProblem:
         for pair, value in (assume or {}).items():
             if start.setdefault(pair, value) != value:
                 return False
-        return _solve(self.tables, start) is not None
+        return _solvable(tuple(self.tables), frozenset(start.items()))
 
     def order(self) -> dict[Pair, bool] | None:
         """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
@@ -283,9 +286,13 @@ def _interleaving_pattern(
     return tuple(pairs), frozenset(allowed)
 
 
-def _solve(
-    tables: list[tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]], assigned: dict[Pair, bool]
-) -> dict[Pair, bool] | None:
+@lru_cache(maxsize=4096)
+def _solvable(tables: tuple[Table, ...], start: frozenset[tuple[Pair, bool]]) -> bool:
+    """Tell whether the tables have a solution; states of one combinatorial kind ask the same question."""
+    return _solve(list(tables), dict(start)) is not None
+
+
+def _solve(tables: list[Table], assigned: dict[Pair, bool]) -> dict[Pair, bool] | None:
     """Depth-first search with propagation over table constraints; returns a solution, or None."""
     assigned = dict(assigned)
     changed = True
