@@ -131,8 +131,7 @@ class HardReport:
         )
         lines += ["", "## Failures", ""]
         lines += [
-            f"- {name}, {o.setting}: {', '.join(_cells(o)[:1])}; {o.verdict}"
-            for name, o in self.failures
+            f"- {name}, {o.setting}: {_cells(o)[0]}; {_cells(o)[2]}" for name, o in self.failures
         ]
         if not self.failures:
             lines.append("None.")

@@ -13,7 +13,7 @@ from origami_nlp.judge.classify import classify
 from origami_nlp.judge.minima import MinimaResult, Minimum, find_minima
 from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.solve.polish import polish
-from origami_nlp.solve.search import Record, solve_without_crossing
+from origami_nlp.solve.search import SAME, Record, solve_without_crossing
 from origami_nlp.solve.starts import BATCH, project_batch
 from origami_nlp.state import examples
 from origami_nlp.state.angles import parse_angles
@@ -53,8 +53,10 @@ def known_state(
         Measured("energy", abs(m.energy - energy) / max(energy, unit), bound),
         Measured("closure", m.closure_residual, ROUNDING),
     )
-    verdict = f"{m.kind}, dimension {m.local_dimension}"
-    return Outcome(setting, measured, verdict, True, result.search.iterations)
+    verdict, note = f"{m.kind}, dimension {m.local_dimension}", ""
+    if bound < far <= 1.001 * SAME:
+        note = "a flat folding within 1e-6 is taken for the same state (solve.search.SAME)"
+    return Outcome(setting, measured, verdict, True, result.search.iterations, note=note)
 
 
 def _flat_starts() -> Iterator[Outcome]:

@@ -215,7 +215,7 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
         axes.barh(y, width, left=left, color=colour, edgecolor="white", linewidth=0.4, label=stage)
         left += width
     axes.set_yticks(y, [b.name for b in budgets], fontsize=8)
-    axes.invert_yaxis()
+    axes.set_ylim(len(budgets) - 0.4, -0.6)
     axes.set_xlabel("seconds of one search (CPU time, solver building included)")
     axes.spines[["top", "right"]].set_visible(False)
     figure.legend(
