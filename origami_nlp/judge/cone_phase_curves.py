@@ -160,22 +160,42 @@ def _bisected(
     xs: np.ndarray,
     ys: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Move each vertex of a contour line along its grid edge to the sign change of the condition."""
-    on_y = np.isin(y, ys)  # on a horizontal grid line: x is free
-    x_edge = np.clip(np.searchsorted(xs, x), 1, len(xs) - 1)
-    y_edge = np.clip(np.searchsorted(ys, y), 1, len(ys) - 1)
-    low = np.where(on_y, xs[x_edge - 1], ys[y_edge - 1])
-    high = np.where(on_y, xs[x_edge], ys[y_edge])
+    """Move each vertex of a contour line along its grid edge to the sign change of the condition.
+
+    A vertex lies on a grid line of one coordinate, and the other one is free.  Where it falls on a node to
+    rounding, its edge may be any of those around: the first one with a sign change is taken.  Vertices without
+    one are left out.
+    """
+    found = np.zeros(len(x), dtype=bool)
+    at_x, at_y, low, high = x.copy(), y.copy(), x.copy(), x.copy()
+    free_x = np.zeros(len(x), dtype=bool)
+    for along_x in (True, False):
+        free, grid, fixed, lines = (x, xs, y, ys) if along_x else (y, ys, x, xs)
+        near = np.clip(np.searchsorted(lines, fixed), 1, len(lines) - 1)
+        near -= np.abs(lines[near - 1] - fixed) <= np.abs(lines[near] - fixed)
+        on_line = np.abs(lines[near] - fixed) <= 1e-9 * np.abs(fixed)
+        edge = np.searchsorted(grid, free)
+        for step in (0, -1, 1):
+            k = np.clip(edge + step, 1, len(grid) - 1)
+            a, b, other = grid[k - 1], grid[k], lines[near]
+            ends = [condition(v, other) if not along_x else condition(other, v) for v in (a, b)]
+            take = ~found & on_line & (np.signbit(ends[0]) != np.signbit(ends[1]))
+            low, high = np.where(take, a, low), np.where(take, b, high)
+            at_x = np.where(take & ~np.bool_(along_x), other, at_x)
+            at_y = np.where(take & np.bool_(along_x), other, at_y)
+            free_x |= take & along_x
+            found |= take
+    at_x, at_y, low, high, free_x = (v[found] for v in (at_x, at_y, low, high, free_x))
 
     def value(free: np.ndarray) -> np.ndarray:
-        return condition(np.where(on_y, y, free), np.where(on_y, free, x))
+        return condition(np.where(free_x, at_y, free), np.where(free_x, free, at_x))
 
     below = np.signbit(value(low))
     for _ in range(80):
         middle = (low + high) / 2
         same = np.signbit(value(middle)) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return np.where(on_y, low, x), np.where(on_y, y, low)
+    return np.where(free_x, low, at_x), np.where(free_x, at_y, low)
 
 
 def _pieces(
