@@ -1,4 +1,4 @@
-"""Call a compiled CasADi function with NumPy arrays and without conversions: 3 instead of 80 microseconds."""
+"""Call a compiled CasADi function with NumPy arrays and without conversions: 5 instead of 48 microseconds."""
 
 from __future__ import annotations
 

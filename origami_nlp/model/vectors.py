@@ -1,4 +1,4 @@
-"""The cross product of 3-vectors, without the overhead of `numpy.cross` (30 microseconds a call)."""
+"""The cross product of 3-vectors, without the overhead of `numpy.cross` (18 microseconds a call)."""
 
 from __future__ import annotations
 
