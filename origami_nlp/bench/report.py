@@ -27,7 +27,7 @@ HEADS = (
     f"s per minimum to {LEVEL:.0e}, over ours",
     "missed",
     "false",
-    "failed starts",
+    "starts without a claim",
 )
 
 
