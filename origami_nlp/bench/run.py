@@ -33,7 +33,7 @@ from origami_nlp.solve.search import FEW_PAIRS
 from origami_nlp.tell.files import write_whole
 
 SCHEMA = "origami-nlp/bench/1"
-FULL = Plan(rounds=5, starts=26, sweep=4, budget=3.0)
+FULL = Plan(rounds=5, starts=26, sweep=2, budget=0.6)
 QUICK = Plan(rounds=5, starts=4, sweep=2, budget=0.8)
 JOB_ROUNDS = 2
 """Runs of the whole main job on each problem."""
