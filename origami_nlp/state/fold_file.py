@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
+from origami_nlp.state.reading import read_limited
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
@@ -69,17 +69,7 @@ def read_fold(source: str | Path) -> tuple[Frame, ...]:
     FoldFileError
         If the file cannot be read, is no JSON, or an array is not what FOLD says it is.
     """
-    if str(source) == "-":
-        raw = sys.stdin.buffer.read(LARGEST + 1)
-    else:
-        try:
-            with open(source, "rb") as file:
-                raw = file.read(LARGEST + 1)
-        except OSError as error:
-            raise FoldFileError(f"cannot read {str(source)!r}: {error.strerror}") from None
-    if len(raw) > LARGEST:
-        raise FoldFileError(f"{str(source)!r} is larger than {LARGEST // 10**6} MB: not read")
-    return parse_fold(raw)
+    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError))
 
 
 def parse_fold(text: str | bytes) -> tuple[Frame, ...]:

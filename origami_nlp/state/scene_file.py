@@ -6,7 +6,6 @@ The file is data: text angles go through `state.angles.parse_angle`, nothing is 
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 
 from origami_nlp.errors import SceneFileError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.reading import read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.symmetry import TOLERANCE
 from origami_nlp.state.vertex import Vertex
@@ -34,16 +34,7 @@ def read_scene(source: str | Path) -> Scene:
     SceneFileError
         If the file cannot be read or is no TOML; other `OrigamiError` for what it says.
     """
-    if str(source) == "-":
-        raw = sys.stdin.buffer.read(_LARGEST + 1)
-    else:
-        try:
-            with open(source, "rb") as file:
-                raw = file.read(_LARGEST + 1)
-        except OSError as error:
-            raise SceneFileError(f"cannot read scene {str(source)!r}: {error.strerror}") from None
-    if len(raw) > _LARGEST:
-        raise SceneFileError(f"scene {str(source)!r} is larger than 1 MB: not a scene file")
+    raw = read_limited(source, _LARGEST, "scene", SceneFileError)
     try:
         return parse_scene(raw.decode("utf-8"))
     except UnicodeDecodeError as error:

@@ -43,6 +43,7 @@ import numpy as np
 from origami_nlp.errors import SweepError
 from origami_nlp.state import examples
 from origami_nlp.state.angles import parse_angle
+from origami_nlp.state.reading import read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.scene_file import scene_from_dict
 
@@ -140,12 +141,7 @@ def read_sweep(path: str | Path) -> Sweep:
     SweepError
         If the file cannot be read, or a key is unknown, missing or wrong; other `OrigamiError` for the scene.
     """
-    try:
-        raw = Path(path).read_bytes()
-    except OSError as error:
-        raise SweepError(f"cannot read sweep {str(path)!r}: {error.strerror}") from None
-    if len(raw) > _LARGEST:
-        raise SweepError(f"sweep {str(path)!r} is larger than 10 MB: not a sweep file")
+    raw = read_limited(path, _LARGEST, "sweep", SweepError)
     try:
         data = tomllib.loads(raw.decode())
     except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
