@@ -146,7 +146,11 @@ def _traced(
         at_nu, at_t = _bisected(condition, line[:, 0], line[:, 1], nu, t)
         energy = class_energy(branches, at_t, at_nu, rest)
         ratio = energy.ratio
-        if kind == "depth":  # only minima count; maxima of that depth are no boundary
+        if kind == "depth":
+            # U' = 0 makes this form insensitive to rounding of t; -A'/B' is 0/0 where A and B share
+            # their vertex (N = 12, M_2V_4 down as nu_0 -> 0)
+            ratio = energy.ratio_of_depth(depth)
+            # only minima count; maxima of that depth are no boundary
             ratio = np.where(energy.dda + ratio * energy.ddb > 0, ratio, np.nan)
         elif depth > 0:
             ratio = np.where(energy.depth(ratio) > depth, ratio, np.nan)

@@ -153,6 +153,13 @@ class ClassEnergy:
         """(U_flat - U)/U_flat at a ratio; nan where there is none."""
         return (self.a_well + ratio * self.b_well) / (self.a_flat + ratio * self.b_flat)
 
+    def ratio_of_depth(self, depth: float) -> np.ndarray:
+        """Return r at which the state has the relative depth, stationary or not; nan if none."""
+        over_a, over_b = self.a_well - depth * self.a_flat, self.b_well - depth * self.b_flat
+        with np.errstate(divide="ignore", invalid="ignore"):
+            r = -over_a / over_b
+        return np.where(np.isfinite(r), r, np.nan)
+
     def depth_gap(self, depth: float) -> np.ndarray:
         """Zero where a stationary point has the relative depth (times -B', so that it is smooth)."""
         over_a = self.a_well - depth * self.a_flat
