@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.state.scene import Scene
+from origami_nlp.tell.table import rows_markdown, rows_table
 
 STAGES = (
     "building",
@@ -174,22 +175,36 @@ def _factorisation(variables: int, equations: int) -> float:
     return float(np.median(times))
 
 
-def markdown(budgets: list[TimeBudget]) -> str:
-    """Return a table of one row a panel: share of each stage [%], total [s], total over floor."""
-    heads = ("scene", *STAGES, "total [s]", "solves", "iterations", "total / floor")
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    for b in budgets:
-        shares = [f"{100 * b.seconds[s] / b.total:.0f} %" for s in STAGES]
-        cells = (
-            b.name,
-            *shares,
+HEADS = ("scene", *STAGES, "total [s]", "solves", "iterations", "total / floor")
+
+
+def rows(budgets: list[TimeBudget]) -> list[tuple[str, ...]]:
+    """One row a panel: share of each stage [%], total [s], total over floor; and the sum of all."""
+    names = [b.name.replace("degree ", "N = ").replace("alpha_1 = ", "") for b in budgets]
+    total = {s: sum(b.seconds[s] for b in budgets) for s in STAGES}
+    solves, steps = sum(b.solves for b in budgets), sum(b.iterations for b in budgets)
+    every = [*budgets, TimeBudget("all", total, solves, steps)]
+    return [
+        (
+            name,
+            *(f"{100 * b.seconds[s] / b.total:.0f} %" for s in STAGES),
             f"{b.total:.2f}",
             str(b.solves),
             str(b.iterations),
             f"{b.over_floor:.0f}",
         )
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+        for name, b in zip([*names, "all"], every, strict=True)
+    ]
+
+
+def markdown(budgets: list[TimeBudget]) -> str:
+    """Return the table of `rows` as Markdown."""
+    return rows_markdown(HEADS, rows(budgets))
+
+
+def table(budgets: list[TimeBudget]) -> Any:
+    """Return the table of `rows` for the terminal."""
+    return rows_table(HEADS, rows(budgets), "where the time of one search goes, CPU seconds")
 
 
 def draw(budgets: list[TimeBudget], target: Any) -> None:

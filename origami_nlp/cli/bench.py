@@ -25,6 +25,9 @@ def bench(
     hard: Annotated[
         bool, typer.Option("--hard", help="Run the hard cases instead: error and verdict of each.")
     ] = False,
+    profile: Annotated[
+        bool, typer.Option("--profile", help="Instead: where the time of the main job goes.")
+    ] = False,
     json: JsonFile = None,
     figure: FigureFile = None,
     markdown: Markdown = None,
@@ -42,7 +45,10 @@ def bench(
     check_writable(json, "--json")
     check_writable(figure, "--figure")
     check_writable(markdown, "--markdown")
-    (_hard if hard else _speed)(quick, json, figure, markdown, seed)
+    if profile and (quick or hard):
+        raise OptionError(f"--profile does not go with {'--hard' if hard else '--quick'}: give one")
+    job = _profile if profile else _hard if hard else _speed
+    job(quick, json, figure, markdown, seed)
 
 
 def _speed(
@@ -71,6 +77,34 @@ def _speed(
         if figure and figure.suffix.lower() in (".png", ".svg"):
             link = Path(os.path.relpath(figure.resolve(), markdown.resolve().parent)).as_posix()
         write_whole(markdown, as_markdown(data, link).encode())
+
+
+def _profile(
+    quick: bool, json: str | None, figure: Path | None, markdown: Path | None, seed: int
+) -> None:
+    """Search every panel of the paper once, with stopwatches (`origami_nlp.bench.time_budget`)."""
+    from dataclasses import asdict
+
+    from rich.console import Console
+
+    from origami_nlp.bench import time_budget
+    from origami_nlp.state.examples import panels
+    from origami_nlp.tell.files import write_whole
+    from origami_nlp.tell.json_file import write_json
+
+    budgets = []
+    with _status() as tell:
+        for scene in panels():
+            tell(scene.name or "")
+            budgets.append(time_budget.measure(scene, seed))
+    Console(stderr=json == "-").print(time_budget.table(budgets))
+    if json:
+        panels_data = [{**asdict(b), "total": b.total} for b in budgets]
+        write_json({"schema": "origami-nlp/time-budget/1", "panels": panels_data}, json)
+    if figure:
+        time_budget.draw(budgets, figure)
+    if markdown:
+        write_whole(markdown, time_budget.markdown(budgets).encode())
 
 
 @contextmanager
