@@ -83,9 +83,18 @@ def test_frames_hold_the_states(result):
         if "foldedForm" in raw["frame_classes"]:
             assert raw["origaminlp:kind"] and "origaminlp:multipliers" in raw
             assert all(abs(a) <= 180 for a in raw["edges_foldAngle"])
-            signs = {"M": -1, "V": 1, "U": 0, "B": 0}
+            signs = {"M": -1, "V": 1, "F": 0, "B": 0}
             for letter, a in zip(raw["edges_assignment"], raw["edges_foldAngle"], strict=True):
                 assert signs[letter] == np.sign(a)  # FOLD: the sign matches the assignment
+    # what Origami Simulator's importer asks of the file's own frame
+    keys = {
+        "vertices_coords",
+        "edges_vertices",
+        "edges_assignment",
+        "faces_vertices",
+        "edges_foldAngle",
+    }
+    assert keys <= set(data)
 
 
 def test_face_orders_of_shut_creases():

@@ -281,8 +281,11 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
         if len(ring) == 1:
             sectors = np.array([2 * math.pi])
-    # facets joined by an F edge are one, unless it would span half a turn or more
-    keep = [k for k, w in enumerate(ring) if w in creases and letters[w] != "F"]
+    # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
+    sprung = ~np.isnan(frame.stiffness) | ~np.isnan(frame.rest_angles)
+    keep = [
+        k for k, w in enumerate(ring) if w in creases and (letters[w] != "F" or sprung[edge[w]])
+    ]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
         if len(keep) < 3 or merged.max() >= math.pi - 1e-9:

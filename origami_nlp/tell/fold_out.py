@@ -83,7 +83,8 @@ def write_fold(result: MinimaResult, target: str | Path) -> None:
 
 
 def _letter(angle: float) -> str:
-    return "V" if angle > 0 else "M" if angle < 0 else "U"
+    # 0 is F, not U: Origami Simulator makes hinges of M, V and F only; our stiffness says that it is a crease
+    return "V" if angle > 0 else "M" if angle < 0 else "F"
 
 
 def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
