@@ -203,15 +203,29 @@ def start(spec, out):
     )
 
 
-def killed_and_finished(text, folder, kills, seed):
-    """Run a sweep that is killed (the whole process group, -9) at random times, then to its end."""
+def stored(out):
+    """How many scenes a store that another process writes holds by now."""
+    try:
+        return len(read_table(out, "scenes")[1])
+    except OrigamiError:
+        return 0  # not made yet, or being made
+
+
+def killed_and_finished(text, folder, kills, seed, most):
+    """Run a sweep that is killed -9 (the whole process group) at random points, then to its end.
+
+    Each kill comes after a random number of further scenes, up to `most`, and a random moment.
+    """
     spec, out = folder / "sweep.toml", folder / "out"
     spec.write_text(text)
     rng = random.Random(seed)
     met = 0
     for _ in range(kills):
+        goal = stored(out) + rng.randint(1, most)
         process = start(spec, out)
-        time.sleep(rng.uniform(1.0, 12.0))
+        while process.poll() is None and stored(out) < goal:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0.0, 0.05))
         if process.poll() is None:
             met += 1
             os.killpg(process.pid, signal.SIGKILL)
@@ -223,8 +237,8 @@ def killed_and_finished(text, folder, kills, seed):
 
 
 def test_two_kills_change_nothing(finished, tmp_path):
-    out, met = killed_and_finished(SMALL, tmp_path, 2, seed=0)
-    assert met  # at least one was alive to be killed
+    out, met = killed_and_finished(SMALL, tmp_path, 2, seed=0, most=3)
+    assert met == 2  # both were alive to be killed
     assert answers(out) == answers(finished)
 
 
@@ -235,7 +249,7 @@ def test_ten_kills_of_ten_thousand_scenes_change_nothing(tmp_path):
     plain = tmp_path / "plain"
     run_sweep(sweep, plain, workers=2)
     (tmp_path / "killed").mkdir()
-    out, met = killed_and_finished(MANY, tmp_path / "killed", 10, seed=1)
+    out, met = killed_and_finished(MANY, tmp_path / "killed", 10, seed=1, most=900)
     assert met == 10
     assert answers(out) == answers(plain)
 
