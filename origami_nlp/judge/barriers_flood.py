@@ -38,6 +38,9 @@ REPLAY = 8
 MOST_REPLAYS = 400
 BRIDGES = (0.5, 0.35, 0.25, 0.15, 0.1, 0.05)
 """Distances from the chart's origin [rad] at which its two sides are joined through the book fold."""
+REACH = 3.5
+"""Cells around the end of a thin set are joined to it within this many grid steps: walls of slope 2 meet there, and the
+cell a knight's move away (2 steps in one coordinate) must not be lost to rounding."""
 DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
@@ -234,7 +237,7 @@ class ChartGrid:
         with np.errstate(invalid="ignore"):
             gap = np.abs(self.states - state).max(axis=-1)
         gap[~self.good] = np.inf
-        for cell in np.flatnonzero(gap.ravel() <= 2.0 * self.spacing).tolist():
+        for cell in np.flatnonzero(gap.ravel() <= REACH * self.spacing).tolist():
             self._link(node, cell)
 
     def nearest(self, fold_angles: np.ndarray) -> int:
