@@ -183,37 +183,49 @@ def test_flood_fill_agrees_from_above(which, request):
     flooded(found, (65, 129, 257), 0.6)
 
 
-def flooded(found, sizes, share):
+def flooded(found, sizes, share, grids=None):
     """Compare each merge with flood fills: never lower, and at the last size within `share` of the first excess."""
-    scene, model = found.scene, found.scene.model()
-    minima = found.result.minima
-    chains = [model.expand(c.states) for c in thin_curves(model)]
-    over = []
-    for size in sizes:
-        grid = ChartGrid(scene, size, chains)
-        row = []
-        for join in found.merges:
-            ends = [np.array(minima[side[0] - 1].fold_angles) for side in (join.first, join.second)]
-            flood = grid.flood(scene, *ends)
-            assert flood is not None and flood.height >= flood.level
-            row.append(flood.height - join.energy)
-        over.append(row)
-    over = np.array(over)
+    over = np.array([excesses(found, g) for g in grids or grids_of(found.scene, sizes)])
     tiny = 1e-10 * max(p.energy for p in found.passes)
     assert over.min() >= -tiny
     assert (over[-1] <= share * over[0] + tiny).all()
     return over[-1]
 
 
+def grids_of(scene, sizes):
+    """Grids of a scene's chart with its thin sets; scenes that differ in springs only share them."""
+    model = scene.model()
+    chains = [model.expand(c.states) for c in thin_curves(model)]
+    return [ChartGrid(scene, size, chains) for size in sizes]
+
+
+def excesses(found, grid):
+    """How much higher than each merge a flood fill finds the way between its two sides."""
+    out = []
+    for join in found.merges:
+        ends = [
+            np.array(found.result.minima[side[0] - 1].fold_angles)
+            for side in (join.first, join.second)
+        ]
+        flood = grid.flood(found.scene, *ends)
+        assert flood is not None and flood.height >= flood.level
+        out.append(flood.height - join.energy)
+    return out
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("k", range(18))
-def test_all_panels_against_2049(k):
-    scene = examples.panels()[k]
-    found = find_barriers(scene, find_minima(scene))
-    over = flooded(found, (257, 2049), 0.5)
-    highest = max(p.energy for p in found.passes)
-    lowest = min(m.energy for m in found.result.minima)
-    assert over.max() <= 0.02 * (highest - lowest)
+@pytest.mark.parametrize("column", range(6))
+def test_all_panels_against_2049(column):
+    # panels of one column differ in springs only
+    panels = examples.panels()[column // 3 * 9 + column % 3 :][:7:3]
+    assert len({scene.vertex.sector_angles for scene in panels}) == 1
+    grids = grids_of(panels[0], (257, 2049))
+    for scene in panels:
+        found = find_barriers(scene, find_minima(scene))
+        over = flooded(found, None, 0.5, grids)
+        highest = max(p.energy for p in found.passes)
+        lowest = min(m.energy for m in found.result.minima)
+        assert over.max() <= 0.02 * (highest - lowest)
 
 
 @pytest.mark.slow

@@ -33,7 +33,8 @@ from origami_nlp.state.scene import Scene
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
-MOST_STATES = 20_000
+MOST_STATES = 1500
+"""A thin set that has more samples than this is not sampled to its end, and bounds nothing."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Exits:
 
     held: contacts that stay closed on it.  sampled: number of its states looked at.  lowest: smallest
     energy of a state where it is thin no more (inf where there is none).  state: that state [n], or None.
-    dimension: of the thin set.
+    dimension: of the thin set.  complete: whether the samples cover it; if not, `lowest` bounds nothing.
     """
 
     held: tuple[Row, ...]
@@ -94,6 +95,7 @@ class Exits:
     lowest: float
     state: np.ndarray | None
     dimension: int
+    complete: bool = True
 
 
 def full_pass(
@@ -114,6 +116,7 @@ def full_pass(
     model = full_scene(scene).model()
     upper = float(energies(model, model.reduce(path)).max())
     bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
+    open_sets: list[str] = []
     side = side_of_flat(np.array(states))
     if scene.contact == "full" and side[0] * side[1] < 0:
         flat = model.energy(np.zeros(model.size))
@@ -124,12 +127,18 @@ def full_pass(
                 model, model.reduce(state), [model.reduce(y) for y in (at, *others)]
             )
         out = known_exits[number]
-        if out.held:
+        if out.held and not out.complete:
+            open_sets.append(
+                f"thin set of state {number} not sampled to its end: {out.sampled} states"
+            )
+        elif out.held:
             what = f"{out.dimension}-dimensional thin set of state {number}"
             bounds.append(
                 (out.lowest, f"lowest exit of the {what} ({out.sampled} states of it sampled)")
             )
     lower, why = max(bounds, key=lambda b: b[0])
+    if upper > lower + 1e-9 * max(abs(upper), model.scale):
+        why = "; ".join([why, *open_sets])
     index = None
     if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
         critical = critical_at(model, model.reduce(at))
@@ -165,7 +174,7 @@ def exits(
     for y in known:
         if model.energy(y) < lowest and _is_exit(model, y, held):
             lowest, state = model.energy(y), y
-    while frontier and count < MOST_STATES:
+    while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
         here = frontier.pop()
         local = model.local(here)
         _, a = row_values(model, here, held, local.gaps, local.gaps_jacobian)
@@ -189,7 +198,7 @@ def exits(
             energy = model.energy(out)
             if energy < lowest:
                 lowest, state = energy, out
-    return Exits(held, count, lowest, state, dimension)
+    return Exits(held, count, lowest, state, dimension, not frontier)
 
 
 def _is_exit(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> bool:

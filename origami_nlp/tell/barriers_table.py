@@ -141,8 +141,10 @@ def markdown_rows(barriers: Barriers) -> list[str]:
         f = full.get((p.from_state, p.to_state))
         if f is None:
             said = "an end is unstable there" if barriers.full or _judged(barriers) else "not asked"
+        elif f.verdict == "same":
+            said = f"same: {f.why}"
         else:
-            said = f"{f.verdict}: {f.why}" if f.verdict == "same" else f"{f.verdict}, {f.drop:.3g}"
+            said = f"{f.verdict}: at most {f.drop:.3g} J lower; {f.why}"
         out.append(
             f"| {name} | {row[0]} - {row[1]} | {one:.6g}, {two:.6g} | {row[2]} | {row[5]} | "
             f"{row[6]} | {said} |"

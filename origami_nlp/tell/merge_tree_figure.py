@@ -6,6 +6,8 @@ import math
 from os import PathLike
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from origami_nlp.judge.barriers import Barriers, Join
 
 if TYPE_CHECKING:
@@ -96,7 +98,8 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
         for leaf, where in ((one, x), (two, y)):
             ax.plot([where, where], [top[leaf], join.energy], color=INK, lw=1.2)
         ax.plot([x, y], [join.energy] * 2, color=INK, lw=1.2)
-        middle = 0.5 * (x + y)
+        # above the middle of its leaves: passes of one height do not come to lie on a leaf
+        middle = float(np.mean([place[leaf] for leaf in (*branch[one], *branch[two])]))
         mark = PASS_MARK.get(join.pass_kind, "o")
         ax.plot(middle, join.energy, mark, color=PASS_COLOUR, mec=INK, mew=0.6, ms=6, zorder=3)
         last = len(join.first) + len(join.second) == len(minima)
