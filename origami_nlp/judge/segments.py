@@ -22,8 +22,10 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.judge.boundary_curve import BoundaryCurve, correct, follow_boundary
+from origami_nlp.judge.boundary_lines import BoundaryLine, trace_boundary, with_energy
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.judge.nearby import is_admissible, project
+from origami_nlp.model.chart import chart_of
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts, row_values
 from origami_nlp.state.scene import Scene
@@ -102,8 +104,9 @@ def find_segments(
     Parameters
     ----------
     every_boundary
-        Also follow contact boundaries on which no stable state lies, found from random states on each
-        contact (two degrees of freedom only); no curve then ends where a contact stops pushing.
+        Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
+        of the scene's chart where it has one (`boundary_lines.trace_boundary`), and those found from random states
+        on each contact; no curve then ends where a contact stops pushing.
     slope, stiffness
         The thresholds of the module's docstring.
     seed
@@ -126,6 +129,14 @@ def find_segments(
                 curves.append(curve)
                 states.append((number,))
     if every_boundary:
+        for line in _chart_lines(result.scene):
+            middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
+            if _on_known(model, middle, line.rows, curves) is not None:
+                continue
+            curve = with_energy(model, line)
+            if len(curve.s) > 1:
+                curves.append(curve)
+                states.append(())
         for x, row in _boundary_states(model, np.random.default_rng(seed)):
             if _on_known(model, x, (row,), curves) is not None:
                 continue
@@ -176,6 +187,13 @@ def _on_known(
         if np.abs(values).max() <= 1e-7:
             return number
     return None
+
+
+def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
+    """Return all contact boundaries of the scene's chart; none where it has no chart or not all contacts."""
+    if scene.contact != "full" or chart_of(scene) is None:
+        return ()
+    return trace_boundary(scene).lines
 
 
 def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, Row]]:
