@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
 from origami_nlp.closed_forms import degree6
@@ -17,6 +18,7 @@ from origami_nlp.judge.barriers_flood import ChartGrid
 from origami_nlp.judge.barriers_graph import parabola_top, side_of_flat
 from origami_nlp.judge.barriers_merge_tree import is_ultrametric, merge_tree
 from origami_nlp.judge.barriers_thin import thin_curves
+from origami_nlp.judge.critical import find_critical_points
 from origami_nlp.judge.minima import find_minima
 from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.solve.starts import StartStream
@@ -34,6 +36,17 @@ def saddle_scene():
 @pytest.fixture(scope="module")
 def saddle_barriers(saddle_scene):
     return find_barriers(saddle_scene, find_minima(saddle_scene, max_starts=24))
+
+
+@pytest.fixture(scope="module")
+def contact_barriers():
+    """The first of seven random springs in 69 on two other D1 vertices with a pass on a contact."""
+    a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
+    stiffness, rest = (0.0032, 0.0097, 0.0226, 0.6611), (2.34, -0.12, -0.27, 1.0)
+    wedge = (0, 1, 2, 3, 2, 1)
+    springs = (tuple(v[k] for k in wedge) for v in (stiffness, rest))
+    scene = Scene(Vertex(a), *springs, "D1", "full")
+    return find_barriers(scene, find_minima(scene, max_starts=24))
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +158,31 @@ def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers)
     assert (np.linalg.eigvalsh(hessian) < 0).sum() == 1
 
 
-@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
+    (p, other) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
+    assert p.fold_angles == other.fold_angles and p.contacts == ("phi = +pi at crease 1",)
+    assert p.residual < 1e-12 and p.fold_angles[0] == math.pi
+    piece = Piece.of(
+        contact_barriers.scene
+    )  # closure and energy that share no code with the package
+
+    def energy_at(phi_1, phi_3):
+        x = np.array(p.fold_angles[:4])
+        x[[0, 2]] = phi_1, phi_3
+        for _ in range(60):
+            g, jac = piece.closure(x[None])
+            x[[1, 3]] -= np.linalg.lstsq(jac[0][:, [1, 3]], g[0], rcond=1e-9)[0]
+        assert np.abs(piece.closure(x[None])[0]).max() < 1e-13
+        return piece.energy(x)
+
+    phi_3 = p.fold_angles[2]
+    wall = [energy_at(math.pi, phi_3 + d) for d in np.linspace(-0.02, 0.02, 21)]
+    assert int(np.argmax(wall)) == 10 and wall[10] == pytest.approx(p.energy, rel=1e-9)
+    # off the wall the energy is higher: the contact pushes
+    assert energy_at(math.pi - 1e-3, phi_3) > p.energy
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers", "contact_barriers"])
 def test_paths_can_be_replayed(which, request):
     found = request.getfixturevalue(which)
     model = found.scene.model()
@@ -175,6 +212,20 @@ def test_handles_are_left_through_their_ends(handle_barriers):
             assert "left only here" in p.why
         else:
             assert p.pass_kind == "flat state" and np.abs(p.fold_angles).max() == 0
+
+
+def test_contact_saddle_is_a_saddle_of_the_morse_count(contact_barriers):
+    # its lower link, looked at without Newton or descents, is two arcs: contribution -1
+    points = find_critical_points(contact_barriers.scene, None).points
+    saddles = [c for c in points if c.contribution == -1 and c.contacts and any(c.fold_angles)]
+    (p, _) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
+    assert [np.abs(np.subtract(c.fold_angles, p.fold_angles)).max() < 1e-9 for c in saddles] == [
+        True
+    ]
+
+
+def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
+    flooded(contact_barriers, (129, 257, 513), 0.35)
 
 
 @pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
