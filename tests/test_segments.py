@@ -18,6 +18,7 @@ from origami_nlp.judge.boundary_curve import (
     evaluate,
     follow_boundary,
 )
+from origami_nlp.judge.boundary_lines import trace_boundary
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.judge.segments import SegmentReport, find_segments, segments_to_dict
@@ -214,6 +215,9 @@ def test_boundaries_without_a_state_are_found_on_request() -> None:
     report = find_segments(result, every_boundary=True)
     assert len(report.curves) > len(segments("facets").curves)
     assert () in report.states
+    # the boundary of the chart, traced without energy, is covered once
+    traced = sum(line.length for line in trace_boundary(result.scene).lines)
+    assert sum(curve.length for curve in report.curves) == pytest.approx(traced, abs=0.02)
     # every state of the scene with a contact and some motion left lies on one of them
     named = {s for states in report.states for s in states}
     assert named == {n for n, m in enumerate(result.minima, 1) if m.contacts and m.local_dimension}
