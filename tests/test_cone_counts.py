@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from independent import cone_branches as brute
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
@@ -21,7 +22,6 @@ from origami_nlp.judge.cone_speed import measure, scan_branches
 from origami_nlp.model.cone import steep_end
 from origami_nlp.state.cone import class_of, cone_classes
 from origami_nlp.tell.cone_speed_table import as_markdown
-from tests.independent import cone_branches as brute
 
 RATIOS = (1e-4, 1e4)
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from independent.cone_single import Range, bends, setup, undecided
 
 from origami_nlp.judge.cone_energy import direction_classes
 from origami_nlp.model.cone import steep_end
 from origami_nlp.state.cone import cone_classes
-from tests.independent.cone_single import Range, bends, setup, undecided
 
 
 def open_boxes(degree):
