@@ -42,7 +42,8 @@ def vertices(
     everything = []
     for one in wanted:
         found, notes = fold_vertices(one)
-        everything.append(_to_dict(one, found, notes))
+        flat = [folds_flat(v) for v in found]
+        everything.append(_to_dict(one, found, flat, notes))
         kind = "folded form" if one.folded else "crease pattern"
         title = f"frame {one.number} ({kind}){': ' + one.title if one.title else ''}"
         table = Table(
@@ -59,8 +60,8 @@ def vertices(
         ):
             table.add_column(head, justify="left" if head.startswith(("ass", "sec")) else "right")
         table.add_column("analysis")
-        for v in found:
-            table.add_row(*_row(v))
+        for v, folds in zip(found, flat, strict=True):
+            table.add_row(*_row(v, folds))
         console.print(table)
         for note in (*one.notes, *notes):
             console.print(f"note: {note}", highlight=False)
@@ -103,11 +104,11 @@ def read_fold_scene(
     return scene_at(chosen, vertex, **options)
 
 
-def _row(v: FoldVertex) -> tuple[str, ...]:
+def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
     angles = " ".join(f"{math.degrees(a):.5g}" for a in v.sector_angles)
     kawasaki = "-" if v.kawasaki is None else f"{math.degrees(v.kawasaki):.2g}"
     maekawa = "-" if v.maekawa is None else f"{v.maekawa:+d}"
-    flat = {True: "yes", False: "no", None: "-"}[folds_flat(v)]
+    flat = {True: "yes", False: "no", None: "-"}[folds]
     first = (str(v.number), str(v.degree), v.assignment, angles)
     return (*first, kawasaki, maekawa, flat, v.reason or "yes")
 
@@ -123,7 +124,9 @@ def folds_flat(v: FoldVertex) -> bool | None:
     return examine(make_vertex(v.sector_angles), phi, tolerance=FLAT).admissible
 
 
-def _to_dict(frame: Frame, found: tuple[FoldVertex, ...], notes: tuple[str, ...]) -> dict[str, Any]:
+def _to_dict(
+    frame: Frame, found: tuple[FoldVertex, ...], flat: list[bool | None], notes: tuple[str, ...]
+) -> dict[str, Any]:
     return {
         "frame": frame.number,
         "title": frame.title,
@@ -139,11 +142,11 @@ def _to_dict(frame: Frame, found: tuple[FoldVertex, ...], notes: tuple[str, ...]
                 "fold_angles": [None if math.isnan(a) else a for a in v.fold_angles],
                 "kawasaki": v.kawasaki if v.kawasaki is None or math.isfinite(v.kawasaki) else None,
                 "maekawa": v.maekawa,
-                "folds_flat": folds_flat(v),
+                "folds_flat": folds,
                 "can_be_analysed": not v.reason,
                 "reason": v.reason,
                 "notes": list(v.notes),
             }
-            for v in found
+            for v, folds in zip(found, flat, strict=True)
         ],
     }

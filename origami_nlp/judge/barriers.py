@@ -92,7 +92,6 @@ class Barriers:
 def find_barriers(
     scene: Scene,
     result: MinimaResult | None = None,
-    space: object | None = None,
     full: bool = False,
     *,
     spacing: float = SPACING,
@@ -106,8 +105,6 @@ def find_barriers(
         The scene's minima; found here if not given.
     full
         Also look for lower passes that break the symmetry (`barriers_full`).
-    space
-        Not needed: accepted so that callers may hand on an analysis they already have.
     spacing
         Lattice of the graph [rad].
     seed

@@ -12,8 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from origami_nlp.judge.space_chain import WRAPPED
 from origami_nlp.judge.space_mesh import (
@@ -28,6 +26,7 @@ from origami_nlp.judge.space_mesh import (
     edges_of,
     pull,
 )
+from origami_nlp.judge.space_topology import label
 from origami_nlp.model.chart import admissible
 from origami_nlp.model.embedding import examine
 
@@ -154,8 +153,8 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
     _, of_triangle = edges_of(sheets.triangles)
     order = of_triangle.ravel().argsort(kind="stable")
-    label = of_triangle.ravel()[order]
-    pair = np.flatnonzero(label[1:] == label[:-1])
+    edge = of_triangle.ravel()[order]
+    pair = np.flatnonzero(edge[1:] == edge[:-1])
     one, two = order[pair] // 3, order[pair + 1] // 3
     apart = np.zeros(len(one), dtype=bool)
     for k, wrapped in enumerate(WRAPPED[sheets.chain.kind]):
@@ -163,10 +162,7 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
         if wrapped:
             differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
         apart |= differ
-    one, two = one[~apart], two[~apart]
-    n = len(sheets.triangles)
-    graph = coo_array((np.ones(len(one)), (one, two)), shape=(n, n))
-    return connected_components(graph, directed=False)[1]
+    return label(len(sheets.triangles), np.column_stack([one, two])[~apart])
 
 
 def _edges_alone(
