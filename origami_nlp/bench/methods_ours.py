@@ -18,18 +18,20 @@ def ours() -> list[Method]:
 def prepare(model: Model) -> Solver:
     """Return a solver that solves, polishes and classifies; it remembers earlier answers, as the package does."""
     record = Record()
+    minima: set[int] = set()
 
     def run(start: StartPoint) -> Attempt:
         before = [answer.hits for answer in record.answers]
         new = run_one(model, start.x, record, pairs=start.pairs)
         if new is not None:
             state = new.polished
-            new.is_minimum = classify(model, state.x, polished=state.converged).verdict == "minimum"
+            what = classify(model, state.x, polished=state.converged)
+            (minima.add if what.verdict == "minimum" else minima.discard)(id(new))
         answer = new or _hit(record, before)
         if answer is None:
             return Attempt(None, False, "IPOPT did not converge")
-        verdict = "minimum" if answer.is_minimum else "no minimum"
-        return Attempt(answer.polished.x, answer.is_minimum, verdict)
+        is_minimum = id(answer) in minima
+        return Attempt(answer.polished.x, is_minimum, "minimum" if is_minimum else "no minimum")
 
     return run
 

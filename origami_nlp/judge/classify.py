@@ -79,8 +79,16 @@ class Classification:
 def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classification:
     """Classify a closed state x [n] of the model.
 
-    `polished` says whether x is exact to rounding; if not, IPOPT's accuracy is assumed and nothing finer is read.
+    `polished` says whether x is exact to rounding; if not, IPOPT's accuracy is assumed, nothing finer is read, and
+    what looks like a minimum is undecided: next to a singular set any state seems to balance.
     """
+    what = _decide(model, x, polished)
+    if what.verdict == "minimum" and not polished:
+        return Classification("undecided", None, f"not polished; {what.reason}", 0)
+    return what
+
+
+def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
 
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)

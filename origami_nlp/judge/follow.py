@@ -20,7 +20,7 @@ from origami_nlp.judge.nearby import is_admissible, project, search_spheres
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import CLOSED, Row, closed_contacts, row_values, same_gap
 from origami_nlp.solve.ipopt import Solve
-from origami_nlp.solve.polish import polish
+from origami_nlp.solve.polish import exact_beside, polish
 
 LONGEST = 0.1
 """Longest step [rad]."""
@@ -217,6 +217,8 @@ def _polish_nearby(model: Model, x: np.ndarray) -> np.ndarray | None:
             pull[row.index] = 1.0
     force = {g.pair: 1.0 for g in model.structure.gaps if g.pair is not None}
     done = polish(model, Solve(x, "followed", 0, 0.0, pull, force))
+    if not done.converged:
+        done = exact_beside(model, done)
     close = np.abs(done.x - x).max() <= 1e-3
     # the path may stand a contact tolerance inside a closed contact, so a little below the exact state
     lower = model.energy_change(x, done.x) <= 1e-7 * max(model.energy(x), model.scale)

@@ -15,7 +15,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.classify import Classification, ContactForce, Kind, classify
 from origami_nlp.judge.full_space import FullSpace, judge_in_full_space
 from origami_nlp.judge.handles import handle_minima
+from origami_nlp.model.embedding import fold_vertex
 from origami_nlp.model.nlp import Model
+from origami_nlp.solve.hinges import hinge_minima
+from origami_nlp.solve.polish import CLOSES
 from origami_nlp.solve.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.solve.starts import flat_foldings, rigid_states
 from origami_nlp.solve.stopping import enough, expected_undiscovered
@@ -38,7 +41,8 @@ class Minimum:
     closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the
     stationarity residual, with the stiffness scaled to one and relative to the torques that
     balance.
-    polished: whether Newton reached rounding (else the residuals are IPOPT's).
+    polished: True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
+    minimum but undecided.)
     hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing,
     not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
     loaded contacts closed, per unit length in the space of all N fold angles.
@@ -70,7 +74,8 @@ class SearchReport:
     expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
     reached.
     stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
-    reason and hits.  iterations: of IPOPT, over all solves.
+    reason and hits.  undecided: those that may or may not be one, by name: not polished, or not
+    certified.  iterations: of IPOPT, over all solves.
     """
 
     starts: int
@@ -83,12 +88,13 @@ class SearchReport:
     seconds: float
     seed: int
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
+    undecided: tuple[Rejected, ...] = field(default=(), repr=False)
     iterations: int = 0
 
 
 @dataclass(frozen=True)
 class Rejected:
-    """A state that solves ended at and that is no minimum: verdict, reason, fold angles, energy, hits."""
+    """A state that solves ended at and that is not listed: verdict, reason, fold angles, energy, hits."""
 
     verdict: str
     reason: str
@@ -174,7 +180,8 @@ def find_minima(
     stopped_by = "cap"
     # isolated flat foldings, and thin sets at phi = +-pi, are not found by descent
     thin = handle_minima if model.freedom > 0 else rigid_states
-    for state in itertools.chain(flat_foldings(model), thin(model, seed)):
+    listed = itertools.chain(flat_foldings(model), hinge_minima(model), thin(model, seed))
+    for state in listed:
         _judge_new(model, add_state(model, state, record), verdicts, record)
     if model.freedom <= 0:
         stopped_by = (
@@ -201,14 +208,14 @@ def find_minima(
             if record.starts >= fewest_starts and enough(hits, reached):
                 stopped_by = "rule"
                 break
-    minima, rejected, outcomes = [], [], Counter[str]()
+    minima, others, outcomes = [], [], Counter[str]()
     for answer in [*record.listed, *record.answers]:
-        what = verdicts[id(answer)]
+        what = _that_closes(model, answer.polished.x, verdicts[id(answer)])
         outcomes[what.verdict] += answer.hits
         phi = tuple(model.expand(answer.polished.x).tolist())
         energy = model.energy(answer.polished.x)
         if what.verdict != "minimum":
-            rejected.append(Rejected(what.verdict, what.reason, phi, energy, answer.hits))
+            others.append(Rejected(what.verdict, what.reason, phi, energy, answer.hits))
             continue
         assert what.kind is not None
         p = answer.polished
@@ -231,7 +238,7 @@ def find_minima(
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     if full:
         minima = _in_full_space(scene, minima)
-    rejected.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
+    others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
     report = SearchReport(
         starts=record.starts,
         feasible_starts=record.feasible_starts,
@@ -242,10 +249,22 @@ def find_minima(
         stopped_by=stopped_by,
         seconds=time.perf_counter() - begin,
         seed=seed,
-        rejected=tuple(rejected),
+        rejected=tuple(r for r in others if r.verdict != "undecided"),
+        undecided=tuple(r for r in others if r.verdict == "undecided"),
         iterations=record.iterations,
     )
     return MinimaResult(scene, model, tuple(minima), report)
+
+
+def _that_closes(model: Model, x: np.ndarray, what: Classification) -> Classification:
+    """Let nothing be a minimum whose final numbers do not close, by a product of rotations of their own."""
+    if what.verdict != "minimum":
+        return what
+    _, q = fold_vertex(model.scene.vertex, model.expand(x))
+    residual = float(np.linalg.norm(q[1:]))
+    if residual <= CLOSES:
+        return what
+    return Classification("undecided", None, f"closes only to {residual:.0e}; {what.reason}", 0)
 
 
 def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
@@ -266,7 +285,6 @@ def _judge_new(
         answer = pending.pop()
         what = classify(model, answer.polished.x, polished=answer.polished.converged)
         verdicts[id(answer)] = what
-        answer.is_minimum = what.verdict == "minimum"
         if what.descent is not None and answer.hits:
             for sign in (1.0, -1.0):
                 start = answer.polished.x + sign * 0.05 * what.descent

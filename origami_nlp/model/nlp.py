@@ -202,7 +202,8 @@ class Model:
         return f"{who} on the axis" if gap.type == "axis" else f"{who} on its mirror image"
 
     def __repr__(self) -> str:
-        group, lines = self.scene.group, []
+        scene, lines = self.scene, []
+        group = scene.group
         form = {
             ("C", 1): "vec(q) = 0, q = product of all folds",
             ("D", 1): "H e2 = e2: h_x = h_z = 0, H = folds of half the vertex",
@@ -234,6 +235,10 @@ class Model:
         lines.append(
             f"  parameters    {len(self.parameters)}: sector angles, stiffness, rest angles"
         )
+        lines.append(
+            f"  geometry      special relations of sector angles, runs of up to {scene.relations.longest}"
+        )
+        lines += [f"                  {line}" for line in scene.relations.lines]
         lines.append("  left out")
         lines += [f"                  {item.what}: {item.why}" for item in self.left_out]
         return "\n".join(lines)

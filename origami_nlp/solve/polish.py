@@ -17,6 +17,8 @@ from origami_nlp.model.nlp import Model
 from origami_nlp.model.vectors import cross
 from origami_nlp.solve.active import Row, gap_weights, row_values, same_gap
 from origami_nlp.solve.ipopt import Solve
+from origami_nlp.solve.starts import project_batch
+from origami_nlp.state.relations import ROUNDING
 
 MOST_STEPS = 12
 MOST_REPAIRS = 8
@@ -24,6 +26,15 @@ RANK = 1e-14
 """Relative singular values of the KKT matrix below this count as zero (dependent contacts)."""
 PULL = 1e-14
 """Multipliers below minus this (relative) pull: the contact is dropped, however little it would open."""
+BESIDE = 1e-3
+"""IPOPT's answers at singular states are good to the root of its tolerance [rad]."""
+CLOSES = 1e-12
+"""An exact singular state closes to this."""
+EPS = 2.0**-52
+DEPENDENT = 1e-10
+"""Singular values of closure and contacts below this count as zero."""
+RESOLVED = 0.1
+"""A state is told from a singular one at a distance of which its uncertainty is at most this share."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
 
@@ -35,8 +46,9 @@ class Polished:
     x: fold angles [n].  rows: active contacts held.  closure_residual, kkt_residual: largest entry
     of loop closure, and of stationarity, contacts and sign conditions (energy divided by the mean
     stiffness).
-    converged: whether Newton reached rounding; if not, x is IPOPT's answer or the nearest closed
-    state.
+    converged: whether Newton reached rounding, at a state that rounding tells from a singular one; if
+    not, x is IPOPT's answer or the nearest closed state.
+    uncertainty: largest distance [rad] to the exact state that rounding of closure and torques allows.
     """
 
     x: np.ndarray
@@ -44,6 +56,7 @@ class Polished:
     closure_residual: float
     kkt_residual: float
     converged: bool
+    uncertainty: float = 0.0
 
 
 def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) -> Polished:
@@ -60,6 +73,21 @@ def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) ->
     if fallback is not None:
         return fallback
     return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
+
+
+def exact_beside(model: Model, state: Polished) -> Polished:
+    """Return the exact singular state within `BESIDE` of an unpolished one, or the latter where there is none.
+
+    The fold angles next to 0 and +-pi are taken for these, and the others closed.
+    """
+    flat = math.pi * np.round(state.x / math.pi)
+    frozen = np.abs(state.x - flat) <= BESIDE
+    if not frozen.any():
+        return state
+    y, residual = project_batch(model, np.where(frozen, flat, state.x)[None], frozen[None])
+    if residual[0] > CLOSES or np.abs(y[0] - state.x).max() > BESIDE:
+        return state
+    return Polished(y[0], (), float(residual[0]), math.nan, True)
 
 
 def _at_singular_folding(model: Model, state: Polished) -> Polished:
@@ -196,7 +224,9 @@ def newton(
         reached = kkt <= 1e-11 and closure <= 1e-14 and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
-            state = Polished(_closed_exactly(x), rows, closure, float(kkt), bool(reached))
+            u = _uncertainty(hessian, jacobian, multipliers) if reached else math.inf
+            resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(jacobian)
+            state = Polished(_closed_exactly(x), rows, closure, float(kkt), resolved, u)
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
             break
@@ -208,6 +238,37 @@ def newton(
     if not state.converged and merit > 1e-5:
         return None, np.zeros(0)
     return state, row_multipliers
+
+
+def _uncertainty(hessian: np.ndarray, jacobian: np.ndarray, multipliers: np.ndarray) -> float:
+    """Bound how far [rad] the exact KKT point lies, given rounding of sector angles and torques.
+
+    Special relations of the sector angles hold to `ROUNDING`, and so does closure.  Beside a singular state, at
+    distance s, closure has a singular value s and multipliers grow as 1/s: closure knows the state across its
+    set to r / s, which turns the tangent by r / s^2, and the balance along the set is known to |torque| r / s^2
+    only.
+    """
+    _, singular, vt = np.linalg.svd(jacobian)
+    rank = int((singular > DEPENDENT).sum())
+    across = vt[:rank].T / singular[:rank]  # moves by one unit of each independent constraint
+    along = vt[rank:].T
+    torque = 1.0 + float(np.abs(multipliers).max(initial=0.0))
+    error = ROUNDING * float(np.abs(across).sum(axis=1).max(initial=0.0))
+    if along.shape[1]:
+        stiffness = np.abs(np.linalg.eigvalsh(along.T @ hessian @ along)).min()
+        tilt = ROUNDING * np.abs(along.T @ hessian @ across).sum() + EPS * torque
+        error += float(tilt / max(stiffness, 1e-300))
+    return error
+
+
+def _distance_to_singular(jacobian: np.ndarray) -> float:
+    """Estimate the distance [rad] to a state where closure and contacts lose (more) rank.
+
+    Singular values change by at most about the distance; those within rounding of 0 belong to contacts that
+    are dependent all along the set.
+    """
+    singular = np.linalg.svd(jacobian, compute_uv=False)
+    return float(singular[singular > DEPENDENT].min(initial=math.inf))
 
 
 def _closed_exactly(x: np.ndarray) -> np.ndarray:

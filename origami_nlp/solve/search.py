@@ -12,13 +12,11 @@ import numpy as np
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, same_gap
 from origami_nlp.solve.ipopt import Solve, solve, solve_on_boundary
-from origami_nlp.solve.polish import Polished, guess_active, newton, polish
+from origami_nlp.solve.polish import BESIDE, Polished, exact_beside, guess_active, newton, polish
 from origami_nlp.solve.starts import StartStream, broken_gap, crossed_pairs
 
-SAME = 1e-6
+SAME = 1e-8
 """Polished states closer than this in every fold angle [rad] are one state."""
-SAME_UNPOLISHED = 1e-3
-"""The same where one of them is only IPOPT's answer: at singular states it is good to the root of its tolerance."""
 MOST_PAIR_ROUNDS = 4
 SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
 """Solves along each contact boundary, and over all of them."""
@@ -28,12 +26,10 @@ FEW_PAIRS = 6
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, how many starts reached it, and (set by the judge)
-    whether it is a minimum."""
+    """A distinct state that solves ended at: its polish, and how many starts reached it."""
 
     polished: Polished
     hits: int = 1
-    is_minimum: bool = False
 
 
 @dataclass
@@ -88,7 +84,7 @@ def run_one(
         if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
             known.hits += count
             return None
-    return _file(polish(model, answer), record, count)
+    return _file(model, polish(model, answer), record, count)
 
 
 def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
@@ -123,7 +119,7 @@ def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -
         guess = tuple(dict.fromkeys((Row(row.kind, row.index, side), *guess_active(model, answer))))
         result = polish(model, answer, guess)
         if result.converged and result.rows and not _free_beside(model, result):
-            return _file(result, record, 0)
+            return _file(model, result, record, 0)
     return None
 
 
@@ -142,31 +138,43 @@ def _beyond_contacts(model: Model, x: np.ndarray) -> bool:
     return bool(model.structure.gaps) and broken_gap(model, model.local(x).gaps, 0.0) is not None
 
 
-def _file(polished: Polished, record: Record, hits: int) -> Answer | None:
-    """File a polished state under the answer that it is, or as a new one, which is returned."""
+def _file(model: Model, polished: Polished, record: Record, hits: int) -> Answer | None:
+    """File a polished state under the answer that it is, or as a new one, which is returned.
+
+    What Newton could not polish is taken for the exact state next to it, where there is one.
+    """
+    if not polished.converged:
+        polished = _listed_beside(polished, record) or exact_beside(model, polished)
     for known in record.answers:
-        exact = known.polished.converged and polished.converged
-        if np.abs(known.polished.x - polished.x).max() <= (SAME if exact else SAME_UNPOLISHED):
+        if _is_same(known.polished, polished):
             known.hits += hits
             if polished.converged and not known.polished.converged:
                 known.polished = polished  # judged anew by whoever asks for the answer
                 return known
             return None
     for known in record.listed:
-        near = SAME if polished.converged else SAME_UNPOLISHED
-        if np.abs(known.polished.x - polished.x).max() > near:
-            continue
-        if not polished.converged and not known.is_minimum:
-            continue
-        record.listed.remove(known)
-        if known.is_minimum:  # exact, where a solve at a singular state is not
+        if _is_same(known.polished, polished):
+            record.listed.remove(known)
             known.hits += hits
             record.answers.append(known)
             return None
-        break  # the solve's answer is stationary, the flat folding beside it is not: it takes its place
     new = Answer(polished, int(hits))
     record.answers.append(new)
     return new
+
+
+def _is_same(one: Polished, other: Polished) -> bool:
+    """Tell whether two states are one, as far as their accuracy says."""
+    exact = one.converged and other.converged
+    near = max(SAME, one.uncertainty + other.uncertainty) if exact else BESIDE
+    return bool(np.abs(one.x - other.x).max() <= near)
+
+
+def _listed_beside(state: Polished, record: Record) -> Polished | None:
+    """Return the nearest exact state on record within `BESIDE` of a state, or None."""
+    exact = [a.polished for a in (*record.answers, *record.listed) if a.polished.converged]
+    near = [float(np.abs(known.x - state.x).max()) for known in exact]
+    return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
 
 
 def add_state(model: Model, x: np.ndarray, record: Record) -> Answer | None:

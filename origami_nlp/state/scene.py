@@ -11,6 +11,7 @@ import numpy as np
 
 from origami_nlp.errors import SceneError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.relations import ROUNDING, Relations, find_relations
 from origami_nlp.state.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
 from origami_nlp.state.vertex import Vertex
 
@@ -46,8 +47,8 @@ class Scene:
         sets of mirrors to choose from.  Default: the mirror through the crease of lowest number.
     symmetry_tolerance
         Angles [rad] and relative stiffnesses that differ by less count as equal when the symmetry is looked
-        for.  Above the default 1e-9 (measured data) the scene is made symmetric by averaging over the group;
-        `adjusted` says by how much.
+        for (raise it from 1e-9 for measured data).  The scene is made exactly symmetric by averaging over the
+        group; `adjusted` says by how much.
     name
         A title for tables and figures.
 
@@ -68,6 +69,8 @@ class Scene:
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
     """Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for."""
+    relations: Relations = field(init=False, repr=False, compare=False)
+    """Special relations of the sector angles: which hold, were made to hold, or are different."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
@@ -99,6 +102,10 @@ class Scene:
             raise SceneError(f"name = {self.name!r} must be text")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
+        relations = find_relations(self.vertex.sector_angles)
+        object.__setattr__(self, "relations", relations)
+        if relations.moved:
+            object.__setattr__(self, "vertex", Vertex(relations.sector_angles, self.vertex.flat))
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
             raise SceneError(f"symmetry_tolerance = {tolerance!r} must be a number [rad]")
@@ -109,11 +116,14 @@ class Scene:
         wanted = self.symmetry, self.mirror, tolerance
         group = find_symmetry(self.vertex, stiffness, rest, *wanted)
         object.__setattr__(self, "group", group)
-        if tolerance > TOLERANCE and not group.is_trivial:
+        if not group.is_trivial:
             self._make_symmetric(*wanted)
 
     def _make_symmetric(self, *wanted: Any) -> None:
-        """Average sector angles, stiffness and rest angles over the group, then cut the piece anew."""
+        """Average sector angles, stiffness and rest angles over the group, then cut the piece anew.
+
+        What differs by no more than rounding stays as it is.
+        """
         elements = self.group.elements
         sectors = averaged(self.vertex.sector_angles, elements, facets=True)
         vertex = Vertex(sectors, self.vertex.flat)
@@ -124,6 +134,8 @@ class Scene:
             np.abs(np.subtract(rest, self.rest_angles)),
             np.abs(np.divide(k, self.stiffness) - 1),
         ]
+        if np.max(changes) <= ROUNDING:
+            return
         object.__setattr__(self, "adjusted", float(np.max(changes)))
         object.__setattr__(self, "vertex", vertex)
         object.__setattr__(self, "stiffness", k)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from origami_nlp.tell.figure import draw_minima
 from origami_nlp.tell.landscape_axes import STYLE, UNIT
+from origami_nlp.tell.table import geometry_lines, undecided_lines
 
 if TYPE_CHECKING:
     from origami_nlp.judge.classify import ContactForce
@@ -109,8 +110,6 @@ def _certificates(result: MinimaResult) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in result.minima:
         residuals = f"closure {m.closure_residual:.0e}, KKT {m.kkt_residual:.0e}"
-        if not m.polished:
-            residuals += " (IPOPT's: not polished)"
         lines.append(f"<li>{escape(m.certificate)} [{residuals}]</li>")
     return "\n".join([*lines, "</ol></details>"])
 
@@ -123,4 +122,5 @@ def _search(result: MinimaResult) -> str:
         f"{s.starts} starts, {s.solves} IPOPT solves ({statuses}), {s.seconds:.2f} s, seed {s.seed}; "
         f"expected undiscovered minima {s.expected_undiscovered:.2g}{stop}"
     )
-    return f"<p><small>{escape(text)}</small></p>"
+    lines = [text, *undecided_lines(result), *geometry_lines(result)]
+    return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

@@ -17,6 +17,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.classify import ContactForce
 from origami_nlp.judge.full_space import FullSpace, LandsOn
 from origami_nlp.judge.minima import MinimaResult, Minimum, Rejected, SearchReport
+from origami_nlp.state.relations import Relation, Relations
 from origami_nlp.state.scene_file import scene_from_dict, scene_to_dict
 from origami_nlp.tell.files import write_whole
 
@@ -34,6 +35,7 @@ def result_to_dict(result: MinimaResult) -> dict[str, Any]:
             "equalities": model.equation_count,
             "inequalities": model.inequality_count,
             "contact_pairs": [list(pair) for pair in model.contact_pairs],
+            "geometry": _relations_to_dict(result.scene.relations),
             "left_out": [{"what": item.what, "why": item.why} for item in model.left_out],
         },
         "search": {
@@ -47,19 +49,31 @@ def result_to_dict(result: MinimaResult) -> dict[str, Any]:
             "stopped_by": search.stopped_by,
             "seconds": search.seconds,
             "seed": search.seed,
-            "rejected": [
-                {
-                    "verdict": r.verdict,
-                    "reason": r.reason,
-                    "fold_angles": list(r.fold_angles),
-                    "energy": r.energy,
-                    "hits": r.hits,
-                }
-                for r in search.rejected
-            ],
+            "rejected": [_rejected_to_dict(r) for r in search.rejected],
+            "undecided": [_rejected_to_dict(r) for r in search.undecided],
         },
         "minima": [_minimum_to_dict(m) for m in result.minima],
     }
+
+
+def _relations_to_dict(relations: Relations) -> dict[str, Any]:
+    def words(which: tuple[Relation, ...]) -> list[dict[str, Any]]:
+        return [{"relation": r.text, "miss": r.miss} for r in which]
+
+    return {
+        "exact": relations.exact,
+        "made_exact": words(relations.made_exact),
+        "moved": relations.moved,
+        "different": words(relations.different),
+    }
+
+
+def _rejected_to_dict(r: Rejected) -> dict[str, Any]:
+    return {**asdict(r), "fold_angles": list(r.fold_angles)}
+
+
+def _rejected_from_dict(data: dict[str, Any]) -> Rejected:
+    return Rejected(**{**data, "fold_angles": tuple(data["fold_angles"])})
 
 
 def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
@@ -126,10 +140,8 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
         raise OptionError(f"not a result of schema {SCHEMA}")
     scene = scene_from_dict(data["scene"])
     search = dict(data["search"])
-    rejected = tuple(
-        Rejected(r["verdict"], r["reason"], tuple(r["fold_angles"]), r["energy"], r["hits"])
-        for r in search.pop("rejected")
-    )
+    for key in ("rejected", "undecided"):
+        search[key] = tuple(_rejected_from_dict(r) for r in search.pop(key, ()))
     search["expected_undiscovered"] = _number(search["expected_undiscovered"], math.inf)
     minima = []
     for m in data["minima"]:
@@ -160,9 +172,7 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
                 _full_space_from_dict(m["full_space"]) if "full_space" in m else None,
             )
         )
-    return MinimaResult(
-        scene, scene.model(), tuple(minima), SearchReport(**search, rejected=rejected)
-    )
+    return MinimaResult(scene, scene.model(), tuple(minima), SearchReport(**search))
 
 
 def write_json(data: Any, target: str | Path) -> None:

@@ -61,8 +61,7 @@ def minima_table(result: MinimaResult) -> Table:
             Text(m.kind, style=KIND_STYLE[m.kind]),
             freedom_words(m.local_dimension, result.model.freedom),
             f"{m.closure_residual:.0e}",
-            ("-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}")
-            + ("" if m.polished else " (IPOPT)"),
+            "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
             str(m.hits),
         )
     return table
@@ -120,10 +119,33 @@ def search_lines(result: MinimaResult) -> list[str]:
     return lines
 
 
+def undecided_lines(result: MinimaResult) -> list[str]:
+    """Name the states that may be minima, but were neither certified nor refuted."""
+    return [
+        f"not decided: energy {r.energy:.9g} J, hits {r.hits}, fold angles [deg] "
+        + " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+        + f": {r.reason}"
+        for r in result.search.undecided
+    ]
+
+
+def geometry_lines(result: MinimaResult) -> list[str]:
+    """Say how far sector angles were moved to make nearly special relations exact, if they were."""
+    found = result.scene.relations
+    if not found.made_exact:
+        return []
+    return [
+        f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
+        "relations hold exactly (origami-nlp model lists them)"
+    ]
+
+
 def print_result(result: MinimaResult, console: Console) -> None:
     """Print the table, the states and the record of the search."""
     console.print(minima_table(result))
     for line in state_lines(result):
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    for line in (*undecided_lines(result), *geometry_lines(result)):
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     for line in search_lines(result):
         console.print(line, style="dim", highlight=False, markup=False, soft_wrap=True)
