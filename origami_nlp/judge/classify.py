@@ -20,10 +20,12 @@ from origami_nlp.judge.nearby import (
 )
 from origami_nlp.model.contact import Gap
 from origami_nlp.model.embedding import examine
-from origami_nlp.model.nlp import Model
+from origami_nlp.model.nlp import Local, Model
 from origami_nlp.solve.active import CLOSED, Contacts, Row, closed_contacts
 from origami_nlp.solve.starts import broken_gap
 
+MOST_SETS, MOST_FAILED = 400, 12
+"""Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
 
@@ -89,6 +91,7 @@ def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classific
 
 
 def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
+    """Decide on a state, taking at their word the numbers of one that is not polished."""
 
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
@@ -113,13 +116,16 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
         )
     contacts = closed_contacts(model, x, local.gaps, CLOSED if polished else 1e-5)
     choices = contacts.combinations()
-    # Too many pieces meet: judge the larger set that ignores facet pairs.  A minimum of it is one of ours;
+    accuracy = STATIONARY if polished else 1e-5
+    # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
     if choices is None:
-        choices = [contacts.base]
-    accuracy = STATIONARY if polished else 1e-5
-    judged = [judge_branch(model, x, rows, local, accuracy) for rows in choices]
+        judged, failed = _judge_by_splitting(model, x, contacts, local, accuracy)
+        if failed:
+            return _by_search(model, x, contacts, failed)
+    else:
+        judged = [judge_branch(model, x, rows, local, accuracy) for rows in choices]
     real = [
         b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
     ]
@@ -141,8 +147,6 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
     if real and not all(b.regular for b in real):
         dimension = dimension_nearby(model, x, contacts.base)
     verdicts = {b.verdict for b in decisive}
-    if relaxed and verdicts != {"minimum"}:
-        return _by_search(model, x, contacts, judged)
     if "saddle" in verdicts or "not stationary" in verdicts:
         worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
         d = worst.direction
@@ -163,6 +167,42 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         decisive[0].multipliers.residual,
     )
+
+
+def _judge_by_splitting(
+    model: Model, x: np.ndarray, contacts: Contacts, local: Local, accuracy: float
+) -> tuple[list[BranchJudgement], list[BranchJudgement]]:
+    """Judge the union of pieces without listing them: split a set by one facet pair after the other.
+
+    A minimum of a larger set is one of every piece of it, so most sets need no splitting.  Returns the sets of
+    which x is a minimum, which cover all pieces, and the pieces (or sets, where there are too many) for which
+    that could not be shown.
+    """
+    good: list[BranchJudgement] = []
+    failed: list[BranchJudgement] = []
+    pending = [(contacts.base, 0)]
+    while pending:
+        rows, start = pending.pop()
+        b = judge_branch(model, x, rows, local, accuracy)
+        held = set(rows)
+        split = next(
+            (
+                k
+                for k in range(start, len(contacts.branches))
+                if not any(held.issuperset(option) for option in contacts.branches[k])
+            ),
+            None,
+        )
+        if b.verdict == "minimum":
+            good.append(b)
+        elif split is None or len(good) + len(failed) + len(pending) > MOST_SETS:
+            failed.append(b)
+            if len(failed) == MOST_FAILED:
+                break
+        else:
+            for option in contacts.branches[split]:
+                pending.append((tuple(dict.fromkeys((*rows, *option))), split + 1))
+    return good, failed
 
 
 def _isolated(

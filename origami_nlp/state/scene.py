@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -51,6 +51,10 @@ class Scene:
         group; `adjusted` says by how much.
     name
         A title for tables and figures.
+    relations
+        Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
+        sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
+        earlier decision for the same angles is kept.
 
     Raises
     ------
@@ -66,11 +70,10 @@ class Scene:
     mirror: int | None = None
     name: str | None = None
     symmetry_tolerance: float = TOLERANCE
+    relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
     """Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for."""
-    relations: Relations = field(init=False, repr=False, compare=False)
-    """Special relations of the sector angles: which hold, were made to hold, or are different."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
@@ -102,10 +105,12 @@ class Scene:
             raise SceneError(f"name = {self.name!r} must be text")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
-        relations = find_relations(self.vertex.sector_angles)
-        object.__setattr__(self, "relations", relations)
-        if relations.moved:
-            object.__setattr__(self, "vertex", Vertex(relations.sector_angles, self.vertex.flat))
+        if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
+            relations = find_relations(self.vertex.sector_angles)
+            object.__setattr__(self, "relations", relations)
+            if relations.moved:
+                moved = Vertex(relations.sector_angles, self.vertex.flat)
+                object.__setattr__(self, "vertex", moved)
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
             raise SceneError(f"symmetry_tolerance = {tolerance!r} must be a number [rad]")
@@ -138,6 +143,9 @@ class Scene:
             return
         object.__setattr__(self, "adjusted", float(np.max(changes)))
         object.__setattr__(self, "vertex", vertex)
+        found = find_relations(vertex.sector_angles)
+        record = replace(self.relations, sector_angles=vertex.sector_angles, exact=found.exact)
+        object.__setattr__(self, "relations", record)
         object.__setattr__(self, "stiffness", k)
         object.__setattr__(self, "rest_angles", rest)
         object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))

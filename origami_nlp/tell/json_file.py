@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -57,15 +57,20 @@ def result_to_dict(result: MinimaResult) -> dict[str, Any]:
 
 
 def _relations_to_dict(relations: Relations) -> dict[str, Any]:
-    def words(which: tuple[Relation, ...]) -> list[dict[str, Any]]:
-        return [{"relation": r.text, "miss": r.miss} for r in which]
+    data = asdict(relations)
+    for key in ("made_exact", "different"):
+        data[key] = [
+            {**asdict(r), "signs": list(r.signs), "text": r.text} for r in getattr(relations, key)
+        ]
+    return {**data, "sector_angles": list(relations.sector_angles)}
 
-    return {
-        "exact": relations.exact,
-        "made_exact": words(relations.made_exact),
-        "moved": relations.moved,
-        "different": words(relations.different),
-    }
+
+def _relations_from_dict(data: dict[str, Any]) -> Relations:
+    data = {**data, "sector_angles": tuple(data["sector_angles"])}
+    for key in ("made_exact", "different"):
+        rows = [{k: v for k, v in r.items() if k != "text"} for r in data[key]]
+        data[key] = tuple(Relation(**{**r, "signs": tuple(r["signs"])}) for r in rows)
+    return Relations(**data)
 
 
 def _rejected_to_dict(r: Rejected) -> dict[str, Any]:
@@ -139,6 +144,8 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise OptionError(f"not a result of schema {SCHEMA}")
     scene = scene_from_dict(data["scene"])
+    if "geometry" in data["model"]:
+        scene = replace(scene, relations=_relations_from_dict(data["model"]["geometry"]))
     search = dict(data["search"])
     for key in ("rejected", "undecided"):
         search[key] = tuple(_rejected_from_dict(r) for r in search.pop(key, ()))
