@@ -8,17 +8,19 @@ import sympy as sp
 
 from symbolic.claim import Claim, Verdict
 from symbolic.claims.section3_degree6 import half_form
-from symbolic.decide import Correction, by_cases, refuted
+from symbolic.decide import Correction, as_convention, by_cases, refuted
 from symbolic.flat_folding import is_flat_foldable
 from symbolic.identities import circle, vanishes
 from symbolic.intervals import certify_sign
 from symbolic.rotations import E1, about, rational_pair, scale
+from symbolic.statement import Ratio, Several, That, formula, one_of, row
 from symbolic.states import degree6
 from symbolic.symbols import ALPHA, HALF2, HALF3
 
 _HALF = sp.Rational(1, 2)
 Segment = tuple[str, Any, Any, Any]
 """(fixed fold angle, its value, lower end, upper end of the other) in units of pi."""
+_SEGMENT = row(one_of("phi_2", "phi_3"), Ratio(), Ratio(), Ratio())
 
 FIRST_HANDLE: tuple[Segment, ...] = (
     ("phi_2", -1, _HALF, 1),
@@ -104,67 +106,116 @@ def _check_handles(statement: tuple[tuple[Segment, ...], tuple[Segment, ...]]) -
     )
 
 
-def _check_flat_point(statement: str) -> Verdict:
-    """Dimension of the set of states over (phi_2, phi_3) = (0, 0)."""
+CHART_POINTS = ((0, 0), (-1, 1), (1, -1), (-1, -1), (1, 1))
+"""The middle and the corners of the chart, (phi_2, phi_3) in units of pi."""
+
+
+def _fold_sums(part: Any, point: tuple[int, int]) -> frozenset[int]:
+    """Signs of the sum of all six fold angles over the admissible states at a chart point.
+
+    Corners: flat foldings with a layer order.  Middle: the book fold phi_1 = phi_4 = t, sum 2 t.
+    """
+    p, q = point
+    if point == (0, 0):
+        return frozenset((-1, 0, 1))
+    letter = {1: "V", -1: "M"}
+    return frozenset(
+        sp.sign(a + b + 2 * (p + q))
+        for a in (1, -1)
+        for b in (1, -1)
+        if is_flat_foldable(part, "".join(letter[x] for x in (a, p, q, b, q, p)))
+    )
+
+
+def _area_identity() -> bool:
+    """L^2 - A (4 pi - A) = (sum phi)^2 for a polygon of length L = 2 pi and area A = 2 pi - sum phi."""
+    total = sp.Symbol("s", real=True)
+    area = 2 * sp.pi - total
+    return sp.expand((2 * sp.pi) ** 2 - area * (4 * sp.pi - area) - total**2) == 0
+
+
+def _book_fold() -> list[tuple[str, bool]]:
+    """Over the chart point (0, 0) phi_1 = phi_4 = t closes for every t, and u = 0 frees phi_1 - phi_4."""
     form = half_form()
     origin = {HALF2.c: 1, HALF2.s: 0, HALF3.c: 1, HALF3.s: 0}
     v = [sp.expand(e.subs(origin)) for e in form.v]
     u = [sp.expand(e.subs(origin)) for e in form.u]
-    free = v == [0, 0] and u == [1, 0]
     t = circle(sp.Symbol("t", real=True) / 2, "t")
     book = about(E1, t.pair) * about(scale(-1, E1), t.pair)
     closes = all(vanishes(g, [t]) for g in (book.w - 1, *book.vector))
-    # the other chart end: u = 0 at tan^2(phi_2/2) = tan^2(phi_3/2) = 1/cos(alpha_2)
     c2a = 1 - 2 * ALPHA.c**2  # cos(pi - 2 alpha)
-    same = {HALF3.c: HALF2.c, HALF3.s: HALF2.s}
-    other_end = [sp.expand(e.subs(same)) for e in form.u]
-    second = vanishes(other_end[0] - (HALF2.c**2 - HALF2.s**2 * c2a), [ALPHA, HALF2]) and vanishes(
-        other_end[1], [ALPHA, HALF2]
+    u_same = [sp.expand(e.subs({HALF3.c: HALF2.c, HALF3.s: HALF2.s})) for e in form.u]
+    gaps = (u_same[0] - (HALF2.c**2 - HALF2.s**2 * c2a), u_same[1])
+    return [
+        ("over (0, 0) phi_1 + phi_4 is free", v == [0, 0] and u == [1, 0]),
+        ("the book fold closes", closes),
+        (
+            "phi_2 = phi_3: u = 0 at tan^2(phi_2/2) = -1/cos(2 alpha)",
+            all(vanishes(g, [ALPHA, HALF2]) for g in gaps),
+        ),
+    ]
+
+
+_AREA = (
+    "A state is a closed spherical polygon of length 2 pi and area A = 2 pi - sum phi (Gauss-Bonnet); "
+    "(2 pi)^2 - A (4 pi - A) = (sum phi)^2, and by the isoperimetric inequality on the sphere only a "
+    "circle has none: a state with sum phi = 0 is the great circle, the flat state."
+)
+_REMARK = (
+    "Remark: over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
+    "(Q(e1, t/2) Q(-e1, t/2) = 1 for all t): t > 0 belongs to one region, t < 0 to the other, and t = 0 "
+    "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3 with "
+    "tan^2(phi_2/2) = -1/cos(2 alpha_1) lays crease 4 on crease 1 and frees phi_1 - phi_4."
+)
+
+
+def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
+    """Whether the regions sum phi > 0 and sum phi < 0 meet over exactly these chart points.
+
+    statement: (alpha_1 in units of pi, chart points).  One state of both regions has sum phi = 0 and
+    is the flat state; in the picture over (phi_2, phi_3) the regions already meet where each of them
+    has a state.  That each region is one piece is not decided here (docs/space.md measures it).
+    """
+    part, points = statement
+    sums = {p: _fold_sums(part, p) for p in CHART_POINTS}
+    broken = [name for name, holds in (*_book_fold(), ("area", _area_identity())) if not holds]
+    if broken or any(0 in sums[p] for p in CHART_POINTS[1:]):
+        return Verdict("unproved", "exact", f"a step does not hold: {broken or 'folding of sum 0'}")
+    joints = {p for p in CHART_POINTS if 0 in sums[p]}
+    picture = {p for p in CHART_POINTS if {1, -1} <= sums[p]}
+    if set(points) == joints:
+        return Verdict(
+            "proved",
+            "isoperimetric inequality, exact book fold",
+            f"{_AREA}  So only the flat state belongs to the closures of both regions.  {_REMARK}",
+        )
+    wrong = [f"over {_named(p)} none is common" for p in sorted(set(points) - joints)]
+    wrong += [f"over {_named(p)} the flat state is" for p in sorted(joints - set(points))]
+    verdict = refuted(
+        f"{_AREA}  Of states common to both regions: {', '.join(wrong)}.",
+        "isoperimetric inequality, exact crimping algorithm",
+        None,
     )
-    if statement == "segment":
-        return by_cases([("free", free), ("closes", closes)], "book fold", "exact")
-    if not (free and closes):
-        return Verdict("unproved", "exact", "the fibre was not identified")
-    return refuted(
-        "Over (phi_2, phi_3) = (0, 0) the inner product is 1, v = 0, and the equation for "
-        "phi_1 + phi_4 loses all coefficients: phi_1 = phi_4 = t closes for every t in [-pi, pi] "
-        "(book fold, flat only at t = 0).  What joins the two regions there is a segment of "
-        "states, not a point.",
-        "exact",
+    if set(points) != picture:
+        return verdict
+    return as_convention(
+        verdict,
+        "True of the picture over (phi_2, phi_3): over (-pi, pi) lie (phi_1, .., phi_4) = (pi, -pi, pi, "
+        "pi), sum phi = 2 pi, and (-pi, -pi, pi, -pi), sum phi = -2 pi (over (pi, -pi) all signs turned): "
+        "one shape with creases 1 and 4 closed to opposite sides, so that paper would have to pass "
+        "through itself to get from one to the other.",
         Correction(
-            r"(\phi_2,\phi_3)=(0,0):\ \{\phi_1=\phi_4=t,\ t\in[-\pi,\pi]\};\quad "
-            r"\alpha_1>\tfrac{\pi}{4}:\ \tan^2\tfrac{\phi_2}{2}=\tan^2\tfrac{\phi_3}{2}"
-            r"=-1/\cos 2\alpha_1,\ \phi_2=\phi_3:\ \phi_1-\phi_4\ \text{free}",
-            lambda: free and closes and second,
-            "Q(e1, t/2) Q(-e1, t/2) = 1 for all t.  The chart has a second such point for alpha_1 "
-            "> pi/4: phi_2 = phi_3 with tan^2(phi_2/2) = -1/cos(2 alpha_1) gives u = 0, crease 4 "
-            "lies on crease 1 and phi_1 - phi_4 is free.",
+            rf"\alpha_1={sp.latex(part * sp.pi)}:\ \overline{{X_+}}\cap\overline{{X_-}}=\{{0\}},\ "
+            r"X_\pm=\{\pm\textstyle\sum_i\phi_i>0\}",
+            lambda: _check_joints((part, ((0, 0),))).verdict == "proved",
+            "the regions have the flat state in common and no other.",
         ),
     )
 
 
-def _check_corner_points(statement: tuple[Any, ...]) -> Verdict:
-    """Flat-folded corner states (-pi, pi), (pi, -pi): a layer order exists for some phi_1, phi_4."""
-
-    def corner(part: Any) -> bool:
-        return all(
-            any(is_flat_foldable(part, f"{a}{p}{q}{b}{q}{p}") for a in "MV" for b in "MV")
-            for p, q in (("M", "V"), ("V", "M"))
-        )
-
-    return by_cases(
-        [
-            (
-                f"alpha_1 = {part} pi: corner states {'exist' if yes else 'do not exist'}",
-                corner(part) == yes,
-            )
-            for part, yes in statement
-        ],
-        "Folded flat with phi_2 = -phi_3 = -+pi the vertex has a layer order for alpha_1 = 5 pi/12 "
-        "(and pi/3), none for pi/4: the two corners belong to the admissible space only from pi/3 "
-        "on.",
-        "exact crimping algorithm",
-    )
+def _named(point: tuple[int, int]) -> str:
+    names = {0: "0", 1: "pi", -1: "-pi"}
+    return f"({names[point[0]]}, {names[point[1]]})"
 
 
 def _check_holes(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
@@ -267,40 +318,84 @@ def _milnor_identity() -> bool:
     return all(g == 0 for g in gaps)
 
 
+_NONE, _NULL, _OPEN = "empty", "of measure zero", "of positive measure"
+
+
 def _check_morse(statement: str) -> Verdict:
-    """Exhibit a degenerate critical point at a regular state with positive stiffness."""
-    if statement == "almost all rest angles":
-        return by_cases([("end-point map", _milnor_identity())], "Sard", "exact")
+    """Size of the set of rest angles for which the energy has a degenerate critical point.
+
+    Not empty: a degenerate critical point at a regular state with positive stiffness.  Of measure
+    zero: they are the critical values of an end-point map (Sard).
+    """
     data = degenerate_example()
     singular = sp.expand(data["hessian"].det()) == 0
-    if not (singular and data["k2"] > 0 and data["rank"] == 3):
+    if not (singular and data["k2"] > 0 and data["rank"] == 3 and _milnor_identity()):
         return Verdict("unproved", "exact example", "the degenerate example does not apply")
-    return refuted(
-        "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = 1/4 (regular): "
-        f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
-        f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
-        "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "
-        "manifold.",
-        "exact example",
+    if statement == _NULL:
+        return Verdict("proved", "Sard's theorem", f"{_SARD[0].upper()}{_SARD[1:]}")
+    if statement == _OPEN:
+        return refuted(f"{_SARD[0].upper()}{_SARD[1:]}", "Sard's theorem", None)
+    return as_convention(
+        refuted(
+            "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = 1/4 (regular): "
+            f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
+            f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
+            "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "
+            "manifold.",
+            "exact example",
+            None,
+        ),
+        "True of generic rest angles on the regular part, as such sentences are often meant.",
         Correction(
             r"\text{on the regular part, for almost every }\phi^0\ "
             r"(k_i>0\text{ fixed}),\ U\text{ is a Morse function}",
             _milnor_identity,
-            "in the coordinates sqrt(k_i) phi_i the energy is half a squared distance to the rest "
-            "point; its Hessian at a critical point equals the Jacobian of the end-point map "
-            "x + v n, so degenerate rest points are critical values: measure zero (Sard).",
+            _SARD,
         ),
     )
 
 
+_SARD = (
+    "in the coordinates sqrt(k_i) phi_i the energy is half a squared distance to the rest point; its "
+    "Hessian at a critical point equals the Jacobian of the end-point map x + v n, so degenerate rest "
+    "points are critical values: measure zero (Sard)."
+)
+
+
+_THREE = ((0, 0), (-1, 1), (1, -1))
+
+
+def _joint_claim(name: str, where: str, title: str, statement: Any, damaged: Any) -> Claim:
+    """A claim on where the regions meet at one sector angle; the flat state is what is true."""
+    part, points = statement
+    right = (part, ((0, 0),))
+    tex = ",".join(f"({sp.latex(p * sp.pi)},{sp.latex(q * sp.pi)})" for p, q in points)
+    return Claim(
+        name,
+        where,
+        title,
+        statement,
+        rf"\alpha_1={sp.latex(part * sp.pi)}:\ \overline{{X_+}}\text{{ and }}\overline{{X_-}}"
+        rf"\text{{ meet over }}(\phi_2,\phi_3)={tex}\text{{ only}},\ "
+        r"X_\pm=\{\pm\textstyle\sum_i\phi_i>0\}",
+        _check_joints,
+        damaged=damaged,
+        corrected=None if statement == right else right,
+        form=row(
+            That(Ratio(), lambda r: 0 < r < sp.Rational(1, 2), "a rational between 0 and 1/2"),
+            Several(one_of(*CHART_POINTS)),
+        ),
+        root="" if statement == right else "two states over one corner of the chart",
+    )
+
+
 CLAIMS: list[Claim] = [
-    Claim(
+    _joint_claim(
         "s3.flat-point",
         "sec. 3.1, two regions connected by a point",
-        "The regions are connected by a point, the flat state",
-        "point",
-        r"\text{two regions connected by a point at the flat state }(0,0)",
-        _check_flat_point,
+        "At pi/4 the two regions meet in one point, the flat state",
+        (sp.Rational(1, 4), ((0, 0),)),
+        damaged=((sp.Rational(1, 4), ((0, 0), (-1, 1), (1, -1))), (sp.Rational(1, 4), ((1, 1),))),
     ),
     Claim(
         "s3.handles",
@@ -311,22 +406,26 @@ CLAIMS: list[Claim] = [
         r"\ \text{and}\ \{\pi\}\times(\approx-\tfrac{\pi}{2},-\pi]\cup(\approx-\tfrac{\pi}{2},\pi]"
         r"\times\{-\pi\}",
         _check_handles,
+        corrected=(FIRST_HANDLE, SECOND_HANDLE_RIGHT),
+        form=row(*[row(_SEGMENT, _SEGMENT)] * 2),
         damaged=(
             (SECOND_HANDLE_RIGHT, SECOND_HANDLE_RIGHT),
             (FIRST_HANDLE, (SECOND_HANDLE_RIGHT[0], ("phi_3", -1, -_HALF, 1))),
         ),
     ),
-    Claim(
+    _joint_claim(
+        "s3.handle-joints",
+        "sec. 3.1, 1-handles 'also make connections'",
+        "At pi/3 the 1-handles connect the two regions",
+        (sp.Rational(1, 3), _THREE),
+        damaged=((sp.Rational(1, 3), ((-1, 1), (1, -1))), (sp.Rational(1, 3), CHART_POINTS)),
+    ),
+    _joint_claim(
         "s3.corner-points",
-        "sec. 3.1, connected at (-pi, pi) and (pi, -pi)",
-        "The corner states exist for 5 pi/12 and not for pi/4",
-        ((sp.Rational(5, 12), True), (sp.Rational(1, 4), False)),
-        r"(\mp\pi,\pm\pi)\text{ admissible for }\alpha_1=5\pi/12,\ \text{not for }\pi/4",
-        _check_corner_points,
-        damaged=(
-            ((sp.Rational(5, 12), False), (sp.Rational(1, 4), False)),
-            ((sp.Rational(5, 12), True), (sp.Rational(1, 4), True)),
-        ),
+        "sec. 3.1, 'connected at three points'",
+        "At 5 pi/12 the two regions are connected at three points",
+        (sp.Rational(5, 12), _THREE),
+        damaged=((sp.Rational(5, 12), ((0, 0), (-1, 1))), (sp.Rational(5, 12), CHART_POINTS)),
     ),
     Claim(
         "s3.holes",
@@ -336,13 +435,17 @@ CLAIMS: list[Claim] = [
         r"\alpha_1=\tfrac{\pi}{4}:\ \text{holes top left, top right, bottom left, bottom right}",
         _check_holes,
         damaged=((sp.pi * 5 / 12, ((1, 1), (1, -1), (-1, 1), (-1, -1))),),
+        form=row(formula(), Several(row(one_of(1, -1), one_of(1, -1)))),
     ),
     Claim(
         "s3.morse",
         "sec. 3.1, 'is a Morse function'",
         "The energy is a Morse function",
-        "always",
-        r"U\text{ is a Morse function}",
+        _NONE,
+        r"\{\phi^0:U\text{ is no Morse function}\}=\varnothing",
         _check_morse,
+        damaged=(_OPEN,),
+        corrected=_NULL,
+        form=one_of(_NONE, _NULL, _OPEN),
     ),
 ]
