@@ -32,6 +32,7 @@ class Verdict:
     corrected_latex: the corrected statement, or None when the printed one stands.
     corrected_proved: whether the corrected statement was proved in the same run (None: no
         correction).
+    remark: what a reader should know besides, though the statement stands ("" for nothing).
     """
 
     verdict: VerdictName
@@ -39,6 +40,7 @@ class Verdict:
     evidence: str
     corrected_latex: str | None = None
     corrected_proved: bool | None = None
+    remark: str = ""
     seconds: float = 0.0
 
     @property

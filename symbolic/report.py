@@ -62,10 +62,9 @@ def tally_text(results: Sequence[Result]) -> str:
     return (
         f"Statements of the paper: {count['statements']} checked, {count['true']} true as printed, "
         f"{count['false']} false, {count['another_reading']} true only in another reading "
-        f"(sense, order, picture, generic choice or tolerance), {count['undecided']} undecided; those "
-        f"that fail have {count['findings']} independent causes.  Besides: "
-        f"{count['derivations']} derivations and rewritings of our own, {count['decimals']} check of "
-        "printed decimals."
+        f"(sense, order, picture, generic choice or tolerance), {count['undecided']} undecided; "
+        f"independent causes of what fails: {count['findings']}.  Besides, derivations and rewritings "
+        f"of our own: {count['derivations']}; checks of printed decimals: {count['decimals']}."
     )
 
 
@@ -80,6 +79,7 @@ def as_json(results: Sequence[Result]) -> str:
             "method": r.verdict.method,
             "evidence": r.verdict.evidence,
             "corrected_latex": r.verdict.corrected_latex,
+            "remark": r.verdict.remark,
             "origin": r.claim.origin,
             "finding": r.claim.finding if r.verdict.fails else None,
             "seconds": round(r.verdict.seconds, 3),
@@ -146,6 +146,10 @@ def errata_page(results: Sequence[Result]) -> str:
     lines.append("")
     for i, r in enumerate(errata, start=1):
         lines += _entry(r, level=f"## {i}.", seconds=False)
+    lines += ["## True as printed, with a remark", ""]
+    for r in results:
+        if r.verdict.remark and not r.verdict.fails:
+            lines += _entry(r, level="###", seconds=False)
     lines += ["## What is not checked here", "", *left_out_lines(), ""]
     return "\n".join(lines)
 
@@ -203,6 +207,7 @@ def _entry(r: Result, level: str, seconds: bool) -> list[str]:
         "",
         plain(v.evidence),
         "",
+        *([f"Remark: {plain(v.remark)}", ""] if v.remark else []),
     ]
     if v.corrected_latex is not None:
         state = "proved in the same run" if v.corrected_proved else "NOT proved"

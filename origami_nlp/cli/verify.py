@@ -118,6 +118,8 @@ def _print(results: Sequence[Result], console: Console) -> None:
         console.print(f"\n{r.claim.id} ({r.claim.where})", markup=False)
         console.print(f"  printed    {r.claim.statement_latex}", markup=False)
         console.print(f"  evidence   {r.verdict.evidence}", markup=False)
+        if r.verdict.remark:
+            console.print(f"  remark     {r.verdict.remark}", markup=False)
         if r.verdict.corrected_latex is not None:
             console.print(f"  corrected  {r.verdict.corrected_latex}", markup=False)
 

@@ -162,7 +162,7 @@ _AREA = (
     "circle has none: a state with sum phi = 0 is the great circle, the flat state."
 )
 _REMARK = (
-    "Remark: over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
+    "over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
     "(Q(e1, t/2) Q(-e1, t/2) = 1 for all t): t > 0 belongs to one region, t < 0 to the other, and t = 0 "
     "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3 with "
     "tan^2(phi_2/2) = -1/cos(2 alpha_1) lays crease 4 on crease 1 and frees phi_1 - phi_4."
@@ -187,7 +187,8 @@ def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict
         return Verdict(
             "proved",
             "isoperimetric inequality, exact book fold",
-            f"{_AREA}  So only the flat state belongs to the closures of both regions.  {_REMARK}",
+            f"{_AREA}  So only the flat state belongs to the closures of both regions.",
+            remark=_REMARK,
         )
     wrong = [f"over {_named(p)} none is common" for p in sorted(set(points) - joints)]
     wrong += [f"over {_named(p)} the flat state is" for p in sorted(joints - set(points))]
