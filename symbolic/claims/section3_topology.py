@@ -7,13 +7,13 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
+from symbolic.claims._section3_joints import JOINT_CLAIMS
 from symbolic.claims.section3_degree6 import half_form
 from symbolic.decide import Correction, as_convention, by_cases, refuted
-from symbolic.flat_folding import is_flat_foldable
-from symbolic.identities import circle, vanishes
+from symbolic.identities import vanishes
 from symbolic.intervals import certify_sign
-from symbolic.rotations import E1, about, rational_pair, scale
-from symbolic.statement import Ratio, Several, That, formula, one_of, row
+from symbolic.rotations import rational_pair
+from symbolic.statement import Ratio, Several, formula, one_of, row
 from symbolic.states import degree6
 from symbolic.symbols import ALPHA, HALF2, HALF3
 
@@ -34,10 +34,6 @@ SECOND_HANDLE_RIGHT: tuple[Segment, ...] = (
     ("phi_2", 1, -1, -_HALF),
     ("phi_3", -1, _HALF, 1),
 )
-
-
-def _negated(handle: tuple[Segment, ...]) -> tuple[Segment, ...]:
-    return tuple((name, -v, -hi, -lo) for name, v, lo, hi in handle)
 
 
 def _endpoint_is_right_angle() -> bool:
@@ -63,160 +59,86 @@ def _endpoint_is_right_angle() -> bool:
     return factors and on_edge1 == 0 and on_edge4 == 0
 
 
+def _fan_closes() -> bool:
+    """At alpha = pi/3 phi_2 = phi_4 = phi_6 = sigma pi closes with phi_1 = -sigma pi - 2 phi_3.
+
+    Three flaps turn about one edge.  Put into the derived equations for phi_1/2 and phi_4/2, both signs.
+    """
+    form, (c3, s3) = half_form(), HALF3.pair
+    third = {ALPHA.c: _HALF, ALPHA.s: sp.sqrt(3) / 2}
+    gaps = []
+    for sigma in (1, -1):
+        at = {**third, HALF2.c: 0, HALF2.s: sigma}
+        (y1, x1), (y4, x4) = ([sp.expand(e.subs(at)) for e in f] for f in (form.first, form.last))
+        cos1, sin1 = -sigma * 2 * s3 * c3, -sigma * (c3**2 - s3**2)  # of phi_1/2
+        gaps += [x1 * sin1 - y1 * cos1, x4 * sigma - y4 * 0]
+    return all(vanishes(g, [HALF3]) for g in gaps)
+
+
+def derived_segments() -> set[Segment]:
+    """The edges of the chart with states beside which there are none, at alpha_1 = pi/3.
+
+    On phi_2 = sigma pi (creases 2, 4, 6 closed to the same side; a walk round a star of three legs keeps
+    it on one side) the fold limits leave |phi_3| <= 1 and |-sigma - 2 phi_3| <= 1 in units of pi, and
+    the sheet criterion excludes the neighbours where cos(phi_3) < 0; phi_3 = sigma pi alike with 2, 3
+    and 1, 4 exchanged.
+    """
+    x = sp.Symbol("x", real=True)
+    found = set()
+    for sigma in (1, -1):
+        fan = sp.Interval(-1, 1) & sp.solveset(sp.Abs(sigma + 2 * x) <= 1, x, sp.S.Reals)
+        bare = fan - sp.Interval(-_HALF, _HALF)  # cos(pi x) >= 0: states on one side of the edge
+        found |= {(name, sigma, bare.inf, bare.sup) for name in ("phi_2", "phi_3")}
+    return found
+
+
+def _corner(segment: Segment) -> tuple[Any, Any]:
+    """Corner of the chart, (phi_2, phi_3) in units of pi, at which a segment ends."""
+    name, value, low, high = segment
+    end = low if abs(low) == 1 else high
+    return (value, end) if name == "phi_2" else (end, value)
+
+
 def _check_handles(statement: tuple[tuple[Segment, ...], tuple[Segment, ...]]) -> Verdict:
-    """Intervals must be non-empty, and the two handles exchanged by turning the vertex over."""
-    first, second = statement
-    correction = Correction(
-        r"\text{second handle: }\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
-        lambda: (
-            set(_negated(FIRST_HANDLE)) == set(SECOND_HANDLE_RIGHT) and _endpoint_is_right_angle()
-        ),
-        "the image of the first handle under (phi_2, phi_3) -> -(phi_2, phi_3); the ends are "
-        "exactly pi/2, where the sheet criterion Re(uv) Re(u conj v) changes sign next to the edge.",
-    )
-    for handle in statement:
-        for name, value, lo, hi in handle:
-            if not lo < hi:
-                extra = ""
-                if set(_negated(first)) != set(second):
-                    extra = (
-                        "  Turning the vertex over, phi -> -phi, maps admissible states to "
-                        "admissible states and the first handle to {pi} x [-pi, -pi/2) u (pi/2, "
-                        "pi] x {-pi}, not to the printed second one, whose last interval starts "
-                        "at -pi/2."
-                    )
-                return refuted(
-                    f"The interval of the segment {name} = {value} pi runs from {lo} pi to {hi} "
-                    f"pi: empty as printed.{extra}",
-                    "exact",
-                    correction,
-                )
-    return by_cases(
-        [
-            ("the handles are images of each other", set(_negated(first)) == set(second)),
-            ("ends at pi/2", _endpoint_is_right_angle()),
-            (
-                "ends as derived",
-                {abs(x) for h in statement for s in h for x in s[2:]} == {_HALF, 1},
-            ),
-            ("first handle as derived", set(first) == set(FIRST_HANDLE)),
-        ],
-        "Odd symmetry of the admissible space and the sign of the sheet criterion at the edge.",
-        "exact",
-    )
-
-
-CHART_POINTS = ((0, 0), (-1, 1), (1, -1), (-1, -1), (1, 1))
-"""The middle and the corners of the chart, (phi_2, phi_3) in units of pi."""
-
-
-def _fold_sums(part: Any, point: tuple[int, int]) -> frozenset[int]:
-    """Signs of the sum of all six fold angles over the admissible states at a chart point.
-
-    Corners: flat foldings with a layer order.  Middle: the book fold phi_1 = phi_4 = t, sum 2 t.
-    """
-    p, q = point
-    if point == (0, 0):
-        return frozenset((-1, 0, 1))
-    letter = {1: "V", -1: "M"}
-    return frozenset(
-        sp.sign(a + b + 2 * (p + q))
-        for a in (1, -1)
-        for b in (1, -1)
-        if is_flat_foldable(part, "".join(letter[x] for x in (a, p, q, b, q, p)))
-    )
-
-
-def _area_identity() -> bool:
-    """L^2 - A (4 pi - A) = (sum phi)^2 for a polygon of length L = 2 pi and area A = 2 pi - sum phi."""
-    total = sp.Symbol("s", real=True)
-    area = 2 * sp.pi - total
-    return sp.expand((2 * sp.pi) ** 2 - area * (4 * sp.pi - area) - total**2) == 0
-
-
-def _book_fold() -> list[tuple[str, bool]]:
-    """Over the chart point (0, 0) phi_1 = phi_4 = t closes for every t, and u = 0 frees phi_1 - phi_4."""
-    form = half_form()
-    origin = {HALF2.c: 1, HALF2.s: 0, HALF3.c: 1, HALF3.s: 0}
-    v = [sp.expand(e.subs(origin)) for e in form.v]
-    u = [sp.expand(e.subs(origin)) for e in form.u]
-    t = circle(sp.Symbol("t", real=True) / 2, "t")
-    book = about(E1, t.pair) * about(scale(-1, E1), t.pair)
-    closes = all(vanishes(g, [t]) for g in (book.w - 1, *book.vector))
-    c2a = 1 - 2 * ALPHA.c**2  # cos(pi - 2 alpha)
-    u_same = [sp.expand(e.subs({HALF3.c: HALF2.c, HALF3.s: HALF2.s})) for e in form.u]
-    gaps = (u_same[0] - (HALF2.c**2 - HALF2.s**2 * c2a), u_same[1])
-    return [
-        ("over (0, 0) phi_1 + phi_4 is free", v == [0, 0] and u == [1, 0]),
-        ("the book fold closes", closes),
-        (
-            "phi_2 = phi_3: u = 0 at tan^2(phi_2/2) = -1/cos(2 alpha)",
-            all(vanishes(g, [ALPHA, HALF2]) for g in gaps),
-        ),
+    """Whether the two handles are the derived segments, two to a corner of the chart."""
+    if not (_fan_closes() and _endpoint_is_right_angle()):
+        return Verdict("unproved", "exact", "the states on the edges were not derived")
+    derived = derived_segments()
+    wrong = [
+        f"{name} = {value} pi, {low} pi to {high} pi" + (" (empty)" if low >= high else "")
+        for handle in statement
+        for name, value, low, high in handle
+        if (name, value, low, high) not in derived
     ]
-
-
-_AREA = (
-    "A state is a closed spherical polygon of length 2 pi and area A = 2 pi - sum phi (Gauss-Bonnet); "
-    "(2 pi)^2 - A (4 pi - A) = (sum phi)^2, and by the isoperimetric inequality on the sphere only a "
-    "circle has none: a state with sum phi = 0 is the great circle, the flat state."
-)
-_REMARK = (
-    "over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
-    "(Q(e1, t/2) Q(-e1, t/2) = 1 for all t): t > 0 belongs to one region, t < 0 to the other, and t = 0 "
-    "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3 with "
-    "tan^2(phi_2/2) = -1/cos(2 alpha_1) lays crease 4 on crease 1 and frees phi_1 - phi_4."
-)
-
-
-def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
-    """Whether the regions sum phi > 0 and sum phi < 0 meet over exactly these chart points.
-
-    statement: (alpha_1 in units of pi, chart points).  One state of both regions has sum phi = 0 and
-    is the flat state; in the picture over (phi_2, phi_3) the regions already meet where each of them
-    has a state.  That each region is one piece is not decided here (docs/space.md measures it).
-    """
-    part, points = statement
-    sums = {p: _fold_sums(part, p) for p in CHART_POINTS}
-    broken = [name for name, holds in (*_book_fold(), ("area", _area_identity())) if not holds]
-    if broken or any(0 in sums[p] for p in CHART_POINTS[1:]):
-        return Verdict("unproved", "exact", f"a step does not hold: {broken or 'folding of sum 0'}")
-    joints = {p for p in CHART_POINTS if 0 in sums[p]}
-    picture = {p for p in CHART_POINTS if {1, -1} <= sums[p]}
-    if set(points) == joints:
+    missing = derived - {s for handle in statement for s in handle}
+    split = [handle for handle in statement if len({_corner(s) for s in handle}) != 1]
+    if not (wrong or missing or split):
         return Verdict(
             "proved",
-            "isoperimetric inequality, exact book fold",
-            f"{_AREA}  So only the flat state belongs to the closures of both regions.",
-            remark=_REMARK,
+            "exact",
+            "On the edge creases 2, 4, 6 (or 1, 3, 5) are closed and the others fan out, phi_1 + 2 phi_3 "
+            "= -+pi; the sheet criterion excludes the states beside it from pi/2 to pi.",
         )
-    wrong = [f"over {_named(p)} none is common" for p in sorted(set(points) - joints)]
-    wrong += [f"over {_named(p)} the flat state is" for p in sorted(joints - set(points))]
-    verdict = refuted(
-        f"{_AREA}  Of states common to both regions: {', '.join(wrong)}.",
-        "isoperimetric inequality, exact crimping algorithm",
-        None,
+    reason = (
+        f"no such segments: {'; '.join(wrong)}"
+        if wrong
+        else "segments missing"
+        if missing
+        else "segments of one handle at different corners"
     )
-    if set(points) != picture:
-        return verdict
-    return as_convention(
-        verdict,
-        "True of the picture over (phi_2, phi_3): over (-pi, pi) lie (phi_1, .., phi_4) = (pi, -pi, pi, "
-        "pi), sum phi = 2 pi, and (-pi, -pi, pi, -pi), sum phi = -2 pi (over (pi, -pi) all signs turned): "
-        "one shape with creases 1 and 4 closed to opposite sides, so that paper would have to pass "
-        "through itself to get from one to the other.",
+    return refuted(
+        f"{reason[0].upper()}{reason[1:]}.",
+        "exact",
         Correction(
-            rf"\alpha_1={sp.latex(part * sp.pi)}:\ \overline{{X_+}}\cap\overline{{X_-}}=\{{0\}},\ "
-            r"X_\pm=\{\pm\textstyle\sum_i\phi_i>0\}",
-            lambda: _check_joints((part, ((0, 0),))).verdict == "proved",
-            "the regions have the flat state in common and no other.",
-        ),
+            r"\text{second handle: }\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
+            lambda: _check_handles((FIRST_HANDLE, SECOND_HANDLE_RIGHT)).verdict == "proved",
+            "the image of the first handle under (phi_2, phi_3) -> -(phi_2, phi_3), as turning the vertex "
+            "over maps admissible states to admissible states; the ends are exactly pi/2, where the sheet "
+            "criterion Re(uv) Re(u conj v) changes sign next to the edge.",
+        )
+        if statement == (FIRST_HANDLE, SECOND_HANDLE)
+        else None,
     )
-
-
-def _named(point: tuple[int, int]) -> str:
-    names = {0: "0", 1: "pi", -1: "-pi"}
-    return f"({names[point[0]]}, {names[point[1]]})"
 
 
 def _check_holes(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict:
@@ -363,41 +285,8 @@ _SARD = (
 )
 
 
-_THREE = ((0, 0), (-1, 1), (1, -1))
-
-
-def _joint_claim(name: str, where: str, title: str, statement: Any, damaged: Any) -> Claim:
-    """A claim on where the regions meet at one sector angle; the flat state is what is true."""
-    part, points = statement
-    right = (part, ((0, 0),))
-    tex = ",".join(f"({sp.latex(p * sp.pi)},{sp.latex(q * sp.pi)})" for p, q in points)
-    return Claim(
-        name,
-        where,
-        title,
-        statement,
-        rf"\alpha_1={sp.latex(part * sp.pi)}:\ \overline{{X_+}}\text{{ and }}\overline{{X_-}}"
-        rf"\text{{ meet over }}(\phi_2,\phi_3)={tex}\text{{ only}},\ "
-        r"X_\pm=\{\pm\textstyle\sum_i\phi_i>0\}",
-        _check_joints,
-        damaged=damaged,
-        corrected=None if statement == right else right,
-        form=row(
-            That(Ratio(), lambda r: 0 < r < sp.Rational(1, 2), "a rational between 0 and 1/2"),
-            Several(one_of(*CHART_POINTS)),
-        ),
-        root="" if statement == right else "two states over one corner of the chart",
-    )
-
-
 CLAIMS: list[Claim] = [
-    _joint_claim(
-        "s3.flat-point",
-        "sec. 3.1, two regions connected by a point",
-        "At pi/4 the two regions meet in one point, the flat state",
-        (sp.Rational(1, 4), ((0, 0),)),
-        damaged=((sp.Rational(1, 4), ((0, 0), (-1, 1), (1, -1))), (sp.Rational(1, 4), ((1, 1),))),
-    ),
+    JOINT_CLAIMS["s3.flat-point"],
     Claim(
         "s3.handles",
         "sec. 3.1, 1-handles",
@@ -412,22 +301,11 @@ CLAIMS: list[Claim] = [
         damaged=(
             (SECOND_HANDLE_RIGHT, SECOND_HANDLE_RIGHT),
             (FIRST_HANDLE, (SECOND_HANDLE_RIGHT[0], ("phi_3", -1, -_HALF, 1))),
+            tuple(zip(FIRST_HANDLE, SECOND_HANDLE_RIGHT, strict=True)),
         ),
     ),
-    _joint_claim(
-        "s3.handle-joints",
-        "sec. 3.1, 1-handles 'also make connections'",
-        "At pi/3 the 1-handles connect the two regions",
-        (sp.Rational(1, 3), _THREE),
-        damaged=((sp.Rational(1, 3), ((-1, 1), (1, -1))), (sp.Rational(1, 3), CHART_POINTS)),
-    ),
-    _joint_claim(
-        "s3.corner-points",
-        "sec. 3.1, 'connected at three points'",
-        "At 5 pi/12 the two regions are connected at three points",
-        (sp.Rational(5, 12), _THREE),
-        damaged=((sp.Rational(5, 12), ((0, 0), (-1, 1))), (sp.Rational(5, 12), CHART_POINTS)),
-    ),
+    JOINT_CLAIMS["s3.handle-joints"],
+    JOINT_CLAIMS["s3.corner-points"],
     Claim(
         "s3.holes",
         "sec. 3.1, holes of the admissible space",

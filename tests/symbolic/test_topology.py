@@ -8,6 +8,7 @@ from origami_nlp import examples
 from origami_nlp.closed_forms import degree6
 from origami_nlp.model.embedding import examine
 from symbolic.catalogue import claim_by_id
+from symbolic.claims.section3_topology import derived_segments
 
 PART = {"s3.flat-point": (1, 4), "s3.handle-joints": (1, 3), "s3.corner-points": (5, 12)}
 VERTEX = {name: examples.degree6(f"{p}*pi/{q}").vertex for name, (p, q) in PART.items()}
@@ -74,3 +75,20 @@ def test_fold_sums_of_admissible_states_vanish_at_the_flat_state_only(claim_id):
 @pytest.mark.parametrize("part", [sp.Rational(1, 4), sp.Rational(1, 3), sp.Rational(5, 12)])
 def test_any_other_set_of_joints_is_refuted(part, points):
     assert claim_by_id("s3.flat-point").decide((part, points)).verdict == "refuted"
+
+
+def test_the_derived_handles_are_admissible_and_have_no_states_beside_them():
+    vertex, pi = VERTEX["s3.handle-joints"], np.pi
+    segments = derived_segments()
+    assert len(segments) == 4
+    for name, value, low, high in segments:
+        for x in np.linspace(float(low), float(high), 7)[1:-1] * pi:
+            closed, fan = int(value) * pi, -int(value) * pi - 2 * x
+            beside = closed * (1 - 1e-4)
+            if name == "phi_2":
+                state, chart = spread(fan, closed, x, closed), (beside, x)
+            else:
+                state, chart = spread(closed, x, closed, fan), (x, beside)
+            assert examine(vertex, state).admissible
+            point = degree6(pi / 3, pi / 3, *chart)
+            assert not np.isfinite(point.value).all()  # no sheet of paper closes there
