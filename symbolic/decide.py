@@ -66,7 +66,12 @@ def by_cases(
     method: str,
     correction: Correction | None = None,
 ) -> Verdict:
-    """Proved when every named exact check holds; the first that fails is the counterexample."""
+    """Proved when every named exact check holds; the first that fails is the counterexample.
+
+    Raises `ValueError` without a case: nothing would have been checked.
+    """
+    if not cases:
+        raise ValueError("no case to decide by")
     for name, holds in cases:
         if not holds:
             return refuted(f"Fails: {name}.", method, correction)
@@ -74,7 +79,7 @@ def by_cases(
 
 
 def as_convention(verdict: Verdict, reading: str, correction: Correction) -> Verdict:
-    """Turn a refutation into `convention`: true under a `reading` that contradicts another place."""
+    """Turn a refutation into `convention`: true in another `reading` only than the one printed."""
     if verdict.verdict != "refuted":
         return verdict
     return Verdict(

@@ -1,4 +1,4 @@
-"""`origami-nlp verify`: prove or refute every claim of the paper."""
+"""`origami-nlp verify`: prove or refute the statements of the paper that are in the catalogue."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ def verify(
         list[str] | None, typer.Option(help="Decide this claim only (repeatable).", metavar="ID")
     ] = None,
 ) -> None:
-    """Prove or refute every claim of the source paper.
+    """Prove or refute the equations and statements of the source paper that are in the catalogue.
 
-    Prints one line per claim.  Exit code 0: every claim is decided (proved, or its corrected
+    Prints one line per claim, and what the catalogue leaves out (figures, searches, remarks without a
+    number).  Exit code 0: every claim is decided (proved, or its corrected
     statement proved); 1: some claim is not; 2: an option has a value it cannot take.
     """
     from rich.console import Console
@@ -76,7 +77,8 @@ def _print(results: Sequence[Result], console: Console) -> None:
     from rich.markup import escape
     from rich.table import Table
 
-    from symbolic.report import summary
+    from symbolic.left_out import LEFT_OUT
+    from symbolic.report import summary, tally_text
 
     table = Table(box=None, pad_edge=False, expand=True)
     for name in ("claim", "verdict", "what", "method", "s"):
@@ -106,10 +108,18 @@ def _print(results: Sequence[Result], console: Console) -> None:
         f"{count['convention']} convention, {count['unproved']} unproved; "
         f"{count['decided']} decided"
     )
+    if any(r.claim.origin == "paper" for r in results):
+        console.print(tally_text(results), markup=False)
+    if len(results) > 3:
+        console.print(f"Not decided, {len(LEFT_OUT)} kinds of statements (why: --markdown):")
+        for entry in LEFT_OUT:
+            console.print(f"  {entry.where}: {entry.what}", markup=False)
     for r in results if len(results) <= 3 else ():
         console.print(f"\n{r.claim.id} ({r.claim.where})", markup=False)
         console.print(f"  printed    {r.claim.statement_latex}", markup=False)
         console.print(f"  evidence   {r.verdict.evidence}", markup=False)
+        if r.verdict.remark:
+            console.print(f"  remark     {r.verdict.remark}", markup=False)
         if r.verdict.corrected_latex is not None:
             console.print(f"  corrected  {r.verdict.corrected_latex}", markup=False)
 

@@ -22,7 +22,8 @@ from symbolic.cone import (
     turn,
 )
 from symbolic.decide import Correction, by_cases, refuted
-from symbolic.rotations import E1, cross, dot, reflect
+from symbolic.rotations import E1, Pair, cross, dot, reflect
+from symbolic.statement import Ratio, Table, formula
 from symbolic.symbols import alpha, upsilon
 
 ROOTS = [(kind, side) for kind in ("valley", "mountain") for side in (1, -1)]
@@ -68,6 +69,8 @@ _PLUS_FREE = sp.acos((_COS + _SIN) / (1 + _COS * _SIN))
 _MINUS_FREE = sp.acos((_COS - _SIN) / (1 - _COS * _SIN))
 VALLEY_CORRECTED = {1: _PLUS_FREE, -1: _MINUS_FREE}
 MOUNTAIN_CORRECTED = {1: -_MINUS_FREE, -1: -_PLUS_FREE}
+BOTH_SIDES = Table((1, -1), formula(alpha, upsilon))
+"""Form of a formula for each sign of the elevation."""
 _GRID = [
     (n, side * sp.pi * f)
     for n in (6, 8, 12)
@@ -99,23 +102,34 @@ def _bad_point(statement: dict[int, Any], sign: int) -> str | None:
     return None
 
 
-def _partial_proof(statement: dict[int, Any], sign: int) -> bool:
-    """Exact: cos rho = X and sin rho = +-cos alpha |sin v| / Y solve the condition on each side.
+def arc_pair(term: Any, side: int) -> Pair | None:
+    """(cos rho, sin rho) of rho = +-arccos(X / Y) for elevations of sign `side`, |v| < pi.
 
-    X = argument of arccos without |.|, Y > 0 its denominator; 1 - X^2 = (cos alpha sin v / Y)^2 is
-    proved as well, so that the sign of arccos is the sign of sin rho (cos alpha > 0 for N >= 6).
+    None unless the term is one arccos without |.| and 1 - (X/Y)^2 = (cos alpha sin v / Y)^2, which is
+    proved: the sign of arccos is then the sign of sin rho (cos alpha > 0 for N >= 6, Y > 0).
     """
+    arcs = sp.sympify(term).atoms(sp.acos)
+    if len(arcs) != 1:
+        return None
+    (arc,) = arcs
+    sign = term / arc
+    if sign not in (1, -1) or arc.args[0].has(sp.Abs):
+        return None
+    x = exact(arc.args[0])
+    _, below = sp.fraction(arc.args[0])
+    height = COS_ALPHA * ELEVATION[1] / exact(below)
+    if not identical(x**2 + height**2, sp.Integer(1)):
+        return None
+    return (x, sign * side * height)
+
+
+def _partial_proof(statement: dict[int, Any], sign: int) -> bool:
+    """Exact: the printed arccos, with the sign of the flap, solve the condition on each side."""
     for side in (1, -1):
-        term = statement[side]
-        arc = next(iter(term.atoms(sp.acos)))
-        if term / arc != sign or arc.args[0].has(sp.Abs):
+        pair = arc_pair(statement[side], side)
+        if pair is None or not isinstance(sign * statement[side], sp.acos):
             return False
-        x = exact(arc.args[0])
-        _, below = sp.fraction(arc.args[0])
-        height = COS_ALPHA * ELEVATION[1] / exact(below)
-        if not identical(x**2 + height**2, sp.Integer(1)):
-            return False
-        if not identical(_partial_equation(x, sign * side * height), sp.Integer(0)):
+        if not identical(_partial_equation(*pair), sp.Integer(0)):
             return False
     return True
 
@@ -281,6 +295,9 @@ ANGLE_CLAIMS: dict[str, Claim] = {
             r"\arccos\frac{|\cos\upsilon-\sin\alpha|}{1-\cos\upsilon\sin\alpha}\ (\upsilon<0)",
             lambda s: check_partial(s, 1),
             damaged=({1: _MINUS, -1: _PLUS}, {1: _PLUS, -1: _PLUS}, {1: 2 * _PLUS, -1: _MINUS}),
+            corrected=VALLEY_CORRECTED,
+            form=BOTH_SIDES,
+            root="modulus in the partial fold angles",
         ),
         Claim(
             "s4.partial-mountain",
@@ -291,6 +308,9 @@ ANGLE_CLAIMS: dict[str, Claim] = {
             r"-\arccos\frac{|\cos\upsilon+\sin\alpha|}{1+\cos\upsilon\sin\alpha}\ (\upsilon<0)",
             lambda s: check_partial(s, -1),
             damaged=(VALLEY, {1: -_PLUS, -1: -_MINUS}, {1: _MINUS, -1: -_PLUS}),
+            corrected=MOUNTAIN_CORRECTED,
+            form=BOTH_SIDES,
+            root="modulus in the partial fold angles",
         ),
         Claim(
             "s4.even-by-normals",
@@ -301,6 +321,8 @@ ANGLE_CLAIMS: dict[str, Claim] = {
             r"\mathbf{n}_1)/|\mathbf{n}_1|^2\bigr)",
             _check_even_by_normals,
             damaged=(sp.Rational(1, 2), 4),
+            corrected=1,
+            form=Ratio(),
         ),
         Claim(
             "s4.even",
@@ -314,6 +336,7 @@ ANGLE_CLAIMS: dict[str, Claim] = {
                 {"valley": -2 * upsilon, "mountain": 2 * upsilon},
                 {"valley": -sp.Abs(upsilon), "mountain": sp.Abs(upsilon)},
             ),
+            form=Table(("valley", "mountain"), formula(upsilon)),
         ),
         Claim(
             "s4.limit",

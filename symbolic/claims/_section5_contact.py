@@ -7,7 +7,14 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
-from symbolic.claims._section4_angles import ON_RATIONAL_CONE, both_roots
+from symbolic.claims._section4_angles import (
+    BOTH_SIDES,
+    ON_RATIONAL_CONE,
+    VALLEY,
+    VALLEY_CORRECTED,
+    arc_pair,
+    both_roots,
+)
 from symbolic.cone import (
     ALPHA_PAIR,
     K_OF_DEGREE,
@@ -17,11 +24,11 @@ from symbolic.cone import (
     identical,
     lift,
     mirror,
-    root,
     separating_point,
     turn,
 )
 from symbolic.decide import Correction, as_convention, by_cases, refuted
+from symbolic.statement import DEGREE, Table, formula, row
 from symbolic.symbols import alpha, upsilon
 
 N = sp.Symbol("N", positive=True)
@@ -29,13 +36,16 @@ H = sp.Symbol("h", positive=True)
 """tan(|v|/2)."""
 
 
-def _rest_pairs(kind: str, even: Any, side: int) -> list[tuple[Any, Any]]:
-    """Both sides of closure and of 'at elevation v_0' for one sign of v_0.
+def _rest_pairs(odd: Any, even: Any, side: int) -> list[tuple[Any, Any]] | None:
+    """Both sides of closure and of 'at elevation v_0' for one sign of v_0, |v_0| <= pi/2.
 
-    kind: the root whose size the odd formula gives; arccos makes it positive, a valley.
+    None when the odd angle is not twice an arccos that `arc_pair` can read; |cos v_0 + sin alpha| is
+    read without the modulus, which does nothing there.
     """
-    c, s = root(kind, side)
-    s = s if kind == "valley" else -s
+    pair = arc_pair(odd.subs(sp.Abs(_SUM), _SUM) / 2, side)
+    if pair is None:
+        return None
+    c, s = pair
     half = (exact(sp.cos(even / 2), side), exact(sp.sin(even / 2), side))
     ca, sa = ALPHA_PAIR
     scalar = (c * half[0] - s * half[1] * ca) * ca - s * half[1] * sa * sa
@@ -43,29 +53,39 @@ def _rest_pairs(kind: str, even: Any, side: int) -> list[tuple[Any, Any]]:
     return [(scalar, ca), (at_elevation, mirror(1))]
 
 
-_PLUS, _SWITCH = "one arccos with + for both signs", "arccos with - for v_0 < 0"
+_SUM = sp.cos(upsilon) + sp.sin(alpha)
+REST = ({1: 2 * VALLEY[1], -1: 2 * VALLEY[1]}, -2 * upsilon)
+REST_CORRECTED = ({s: 2 * VALLEY_CORRECTED[s] for s in (1, -1)}, -2 * sp.Abs(upsilon))
+"""Rest angles (odd per sign of v_0, even) with upsilon for v_0: as printed, and corrected."""
 
 
-def _check_rest(statement: tuple[str, Any]) -> Verdict:
+def _check_rest(statement: tuple[dict[int, Any], Any]) -> Verdict:
     """The rest state must be a waterbomb state (closed, odd valleys, even mountains) for both signs.
 
-    |cos v_0 + sin alpha| = cos v_0 + sin alpha for |v_0| <= pi/2, so the odd formula is 2|rho| of
-    the shallow root: the valley root for v_0 > 0 and minus the mountain root for v_0 < 0.
+    The printed odd angle is 2|rho| of the shallow root: the valley root for v_0 > 0, minus the
+    mountain root for v_0 < 0.
     """
-    shape, even = statement
-    odd = {1: "valley", -1: "mountain" if shape == _PLUS else "valley"}
+    odd, even = statement
     sense = {1: ">", -1: "<"}
     broken = []
     for side in (1, -1):
-        closure, elevation = _rest_pairs(odd[side], even, side)
-        at = sp.sympify(even).subs(upsilon, side * sp.pi / 12)
+        pairs = _rest_pairs(odd[side], even, side)
+        if pairs is None:
+            return Verdict("unproved", ON_RATIONAL_CONE, f"cannot read the odd angle {odd[side]}")
+        closure, elevation = pairs
+        point = {alpha: sp.pi / 3, upsilon: side * sp.pi / 12}
+        at = [sp.N(sp.sympify(e).subs(point), 30) for e in (odd[side], even)]
         if not identical(*closure):
             where = separating_point(*closure, side)
             broken.append(f"v_0 {sense[side]} 0: the loop does not close ({where})")
         elif not identical(*elevation):
             broken.append(f"v_0 {sense[side]} 0: a closed state, but not at elevation v_0")
-        if at >= 0:
-            broken.append(f"v_0 = {side * sp.pi / 12}: even rest angle {at} is not a mountain")
+        if not at[0] > 0 > at[1]:
+            shown = [sp.N(x, 6) for x in at]
+            broken.append(
+                f"v_0 = {side * sp.pi / 12}, N = 6: rest angles {shown[0]}, {shown[1]} are not valley "
+                "and mountain"
+            )
     if not broken:
         return Verdict(
             "proved",
@@ -78,11 +98,11 @@ def _check_rest(statement: tuple[str, Any]) -> Verdict:
         Correction(
             r"\phi^0_{\text{odd}}=2\rho_v(\upsilon_0),\quad \phi^0_{\text{even}}=-2|\upsilon_0|"
             r"\quad(\rho_v\text{ with its second case for }\upsilon_0<0)",
-            lambda: _check_rest((_SWITCH, -2 * sp.Abs(upsilon))).verdict == "proved",
+            lambda: _check_rest(REST_CORRECTED).verdict == "proved",
             "the printed pair is the waterbomb only for v_0 >= 0; for v_0 < 0 the odd angle needs the "
             "other root of eq:partial-valley-N and the even one -2|v_0|.",
         )
-        if statement == (_PLUS, -2 * upsilon)
+        if statement == REST
         else None,
     )
 
@@ -198,15 +218,18 @@ CONTACT_CLAIMS: dict[str, Claim] = {
             "s5.rest-state",
             "sec. 5, stress-free configuration",
             "Rest angles of the waterbomb at elevation v_0, both signs",
-            (_PLUS, -2 * upsilon),
+            REST,
             r"\phi^0_{\text{odd}}=2\arccos\frac{|\cos\upsilon_0+\sin\alpha|}{1+\cos\upsilon_0\sin\alpha},"
             r"\quad\phi^0_{\text{even}}=-2\upsilon_0",
             _check_rest,
             damaged=(
-                (_PLUS, -2 * sp.Abs(upsilon)),
-                (_SWITCH, -2 * upsilon),
-                (_SWITCH, 2 * sp.Abs(upsilon)),
+                (REST[0], REST_CORRECTED[1]),
+                (REST_CORRECTED[0], REST[1]),
+                (REST_CORRECTED[0], -REST_CORRECTED[1]),
+                ({1: 2 * VALLEY_CORRECTED[-1], -1: 2 * VALLEY_CORRECTED[1]}, REST_CORRECTED[1]),
             ),
+            corrected=REST_CORRECTED,
+            form=row(BOTH_SIDES, formula(upsilon)),
         ),
         Claim(
             "s5.range-6-8",
@@ -219,6 +242,9 @@ CONTACT_CLAIMS: dict[str, Claim] = {
                 {6: (-_QUARTER, sp.pi / 4), 8: (-_QUARTER, sp.pi / 6)},
                 {6: (-_QUARTER, _QUARTER)},
             ),
+            corrected={6: (-sp.pi / 6, _QUARTER), 8: (-sp.pi / 4, _QUARTER)},
+            form=Table(DEGREE, row(formula(), formula())),
+            root="sense of the elevation",
         ),
         Claim(
             "s5.contact-numbers",
@@ -228,6 +254,7 @@ CONTACT_CLAIMS: dict[str, Claim] = {
             r"|\upsilon|=\pi/6,\ \pi/4,\ 3\pi/10,\ \pi/3",
             _check_contact_numbers,
             damaged=({10: sp.pi / 3, 12: 3 * sp.pi / 10}, {6: sp.pi / 3}),
+            form=Table(DEGREE, formula()),
         ),
         Claim(
             "s5.contact",
@@ -237,6 +264,8 @@ CONTACT_CLAIMS: dict[str, Claim] = {
             r"\rho_v=\pi/2\ \text{at}\ \upsilon=\tfrac{\pi}{2}(1-\tfrac4N)",
             _check_contact,
             damaged=(_QUARTER * (1 - 2 / N), _QUARTER * (1 + 2 / N)),
+            corrected=_QUARTER * (1 + 4 / N),
+            root="sense of the elevation",
         ),
     )
 }

@@ -8,11 +8,12 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
-from symbolic.claims.section3_energy import regular_states
-from symbolic.decide import Correction, by_cases, by_identity, refuted
+from symbolic.claims.section3_energy import PATTERN_6, regular_states
+from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
 from symbolic.groups import symmetric_dimension
-from symbolic.logic import counting_order
+from symbolic.logic import SPACES, counting_order
 from symbolic.rotations import Quaternion, about, planar, product
+from symbolic.statement import WHOLE, Ratio, Table, Text, one_of, row
 from symbolic.states import flat
 from symbolic.symbols import generic_crease, generic_fold
 
@@ -112,6 +113,7 @@ def _check_retraction(statement: str) -> Verdict:
 
 
 _Stencil = dict[tuple[int, int], Any]
+_WEIGHTS = Table(row(WHOLE, WHOLE), Ratio())
 G: _Stencil = {(1, 0): sp.Rational(1, 2), (-1, 0): -sp.Rational(1, 2)}
 H_AA: _Stencil = {(1, 0): 1, (0, 0): -2, (-1, 0): 1}
 H_AB: _Stencil = {
@@ -153,8 +155,8 @@ def _check_dimensions(statement: tuple[int, int]) -> Verdict:
         counted = degree - 3 - symmetric_dimension(n, degree)
         orbits = {6: ((1, 5), (2, 4)), 8: ((0, 4), (2, 6), (1, 3), (1, 5), (1, 7))}[degree]
         a = sp.zeros(len(orbits), degree)
-        for row, (i, j) in enumerate(orbits):
-            a[row, i], a[row, j] = 1, -1
+        for k, (i, j) in enumerate(orbits):
+            a[k, i], a[k, j] = 1, -1
         exact = (a * state.tangents()).rank()  # = dim - dim ker(A Z)
         cases.append(
             (f"{name}: characters give {counted}, rank(A Z) = {exact}", counted == exact == want)
@@ -179,6 +181,10 @@ def _check_counting(statement: tuple[str, str, str]) -> Verdict:
     )
 
 
+PRINTED_TOLERANCE = sp.Rational(5, 1000)
+"""epsilon_g of appendix A."""
+
+
 def _check_criterion(statement: Any) -> Verdict:
     """Gradient tolerance `statement` (relative to pi sum k), eigenvalue tolerance 1e-6."""
     r, lam, lip = sp.symbols("r lambda L", positive=True)
@@ -201,12 +207,21 @@ def _check_criterion(statement: Any) -> Verdict:
     slope = torque.dot(z)
     if not (accepted and no_multiplier and slope != 0):
         return Verdict("unproved", "exact example", "the example does not apply")
-    return refuted(
+    verdict = refuted(
         "Degree 6, unit stiffness, rest angles phi* - delta z with C z = 0: the restricted Hessian "
         f"is the identity and |g|/(pi sum k) is within {statement}, so phi* is classified as a "
         f"strict minimum, but dU/ds = {sp.N(slope / sp.sqrt(z.dot(z)), 6)} along the compatible "
         "direction z: it is not stationary.",
         "exact example",
+        None,
+    )
+    if tolerance != PRINTED_TOLERANCE:
+        return verdict
+    return as_convention(
+        verdict,
+        "As what it is, a numerical test with its tolerances stated, the sentence cannot be false; "
+        "the paper does not call it a theorem.  Only 'is a strict minimum', read as an implication, "
+        "needs g = 0.",
         Correction(
             r"\mathbf g=\mathbf 0\ \text{and}\ \lambda_{\min}(\mathbf H)>0\ \Rightarrow\ "
             r"\text{strict local minimum}",
@@ -218,10 +233,9 @@ def _check_criterion(statement: Any) -> Verdict:
 
 
 def _check_breaking_block(statement: str) -> Verdict:
-    """Coupling of the Hessian between symmetric and symmetry-breaking tangents, symmetric K."""
+    """Coupling of K between even and odd tangents; creases with the same letter are equally stiff."""
     name, _, state = regular_states()[0]
-    letters = {"symmetric": "abcdcb", "asymmetric": "abcdeb"}[statement]
-    stiffness = sp.diag(*(sp.Symbol(f"k_{x}") for x in letters))
+    stiffness = sp.diag(*(sp.Symbol(f"k_{letter}") for letter in statement))
     kernel = state.tangents()
     mirror = [0, 5, 4, 3, 2, 1]
     swapped = sp.Matrix([[kernel[mirror[i], j] for j in range(kernel.shape[1])] for i in range(6)])
@@ -273,6 +287,7 @@ CLAIMS: list[Claim] = [
         r"\mathbf r(\varphi^\star+\mathbf Zq+\mathbf Y\eta(q))=0",
         _check_retraction,
         damaged=("kernel",),
+        form=one_of("row space", "kernel"),
     ),
     Claim(
         "a.gradient-difference",
@@ -282,6 +297,7 @@ CLAIMS: list[Claim] = [
         r"g_a\simeq\frac{\tilde U(he_a)-\tilde U(-he_a)}{2h}",
         _check_stencil((1, 0)),
         damaged=({(1, 0): 1, (-1, 0): -1}, {(1, 0): 1, (0, 0): -1}),
+        form=_WEIGHTS,
     ),
     Claim(
         "a.hessian-diagonal",
@@ -291,6 +307,7 @@ CLAIMS: list[Claim] = [
         r"H_{aa}\simeq\frac{\tilde U(he_a)-2\tilde U(0)+\tilde U(-he_a)}{h^2}",
         _check_stencil((2, 0)),
         damaged=({(1, 0): 1, (0, 0): -1, (-1, 0): 1},),
+        form=_WEIGHTS,
     ),
     Claim(
         "a.hessian-mixed",
@@ -300,16 +317,19 @@ CLAIMS: list[Claim] = [
         r"H_{ab}\simeq\frac{\tilde U_{++}-\tilde U_{+-}-\tilde U_{-+}+\tilde U_{--}}{4h^2}",
         _check_stencil((1, 1)),
         damaged=({k: 2 * v for k, v in H_AB.items()}, {**H_AB, (-1, 1): sp.Rational(1, 4)}),
+        form=_WEIGHTS,
     ),
     Claim(
         "a.criterion",
         "app. A, classification inequality",
-        "Small relative gradient and positive Hessian make a strict minimum",
-        sp.Rational(5, 1000),
+        "A small relative gradient with a positive Hessian makes a strict minimum",
+        PRINTED_TOLERANCE,
         r"\frac{\|\mathbf g\|}{\pi\sum k_i}\le\varepsilon_g,\ \lambda_{\min}(\mathbf H)>"
         r"\varepsilon_\lambda\ \Rightarrow\ \text{strict local minimum}",
         _check_criterion,
         damaged=(sp.Rational(1, 10),),
+        corrected=sp.Integer(0),
+        form=Ratio(least=0),
     ),
     Claim(
         "a.breaking-dimensions",
@@ -324,10 +344,12 @@ CLAIMS: list[Claim] = [
         "a.breaking-block",
         "app. A, H_br",
         "The symmetry-breaking block stands alone",
-        "symmetric",
+        PATTERN_6,
         r"\mathbf Q_{\rm sym}^T\mathbf H\,\mathbf Q_{\rm br}=0",
         _check_breaking_block,
-        damaged=("asymmetric",),
+        damaged=("abcdeb", "abcdcf"),
+        form=Text("[a-z]{6}", "6 letters"),
+        origin="own derivation",
     ),
     Claim(
         "a.counting",
@@ -337,5 +359,6 @@ CLAIMS: list[Claim] = [
         r"N_{\rm relaxed}\le N_{\rm physical}\le N_{\rm sym}",
         _check_counting,
         damaged=(("physical", "relaxed", "symmetric"), ("relaxed", "symmetric", "physical")),
+        form=row(*[one_of(*SPACES)] * 3),
     ),
 ]

@@ -12,10 +12,12 @@ from symbolic.cone import (
     identical,
     lift,
     root,
+    separating_point,
 )
 from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
 from symbolic.identities import circle, vanishes
 from symbolic.rotations import E1, E2, E3, Vector, cross, dot
+from symbolic.statement import Ratio, formula, one_of, row
 from symbolic.symbols import upsilon
 
 RADIUS, RAD = sp.symbols("R r", positive=True)
@@ -111,16 +113,16 @@ def _check_stretch(statement: Any) -> Verdict:
     elevated = vanishes(statement**2 - determinant(ELEVATED) / RAD**2, _CIRCLES)
     if elevated:
         return Verdict("proved", "identity modulo c^2+s^2-1", "det g = r^2 cos^2 upsilon, dA = r.")
-    verdict = refuted(
-        f"At upsilon = 0, the flat sheet of section 4, it gives mu = {statement.subs(upsilon, 0)} "
-        "instead of 1.",
-        "exact evaluation",
-        None,
-    )
     if not fits:
-        return verdict
+        gaps = [statement**2 - determinant(SURFACE) / RAD**2]
+        return by_identity(gaps, _CIRCLES, "", fixed={RAD: sp.Integer(2)})
     return as_convention(
-        verdict,
+        refuted(
+            f"At upsilon = 0, the flat sheet of section 4, it gives mu = {statement.subs(upsilon, 0)} "
+            "instead of 1.",
+            "exact evaluation",
+            None,
+        ),
         "True of the appendix's own surface (upsilon from the axis).",
         Correction(
             r"\mu=|\cos\upsilon|",
@@ -167,13 +169,16 @@ def _check_visible(statement: Any) -> Verdict:
         trig = {sp.cos(_PHI / 2): rho[0], sp.sin(_PHI / 2): rho[1]}
         pairs.append((facet_cosine(kind, side), statement.subs(trig)))
     flat = statement.subs(_PHI, 0)
-    if all(identical(a, b) for a, b in pairs):
+    apart = [separating_point(a, b) for a, b in pairs if not identical(a, b)]
+    if not apart:
         return Verdict(
             "proved",
             "identity in (cos v/2, sin v/2, tan(pi/4 - alpha/2)), all N at once",
             "The facet's normal makes the angle rho_1 = phi_1/2 with the cone's normal at crease 1, "
             "exactly for every N; its projection shrinks by the cosine.",
         )
+    if statement != sp.sin(_PHI / 2):
+        return refuted(f"Not the projection at {apart[0]}.", "exact counterexample", None)
     return refuted(
         f"Flat sheet, phi = 0: nothing is hidden, yet the printed ratio A'/A is {flat}; at phi = pi "
         f"(facets folded onto each other) it is {statement.subs(_PHI, sp.pi)}.",
@@ -184,9 +189,7 @@ def _check_visible(statement: Any) -> Verdict:
             "facet and cone normals make the angle phi_1/2, identically for all N; with "
             "|phi/2| -> |upsilon| the ratio tends to cos(upsilon), the areal stretch for section "
             "4's elevation.",
-        )
-        if statement == sp.sin(_PHI / 2)
-        else None,
+        ),
     )
 
 
@@ -243,6 +246,9 @@ def _check_correspondence(statement: tuple[Any, Any]) -> Verdict:
 _E_R: Vector = (sp.cos(AZIMUTH) * _S, sp.sin(AZIMUTH) * _S, -_C)
 _E_AZ: Vector = (-RAD * sp.sin(AZIMUTH) * _S, RAD * sp.cos(AZIMUTH) * _S, sp.Integer(0))
 
+_POINT = row(*[formula(RADIUS, RAD, AZIMUTH, upsilon)] * 3)
+_SINE = "sine for cosine: elevation from the axis or from the sheet"
+
 CLAIMS: list[Claim] = [
     Claim(
         "b.surface",
@@ -252,6 +258,9 @@ CLAIMS: list[Claim] = [
         r"\mathbf{y}=(r\cos\varphi\sin\upsilon,\ r\sin\varphi\sin\upsilon,\ (R-r)\cos\upsilon)",
         _check_surface,
         damaged=((SURFACE[0], SURFACE[1], RADIUS - RAD), (SURFACE[0], SURFACE[1], -RAD * _C)),
+        corrected=ELEVATED,
+        form=_POINT,
+        root=_SINE,
     ),
     Claim(
         "b.tangent-r",
@@ -261,6 +270,7 @@ CLAIMS: list[Claim] = [
         r"\mathbf{e}_r=(\cos\varphi\sin\upsilon,\ \sin\varphi\sin\upsilon,\ -\cos\upsilon)",
         _check_tangent,
         damaged=((0, (_E_R[0], _E_R[1], _C)), (1, _E_R)),
+        form=row(one_of(0, 1), _POINT),
     ),
     Claim(
         "b.tangent-azimuth",
@@ -270,6 +280,7 @@ CLAIMS: list[Claim] = [
         r"\mathbf{e}_\varphi=(-r\sin\varphi\sin\upsilon,\ r\cos\varphi\sin\upsilon,\ 0)",
         _check_tangent,
         damaged=((1, (-_E_AZ[0], _E_AZ[1], _E_AZ[2])), (0, _E_AZ)),
+        form=row(one_of(0, 1), _POINT),
     ),
     Claim(
         "b.metric",
@@ -280,6 +291,7 @@ CLAIMS: list[Claim] = [
         r"r|\sin\upsilon|\,\mathrm{d}r\,\mathrm{d}\varphi",
         _check_metric,
         damaged=(RAD * _C, RADIUS * _S, _S),
+        form=formula(RADIUS, RAD, upsilon),
     ),
     Claim(
         "b.stretch",
@@ -289,6 +301,8 @@ CLAIMS: list[Claim] = [
         r"\mu=\mathrm{d}a/\mathrm{d}A=|\sin\upsilon|",
         _check_stretch,
         damaged=(sp.tan(upsilon), _S**2),
+        corrected=_C,
+        root=_SINE,
     ),
     Claim(
         "b.modulus",
@@ -307,6 +321,8 @@ CLAIMS: list[Claim] = [
         r"A_i'=A_i\left|\sin\tfrac{\phi_i}{2}\right|",
         _check_visible,
         damaged=(sp.cos(_PHI / 2) ** 2, 2 * sp.sin(_PHI / 2)),
+        corrected=sp.cos(_PHI / 2),
+        root=_SINE,
     ),
     Claim(
         "b.half-angle-limit",
@@ -316,6 +332,7 @@ CLAIMS: list[Claim] = [
         r"\lim_{N\to\infty}\left|\tfrac{\phi_i}{2}\right|=|\upsilon|",
         _check_half_limit,
         damaged=(2, sp.Rational(1, 2)),
+        form=Ratio(),
     ),
     Claim(
         "b.correspondence",
@@ -325,5 +342,7 @@ CLAIMS: list[Claim] = [
         r"\lim_{N\to\infty}A_i'/A_i=\mu",
         _check_correspondence,
         damaged=((sp.sin(_PHI / 2), _C), (sp.cos(_PHI / 2), _S)),
+        corrected=(sp.cos(_PHI / 2), _C),
+        root=_SINE,
     ),
 ]

@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
+from symbolic.claim import Claim, Origin, Verdict
 from symbolic.decide import by_cases, by_identity
 from symbolic.derive import (
     ReflectionForm,
@@ -21,6 +21,7 @@ from symbolic.derive import (
 )
 from symbolic.identities import circle
 from symbolic.rotations import E1, E2, E3, Quaternion, about, dot, planar, scale
+from symbolic.statement import Formula, Maps, has, one_of, row
 from symbolic.symbols import ALPHA, HALF2, HALF3, UPSILON, generic_crease, generic_fold
 
 _MIRROR = circle(sp.Symbol("beta", real=True), "beta")
@@ -258,6 +259,10 @@ def _check_special_cone(statement: tuple[Any, Any]) -> Verdict:
 _SA, _CA = ALPHA.s, ALPHA.c
 _J2 = UPSILON.s**2 - (2 * _SA * _CA) ** 2 * HALF2.s**4
 
+_PAIR = row(Formula(None), Formula(None))
+_EQUATION = has(A=Formula(None), B=Formula(None), C=Formula(None))
+_OWN: Origin = "own derivation"
+
 CLAIMS: list[Claim] = [
     Claim(
         "derive.trig",
@@ -267,6 +272,8 @@ CLAIMS: list[Claim] = [
         r"t=\operatorname{atan2}(B,A)\pm\operatorname{atan2}(\sqrt{A^2+B^2-C^2},C)",
         _check_trig,
         damaged=(1,),
+        form=one_of(-1, 1),
+        origin=_OWN,
     ),
     Claim(
         "derive.reflection",
@@ -276,6 +283,8 @@ CLAIMS: list[Claim] = [
         r"\phi_1=-2\arg(uv),\ \phi_{N/2+1}=2\arg(u\bar v),\ \prod_{i=2}^{N/2}q_i=u+v\,j",
         _check_reflection,
         damaged=(_Swapped,),
+        form=Maps((ALPHA.pair, HALF2.pair), has(first=_PAIR, last=_PAIR)),
+        origin=_OWN,
     ),
     Claim(
         "derive.dihedral",
@@ -286,6 +295,8 @@ CLAIMS: list[Claim] = [
         r"+B\sin\tfrac{\phi_1}{2}=C",
         _check_dihedral,
         damaged=(_swapped_dihedral, _wrong_sign_dihedral),
+        form=Maps((_MIRROR.pair, *_INNER, ALPHA.pair, "first"), _EQUATION),
+        origin=_OWN,
     ),
     Claim(
         "derive.dihedral-inner",
@@ -297,6 +308,8 @@ CLAIMS: list[Claim] = [
         r"-(\hat a\cdot\hat b)(\hat w\cdot\hat b)",
         _check_dihedral_inner,
         damaged=(_unshifted_inner, _mirrored_inner),
+        form=Maps((_MIRROR.pair, *_INNER, ALPHA.pair, HALF2.pair, 0), _EQUATION),
+        origin=_OWN,
     ),
     Claim(
         "derive.dihedral-elevation",
@@ -307,6 +320,11 @@ CLAIMS: list[Claim] = [
         r"\hat b_k=0",
         _check_elevation_chart,
         damaged=(_no_elevation,),
+        form=Maps(
+            (_MIRROR.pair, *_INNER, UPSILON.pair),
+            has(equation=_EQUATION, last=Maps(ALPHA.pair, _PAIR)),
+        ),
+        origin=_OWN,
     ),
     Claim(
         "derive.cyclic",
@@ -316,6 +334,8 @@ CLAIMS: list[Claim] = [
         r"\operatorname{Sc}\bigl(\textstyle\prod q_i\,q_{\hat e_3}(2\pi/n)\bigr)=\cos(\pi/n)",
         _check_cyclic,
         damaged=(_shifted_cyclic,),
+        form=Maps((_MIRROR.pair, [ALPHA.pair, _B.pair], [HALF2.pair, _F.pair], 0), _EQUATION),
+        origin=_OWN,
     ),
     Claim(
         "derive.degree6",
@@ -325,6 +345,7 @@ CLAIMS: list[Claim] = [
         r"(y,x)=(-\mathcal Y_6,\mathcal X_6)/2",
         _check_special_degree6,
         damaged=((2, 2), (-2, -2)),
+        origin=_OWN,
     ),
     Claim(
         "derive.degree8",
@@ -334,6 +355,8 @@ CLAIMS: list[Claim] = [
         r"A^2+B^2-C^2=\sin^2\upsilon-\sin^2 2\alpha\,\sin^4\tfrac{\phi_2}{2}",
         _check_special_degree8,
         damaged=(UPSILON.s**2 - 2 * (_SA * _CA) ** 2 * HALF2.s**4, UPSILON.c**2 - _J2),
+        form=Formula(frozenset((*ALPHA.pair, *UPSILON.pair, *HALF2.pair))),
+        origin=_OWN,
     ),
     Claim(
         "derive.cone",
@@ -345,5 +368,6 @@ CLAIMS: list[Claim] = [
         r"\tan\tfrac{\upsilon}{2}",
         _check_special_cone,
         damaged=(((1 + _SA) / _CA, (1 - _SA) / _CA), ((1 + _SA) / _CA, -(1 - _SA) / _CA)),
+        origin=_OWN,
     ),
 ]

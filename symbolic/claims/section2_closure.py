@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
+from symbolic.cone import multiple
 from symbolic.decide import by_cases, by_identity
 from symbolic.groups import is_cyclic_or_dihedral, subgroups_of_dihedral, symmetric_dimension
 from symbolic.identities import circle, vanishes
@@ -23,6 +24,7 @@ from symbolic.rotations import (
     reflect,
     scale,
 )
+from symbolic.statement import WHOLE, Ratio, Several, formula, one_of, row
 from symbolic.symbols import generic_crease, generic_fold
 
 _CREASES = [generic_crease(str(i)) for i in range(1, 4)]
@@ -121,9 +123,7 @@ def _check_convention(statement: Any) -> Verdict:
     full = about(E1, (q.c**2 - q.s**2, 2 * q.c * q.s))
     rest = full.inverse  # closure: Q(b_1, phi_1) * rest = 1
     rotated = about(E1, q.pair) * rest
-    multiple = sp.Rational(statement)
-    pair = {sp.Rational(-1, 2): (q.c, -q.s), sp.Rational(1, 2): q.pair}.get(multiple, (1, 0))
-    expected = about(E1, pair)
+    expected = about(E1, multiple(q.pair, int(2 * statement)))
     residuals = [
         a - b
         for a, b in zip((rotated.w, *rotated.vector), (expected.w, *expected.vector), strict=True)
@@ -274,6 +274,7 @@ CLAIMS: list[Claim] = [
         r"\ \mathbf{x}\in\Omega_0^{(j)}",
         _check_fold_map,
         damaged=(((1,), (2, 1), (3, 2, 1)), ((2,), (1, 2), (1, 2, 3))),
+        form=row(*[Several(one_of(1, 2, 3))] * 3),
     ),
     Claim(
         "s2.gradient",
@@ -301,6 +302,7 @@ CLAIMS: list[Claim] = [
         r"\mathbf{F}_N=\prod_{i=1}^{N}\mathbf{Q}_{\hat{b}_i}(\phi_i)=\mathbf{I}",
         _check_closure,
         damaged=((0, 0), (0,)),
+        form=Several(one_of(0, 1)),
     ),
     Claim(
         "s2.groups",
@@ -310,6 +312,7 @@ CLAIMS: list[Claim] = [
         r"G\subset O(2)\text{ finite}\Rightarrow G\cong C_n\text{ or }D_n",
         _check_groups,
         damaged=(("C",), ("D",)),
+        form=Several(one_of("C", "D")),
     ),
     Claim(
         "s2.d1-convention",
@@ -319,7 +322,8 @@ CLAIMS: list[Claim] = [
         r"\mathbf{F}_N=\mathbf{Q}_{\hat{b}_1}(\phi_1/2)\prod_{i=2}^{N}\mathbf{Q}_{\hat{b}_i}(\phi_i)"
         r"=\mathbf{Q}_{\hat{b}_1}(-\phi_1/2)",
         _check_convention,
-        damaged=(sp.Rational(1, 2), sp.Integer(0)),
+        damaged=(sp.Rational(1, 2), sp.Integer(0), sp.Integer(1)),
+        form=Ratio(sp.Rational(1, 2)),
     ),
     Claim(
         "s2.reflection-operator",
@@ -348,6 +352,7 @@ CLAIMS: list[Claim] = [
         r"\hat{c}_{N/2+1-i}",
         _check_mirrored_folds,
         damaged=((1, 1), (0, -1)),
+        form=row(WHOLE, one_of(1, -1)),
     ),
     Claim(
         "s2.d1-count",
@@ -375,5 +380,6 @@ CLAIMS: list[Claim] = [
         r"\{0,\beta,\pi-\beta,\pi,\pi+\beta,-\beta\}=-\{\ldots\}\ (\mathrm{mod}\ 2\pi)",
         _check_yoshimura,
         damaged=((0, _BETA, sp.pi / 2, sp.pi, sp.pi + _BETA, -_BETA), YOSHIMURA[:5]),
+        form=Several(formula(_BETA)),
     ),
 ]

@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
+from symbolic.cone import multiple
 from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
 from symbolic.groups import crease_images, generate, symmetric_dimension
 from symbolic.identities import circle, vanishes
@@ -21,6 +22,7 @@ from symbolic.rotations import (
     planar,
     reflect,
 )
+from symbolic.statement import Ratio, formula, has, row
 from symbolic.symbols import generic_fold, upsilon
 
 _H = sp.Symbol("h", positive=True)
@@ -33,7 +35,7 @@ def _check_group(statement: Any) -> Verdict:
     """Generate <mirror, rotation by pi/h> for h = 1..8 and count it."""
     cases = []
     for h in range(1, 9):
-        n = int(statement.subs(_H, h))
+        n = sp.sympify(statement).subs(_H, h)
         order = 2 * h  # rotations by pi/h are rotations by 2 pi/(2h)
         group = generate([(1, 0), (0, 1)], order)
         cases.append(
@@ -53,10 +55,7 @@ def _check_group(statement: Any) -> Verdict:
 def _check_next_mirror(statement: Any) -> Verdict:
     """Mirror through the crease at `statement` times the rotation angle, as a group element."""
     half = circle(sp.Symbol("varphi", real=True) / 2, "half")
-    turn = {sp.Rational(1, 2): half.pair, sp.Integer(1): None}.get(sp.sympify(statement))
-    if turn is None:
-        c, s = half.pair
-        turn = (c**2 - s**2, 2 * c * s)
+    turn = multiple(half.pair, int(2 * statement))
     normal = cross(planar(turn), E3)
     rotation = about(E3, half.pair)  # rotation by varphi
     residuals = []
@@ -109,33 +108,56 @@ _ELEVATE = about(E2, (sp.cos(upsilon / 2), sp.sin(upsilon / 2)))
 _ELEVATE_E1 = about(E1, (sp.cos(upsilon / 2), sp.sin(upsilon / 2)))
 
 
+_CX, _CY, _BX, _BY = sp.symbols("c_x c_y b_x b_y", real=True)
+RATIO = (_CY / _CX - _BY / _BX, sp.Integer(0))
+HALF_PLANE = (_CX * _BY - _CY * _BX, _CX * _BX + _CY * _BY)
+"""(must vanish, must not be negative) for crease k in its mirror: as printed, and corrected."""
+
+
 def _check_ratio(statement: tuple[Any, Any]) -> Verdict:
-    """The ratio condition must say 'c_k in the mirror half-plane through b_k' for every h >= 1."""
-    x, y, z = sp.symbols("c_x c_y c_z", real=True)
-    _, denominator = statement
-    h1 = {"b_x": sp.cos(sp.pi / 2), "b_y": sp.sin(sp.pi / 2)}
-    zero = sp.sympify(denominator).subs(h1) == 0
-    bx, by = _MIRROR.pair
-    normal = (by, -bx, 0)
-    cleared = sp.expand(x * by - y * bx)
-    same_plane = sp.expand(cleared - dot(normal, (x, y, z))) == 0
-    opposite = sp.expand(cleared.subs({x: -x, y: -y}, simultaneous=True) + cleared) == 0
-    correction = Correction(
-        r"\hat{c}_k\cdot(\hat{b}_k\times\hat{e}_3)=0,\qquad \hat{c}_k\cdot\hat{b}_k\ge 0",
-        lambda: same_plane and opposite and _orbit_closes(),
-        "cleared of denominators the condition is c_k . (b_k x e3) = 0, which closes the orbit of "
-        "the wedge for every h (claim s2.orbit); the sign keeps crease k on its own side of the "
-        "axis, where the ratio also admits the opposite half-plane.",
-    )
-    if zero:
-        return refuted(
-            "For h = 1, the degree-8 vertex of section 3.2, b_k = e2 and the printed right-hand "
-            "side is 1/0; the left-hand side is also unchanged when c_k is rotated to the opposite "
-            "half-plane (c_k.e1, c_k.e2) -> -(c_k.e1, c_k.e2), where mirror images cross.",
-            "exact evaluation at h = 1",
-            correction,
+    """Whether the condition says 'c_k in the mirror half-plane through b_k' for every h >= 1.
+
+    statement: (what must vanish, what must not be negative) in the components of c_k and b_k.
+    """
+    zero, sign = (sp.sympify(e) for e in statement)
+    far = sp.Symbol("lambda", positive=True)  # c_k = (lambda b_k, height) or on the other side
+    broken = []
+    for h in range(1, 7):
+        b = {_BX: sp.cos(sp.pi / (2 * h)), _BY: sp.sin(sp.pi / (2 * h))}
+        at = {side: {_CX: side * far * b[_BX], _CY: side * far * b[_BY]} for side in (1, -1)}
+        aside = {_CX: -far * b[_BY], _CY: far * b[_BX]}
+        inside = [sp.radsimp(e.subs({**b, **at[1]})) for e in (zero, sign)]
+        if any(e.has(sp.nan, sp.zoo) for e in inside):
+            broken.append(f"h = {h}: no value at b_k = ({b[_BX]}, {b[_BY]})")
+            continue
+        if not (inside[0] == 0 and inside[1].is_nonnegative):
+            broken.append(f"h = {h}: not satisfied in the half-plane through b_k")
+        back = [sp.radsimp(e.subs({**b, **at[-1]})) for e in (zero, sign)]
+        if back[0] == 0 and back[1].is_negative is not True:
+            broken.append(f"h = {h}: satisfied in the opposite half-plane as well")
+        if sp.radsimp(zero.subs({**b, **aside})) == 0:
+            broken.append(f"h = {h}: satisfied normal to b_k as well")
+    if not broken:
+        return Verdict(
+            "proved",
+            "exact evaluation, h = 1..6",
+            "Holds where c_k = (lambda b_k, height), lambda > 0, fails for lambda < 0 and beside "
+            "the plane.",
         )
-    return by_cases([("same plane", same_plane)], "", "polynomial identity")
+    return refuted(
+        f"{broken[0]}" + (f"; {broken[1]}" if len(broken) > 1 else "") + ".",
+        "exact evaluation",
+        Correction(
+            r"\hat{c}_k\cdot(\hat{b}_k\times\hat{e}_3)=0,\qquad \hat{c}_k\cdot\hat{b}_k\ge 0",
+            lambda: _check_ratio(HALF_PLANE).verdict == "proved" and _orbit_closes(),
+            "for h = 1, the degree-8 vertex of section 3.2, b_k = e2 and the printed right-hand side "
+            "is 1/0; in the opposite half-plane, which the ratio admits for every h, mirror images "
+            "cross.  Cleared of denominators the condition is c_k . (b_k x e3) = 0, which closes the "
+            "orbit of the wedge (claim s2.orbit), and the sign keeps crease k on its own side.",
+        )
+        if statement == RATIO
+        else None,
+    )
 
 
 def _orbit_closes() -> bool:
@@ -272,7 +294,8 @@ CLAIMS: list[Claim] = [
         r"\hat{b}_k=\mathbf{Q}_{\hat{e}_3}(\varphi/2)\hat{b}_1,\quad"
         r"\boldsymbol{\sigma}_{\hat{b}_k\times\hat{e}_3}\in\mathcal{G}",
         _check_next_mirror,
-        damaged=(sp.Integer(1),),
+        damaged=(sp.Integer(1), sp.Rational(3, 2)),
+        form=Ratio(sp.Rational(1, 2)),
     ),
     Claim(
         "s2.elevation",
@@ -282,6 +305,8 @@ CLAIMS: list[Claim] = [
         r"\hat{e}_3\cdot\mathbf{Q}_{\hat{e}_2}(\upsilon)\hat{b}_1=\sin\upsilon",
         _check_elevation,
         damaged=(sp.sin(2 * upsilon), sp.cos(upsilon)),
+        corrected=-sp.sin(upsilon),
+        root="sense of the elevation",
     ),
     Claim(
         "s2.d2h-convention",
@@ -291,15 +316,23 @@ CLAIMS: list[Claim] = [
         r"\mathbf{F}_1=\mathbf{Q}_{\hat{e}_2}(\upsilon)\mathbf{Q}_{\hat{b}_1}(\phi_1/2)",
         _check_wedge_convention,
         damaged=(_ELEVATE.inverse, _ELEVATE_E1),
+        form=has(**dict.fromkeys("wxyz", formula(upsilon))),
     ),
     Claim(
         "s2.ratio-condition",
         "sec. 2, eq:rotation-reflection-condition",
         "Reduced compatibility as a ratio of components",
-        (sp.Symbol("b_y"), sp.Symbol("b_x")),
+        RATIO,
         r"\frac{\hat{c}_k\cdot\hat{e}_2}{\hat{c}_k\cdot\hat{e}_1}"
         r"=\frac{\hat{b}_k\cdot\hat{e}_2}{\hat{b}_k\cdot\hat{e}_1}",
         _check_ratio,
+        damaged=(
+            (HALF_PLANE[0], sp.Integer(0)),
+            (HALF_PLANE[0], -HALF_PLANE[1]),
+            (HALF_PLANE[1], HALF_PLANE[1]),
+        ),
+        corrected=HALF_PLANE,
+        form=row(*[formula(_CX, _CY, _BX, _BY)] * 2),
     ),
     Claim(
         "s2.orbit",
@@ -309,6 +342,7 @@ CLAIMS: list[Claim] = [
         r"\hat{n}_1\cdot\mathbf{H}\hat{n}_k=\hat{n}_1\cdot\hat{n}_k\Rightarrow\prod q_i=+1",
         _check_orbit,
         damaged=(-1, sp.Rational(1, 2)),
+        form=Ratio(),
     ),
     Claim(
         "s2.d2h-assignments",
@@ -327,6 +361,7 @@ CLAIMS: list[Claim] = [
         r"N-3\ \to\ N/m,\quad \mathbf{Q}_{\hat{e}_3}(m\varphi)=\mathbf{I}",
         _check_count,
         damaged=(_N / (4 * _M), _N / (2 * _M) - 1),
+        corrected=_N / (2 * _M),
     ),
     Claim(
         "s2.search-cost",

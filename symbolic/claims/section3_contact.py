@@ -17,6 +17,7 @@ from symbolic.claims.section3_energy import (
 )
 from symbolic.decide import Correction, by_cases
 from symbolic.groups import crease_images
+from symbolic.statement import Several, one_of, row
 from symbolic.tips import (
     descent,
     fold_angles,
@@ -238,6 +239,9 @@ CLAIMS: list[Claim] = [
         r"\Rightarrow\nabla U\cdot v\ge 0\ \forall v\text{ contact-admissible}",
         _check_pinned,
         damaged=((_PERMUTED, _ANY), (_ALONE, _NONNEGATIVE), (_GENUINE, _ANY)),
+        corrected=_GOOD,
+        form=row(one_of(_GENUINE, _PERMUTED, _ALONE), one_of(_NONNEGATIVE, _ANY)),
+        root="tip to tip",
     ),
     Claim(
         "s3.remaining-question",
@@ -247,5 +251,8 @@ CLAIMS: list[Claim] = [
         r"\text{symmetric minimum, not on a chart boundary}\Rightarrow\text{first-order equilibrium}",
         _check_remaining,
         damaged=(("tips",), ("regular interior", "tips")),
+        corrected=_KINDS[:2],
+        form=Several(one_of(*_KINDS)),
+        root="tip to tip",
     ),
 ]

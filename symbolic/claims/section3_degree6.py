@@ -13,6 +13,7 @@ from symbolic.flat_folding import is_flat_foldable, kawasaki_sum
 from symbolic.groups import crease_images
 from symbolic.identities import circle, vanishes
 from symbolic.rotations import E1, E2, about, dot, reflect, scale
+from symbolic.statement import Maps, Ratio, Several, Text, That, formula, one_of, row
 from symbolic.symbols import ALPHA, HALF2, HALF3, alpha, phi2, phi3
 
 NUMERATOR_6 = (
@@ -84,8 +85,8 @@ def _check_phi1(statement: tuple[Any, Any]) -> Verdict:
     )
 
 
-def _check_branch(statement: str) -> Verdict:
-    """S_6 = +1 and -1 differ by pi in the arctan, hence by 2 pi in phi_1."""
+def _check_branch(statement: int) -> Verdict:
+    """How many of S_6 = +1 and -1 satisfy compatibility; they differ by 2 pi in phi_1."""
     y, x = sp.symbols("Y X", real=True, nonzero=True)
     plus, minus = sp.Matrix([x, -y]), sp.Matrix([-x, y])
     opposite = plus + minus == sp.zeros(2, 1)  # opposite points: arguments differ by exactly pi
@@ -97,8 +98,9 @@ def _check_branch(statement: str) -> Verdict:
     y0, x0 = (e.subs(point) for e in (NUMERATOR_6, DENOMINATOR_6))
     both = [sp.N(2 * sp.atan2(-sign * y0, sign * x0), 50) for sign in (1, -1)]
     shown = [sp.N(b, 20) for b in both]
-    holds = {"one": not same_angle, "both": same_angle}[statement]
-    if holds:
+    if not same_angle:
+        return Verdict("unproved", "exact", "the two signs were not compared")
+    if statement == 2:
         return Verdict("proved", "exact", "Both signs give the same phi_1 modulo 2 pi.")
     return refuted(
         "arctan(-S Y, S X) for S = +1 and -1 are opposite directions, so 2 arctan differs by "
@@ -216,14 +218,16 @@ def _check_rest_symmetry(statement: tuple[tuple[int, str], ...]) -> Verdict:
     )
 
 
+_RATIO = sp.Symbol("r_k", positive=True)
+
+
 def _check_stiffness(statement: tuple[Any, Any]) -> Verdict:
     """k_m / k_v must be r_k."""
-    r = sp.Symbol("r_k", positive=True)
-    k_m, k_v = (k(r) for k in statement)
+    k_m, k_v = (k(_RATIO) for k in statement)
     ratio = sp.powsimp(k_m / k_v)
     return by_cases(
         [
-            (f"k_m/k_v = {ratio}", ratio == r),
+            (f"k_m/k_v = {ratio}", ratio == _RATIO),
             ("geometric mean fixed", sp.powsimp(k_m * k_v) == sp.Rational(1, 1600)),
         ],
         "0.025 sqrt(r) / (0.025 / sqrt(r)) = r, and the product stays 0.025^2.",
@@ -267,9 +271,12 @@ CLAIMS: list[Claim] = [
         "s3.branch-6",
         "sec. 3.1, S_6 = +-1",
         "Only one sign of S_6 satisfies compatibility",
-        "one",
+        1,
         r"\text{of } \mathcal S_6=\pm1 \text{ only one satisfies compatibility}",
         _check_branch,
+        damaged=(0,),
+        corrected=2,
+        form=one_of(0, 1, 2),
     ),
     Claim(
         "s3.wrap",
@@ -279,6 +286,7 @@ CLAIMS: list[Claim] = [
         r"f_\phi(\gamma)\in[-\pi,\pi],\ f_\phi(\gamma)\equiv\gamma\ (\mathrm{mod}\ 2\pi)",
         _check_wrap,
         damaged=(_half_wrap, _reversed_wrap),
+        form=Maps((sp.pi / 6,), formula()),
     ),
     Claim(
         "s3.rest-6",
@@ -288,6 +296,7 @@ CLAIMS: list[Claim] = [
         r"MVVMVV\ (\alpha_1\le\pi/3),\quad VVMVMV\ (\alpha_1>\pi/3)",
         _check_rest,
         damaged=((_MV_LARGE, _MV_SMALL), ("MVVVVV", _MV_LARGE), (_MV_SMALL, "MVMVMV")),
+        form=row(*[Text("[MV]{6}", "6 letters M or V")] * 2),
     ),
     Claim(
         "s3.rest-symmetry",
@@ -297,6 +306,13 @@ CLAIMS: list[Claim] = [
         r"\phi^0_{g(i)}=\phi^0_i,\ k_{g(i)}=k_i\quad\forall g\in\mathcal G",
         _check_rest_symmetry,
         damaged=(((1, "MVVMVM"),), ((2, "MVMVVMVM"),)),
+        form=Several(
+            That(
+                row(Ratio(1, least=1), Text("[MV]+", "letters M or V")),
+                lambda pair: len(pair[1]) % (2 * pair[0]) == 0,
+                "a group D_n with a multiple of 2 n letters",
+            )
+        ),
     ),
     Claim(
         "s3.stiffness",
@@ -306,5 +322,6 @@ CLAIMS: list[Claim] = [
         r"k_m=0.025\sqrt{r_k},\ k_v=0.025/\sqrt{r_k},\ r_k=k_m/k_v",
         _check_stiffness,
         damaged=((_k_v, _k_m), (_k_m, _k_m)),
+        form=row(*[Maps((_RATIO,), formula(_RATIO))] * 2),
     ),
 ]

@@ -17,6 +17,7 @@ from symbolic.decide import IDENTITY, Correction, as_convention, by_identity
 from symbolic.derive import TrigEquation, dihedral_form
 from symbolic.identities import to_circles, vanishes
 from symbolic.rotations import E1, E2, rational_pair, reflect, scale
+from symbolic.statement import WHOLE, formula, one_of, row
 from symbolic.symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
 
 J = sp.Symbol("J", nonnegative=True)
@@ -46,6 +47,8 @@ BRANCH_2 = (
     (-K * _A * (sp.cos(phi2) - 1) + J * _Q, -_A * sp.sin(phi2) * J + K * _Q * _T, 2),
 )
 """The four lines of the degree-8 formula, argument order as printed."""
+BRANCH = row(*[row(*[formula(J, K, alpha, phi2)] * 2, one_of(2, -2))] * 2)
+"""Form of a pair of lines, for phi_2 > 0 and phi_2 < 0."""
 
 
 def equation() -> TrigEquation:
@@ -245,6 +248,8 @@ CLAIMS: list[Claim] = [
             (BRANCH_1, BRANCH_2, "xy", 2),
             (BRANCH_1, BRANCH_2, "xy", -1),
         ),
+        corrected=(BRANCH_1, BRANCH_2, "xy", 1),
+        form=row(BRANCH, BRANCH, one_of("xy", "yx"), WHOLE),
     ),
     Claim(
         "s3.J",
@@ -258,6 +263,7 @@ CLAIMS: list[Claim] = [
             J_SQUARED_RIGHT.subs(sp.cos(4 * alpha), sp.cos(2 * alpha)),
             J_SQUARED_RIGHT + 2 * sp.cos(2 * phi2),
         ),
+        corrected=J_SQUARED_RIGHT,
     ),
     Claim(
         "s3.real-8",

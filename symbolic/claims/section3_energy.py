@@ -9,14 +9,17 @@ import sympy as sp
 from symbolic.claim import Claim, Verdict
 from symbolic.decide import Correction, by_cases, by_identity, refuted
 from symbolic.groups import crease_images
-from symbolic.logic import energy_orders
+from symbolic.logic import SPACES, energy_orders
 from symbolic.rotations import E1, E2, about, planar, product, reflect, scale
+from symbolic.statement import Maps, Several, Text, That, formula, one_of, row
 from symbolic.states import ExactState, degree6, degree8
 from symbolic.symbols import generic_crease, generic_fold
 
 _HALF, _THIRD = sp.Rational(1, 2), sp.Rational(1, 3)
 PATTERN_6 = "abcdcb"
 PATTERN_8 = "abcbabcb"
+PATTERNS = row(Text("[a-z]{6}", "6 letters"), Text("[a-z]{8}", "8 letters"))
+"""Form of two patterns: creases with the same letter have equal springs."""
 
 
 def regular_states() -> tuple[tuple[str, int, ExactState], ...]:
@@ -79,15 +82,17 @@ def _check_criticality(statement: tuple[str, str]) -> Verdict:
     )
 
 
-def _check_invariance(statement: str) -> Verdict:
-    """Closure of the mirrored fold angles is conjugate to the inverse closure (degree 4)."""
+def _check_invariance(statement: tuple[int, ...]) -> Verdict:
+    """Closure with the creases exchanged is conjugate to the inverse closure (degree 4).
+
+    statement: the crease whose fold angle creases 1..4 take over.
+    """
     b = generic_crease("2")
     folds = [generic_fold(str(i)) for i in range(1, 5)]
     creases = [E1, planar(b.pair), scale(-1, E1), planar((b.c, -b.s))]
     q = [about(c, f.pair) for c, f in zip(creases, folds, strict=True)]
     forward = product(q)
-    order = {"mirror": [0, 3, 2, 1], "shift": [1, 2, 3, 0]}[statement]
-    image = product(about(c, folds[i].pair) for c, i in zip(creases, order, strict=True))
+    image = product(about(c, folds[i - 1].pair) for c, i in zip(creases, statement, strict=True))
     inverse = forward.inverse
     x, y, z = reflect(E2, inverse.vector)
     mirrored = type(forward)(inverse.w, -x, -y, -z)
@@ -120,8 +125,13 @@ def pinned_example() -> tuple[ExactState, sp.Matrix, sp.Matrix, sp.Matrix]:
     return state, torque, lam, contact
 
 
-def _check_unconstrained(statement: str) -> Verdict:
-    """Exhibit a stable symmetric state whose energy is not stationary on the compatible space."""
+_REGULAR, _PINNED = "regular interior", "pinned"
+
+
+def _check_unconstrained(statement: tuple[str, ...]) -> Verdict:
+    """Whether stable symmetric states of these kinds are stationary on the compatible space."""
+    if _PINNED not in statement:
+        return _check_criticality((PATTERN_6, PATTERN_8))
     state, torque, lam, _ = pinned_example()
     c, kernel = state.crease_matrix(), state.tangents()
     slope = [v for v in (torque.T * kernel) if v != 0]
@@ -135,8 +145,6 @@ def _check_unconstrained(statement: str) -> Verdict:
     # |d2 r| <= 1 per entry, so the Lagrangian Hessian is at least 1 - 6 |lambda| > 0
     convex = bool(36 * lam.dot(lam) < 1)
     example = bool(slope) and symmetric and inside and convex and c.rank() == 3
-    if statement == "regular interior":
-        return _check_criticality((PATTERN_6, PATTERN_8))
     if not example:
         return Verdict("unproved", "exact example", "the pinned example does not apply")
     return refuted(
@@ -152,7 +160,9 @@ def _check_unconstrained(statement: str) -> Verdict:
             lambda: _check_criticality((PATTERN_6, PATTERN_8)).verdict == "proved",
             "true for regular interior states (as section 3 says earlier), by symmetric "
             "criticality; with contact the multipliers enter.",
-        ),
+        )
+        if _REGULAR in statement
+        else None,
     )
 
 
@@ -192,6 +202,13 @@ def _check_second_derivative(statement: Any) -> Verdict:
     )
 
 
+def _along_path() -> Maps:
+    """Form of a function of arc length, stiffnesses, rest angles and paths."""
+    s, k, rest, path = _path()
+    derivatives = [sp.diff(p, s, order) for p in path for order in (1, 2)]
+    return Maps((s, k, rest, path), formula(s, *k, *rest, *path, *derivatives))
+
+
 def _path() -> tuple[Any, list[Any], list[Any], list[Any]]:
     s = sp.Symbol("s")
     k = list(sp.symbols("k_1:4"))
@@ -214,9 +231,12 @@ def _curvature_without_force(s: Any, k: Any, rest: Any, path: Any) -> Any:
     return sum(a * sp.diff(p, s) ** 2 for a, p in zip(k, path, strict=True))
 
 
+_SPRING = sp.symbols("k phi phi^0", real=True)
+
+
 def _check_torque(statement: Any) -> Verdict:
     """DU/dphi_i of the printed energy is the linear torque."""
-    k, phi, rest = sp.symbols("k phi phi^0", real=True)
+    k, phi, rest = _SPRING
     gap = sp.expand(sp.diff(statement(k, phi, rest), phi) - k * (phi - rest))
     curvature = sp.diff(statement(k, phi, rest), phi, 2)
     return by_cases(
@@ -250,15 +270,19 @@ CLAIMS: list[Claim] = [
             lambda k, phi, rest: k * (phi - rest) ** 2,
             lambda k, phi, rest: k / 2 * (phi + rest) ** 2,
         ),
+        form=Maps(_SPRING, formula(*_SPRING)),
     ),
     Claim(
         "s3.invariance",
         "sec. 3, full-space equilibrium",
         "Energy and loop closure are invariant under the symmetry",
-        "mirror",
+        (1, 4, 3, 2),
         r"\mathbf F_N(P\phi)=\mathbf I\iff\mathbf F_N(\phi)=\mathbf I,\ U(P\phi)=U(\phi)",
         _check_invariance,
-        damaged=("shift",),
+        damaged=((2, 3, 4, 1), (1, 2, 4, 3), (3, 2, 1, 4)),
+        form=That(
+            row(*[one_of(1, 2, 3, 4)] * 4), lambda p: len(set(p)) == 4, "a permutation of 1..4"
+        ),
     ),
     Claim(
         "s3.symmetric-criticality",
@@ -269,14 +293,19 @@ CLAIMS: list[Claim] = [
         r"v\in\ker\mathbf C",
         _check_criticality,
         damaged=(("abcdeb", PATTERN_8), (PATTERN_6, "abcdabcb")),
+        form=PATTERNS,
     ),
     Claim(
         "s3.critical-unconstrained",
         "sec. 3.1, 'necessarily critical points'",
         "Stable states of the slice are critical points in the unconstrained space",
-        "all",
-        r"\text{stable in the slice}\Rightarrow\nabla U\perp\ker\mathbf C",
+        (_REGULAR, _PINNED),
+        r"\text{stable in the slice (regular interior, or pinned by contact)}\Rightarrow\nabla U\perp"
+        r"\ker\mathbf C",
         _check_unconstrained,
+        damaged=((_PINNED,),),
+        corrected=(_REGULAR,),
+        form=Several(one_of(_REGULAR, _PINNED)),
     ),
     Claim(
         "s3.contact-slope",
@@ -295,6 +324,7 @@ CLAIMS: list[Claim] = [
         r"\text{min over compatible}\Rightarrow\text{min over contact-admissible}",
         _check_relaxed,
         damaged=(("physical", "relaxed"), ("symmetric", "physical")),
+        form=row(*[one_of(*SPACES)] * 2),
     ),
     Claim(
         "s3.boundary-slope",
@@ -304,6 +334,7 @@ CLAIMS: list[Claim] = [
         r"\frac{d\hat U}{ds}=\sum_i k_i(\varphi_i-\phi_i^0)\frac{d\varphi_i}{ds}",
         _check_first_derivative,
         damaged=(_curvature_without_force,),
+        form=_along_path(),
     ),
     Claim(
         "s3.boundary-curvature",
@@ -316,5 +347,6 @@ CLAIMS: list[Claim] = [
             _curvature_without_force,
             lambda *a: 2 * _curvature_without_force(*a) - _curvature(*a),
         ),
+        form=_along_path(),
     ),
 ]

@@ -7,18 +7,20 @@ from typing import Any
 import sympy as sp
 
 from symbolic.claim import Claim, Verdict
+from symbolic.claims._section3_joints import JOINT_CLAIMS
 from symbolic.claims.section3_degree6 import half_form
-from symbolic.decide import Correction, by_cases, refuted
-from symbolic.flat_folding import is_flat_foldable
-from symbolic.identities import circle, vanishes
+from symbolic.decide import Correction, as_convention, by_cases, refuted
+from symbolic.identities import vanishes
 from symbolic.intervals import certify_sign
-from symbolic.rotations import E1, about, rational_pair, scale
+from symbolic.rotations import rational_pair
+from symbolic.statement import Ratio, Several, formula, one_of, row
 from symbolic.states import degree6
 from symbolic.symbols import ALPHA, HALF2, HALF3
 
 _HALF = sp.Rational(1, 2)
 Segment = tuple[str, Any, Any, Any]
 """(fixed fold angle, its value, lower end, upper end of the other) in units of pi."""
+_SEGMENT = row(one_of("phi_2", "phi_3"), Ratio(), Ratio(), Ratio())
 
 FIRST_HANDLE: tuple[Segment, ...] = (
     ("phi_2", -1, _HALF, 1),
@@ -32,10 +34,6 @@ SECOND_HANDLE_RIGHT: tuple[Segment, ...] = (
     ("phi_2", 1, -1, -_HALF),
     ("phi_3", -1, _HALF, 1),
 )
-
-
-def _negated(handle: tuple[Segment, ...]) -> tuple[Segment, ...]:
-    return tuple((name, -v, -hi, -lo) for name, v, lo, hi in handle)
 
 
 def _endpoint_is_right_angle() -> bool:
@@ -61,109 +59,85 @@ def _endpoint_is_right_angle() -> bool:
     return factors and on_edge1 == 0 and on_edge4 == 0
 
 
+def _fan_closes() -> bool:
+    """At alpha = pi/3 phi_2 = phi_4 = phi_6 = sigma pi closes with phi_1 = -sigma pi - 2 phi_3.
+
+    Three flaps turn about one edge.  Put into the derived equations for phi_1/2 and phi_4/2, both signs.
+    """
+    form, (c3, s3) = half_form(), HALF3.pair
+    third = {ALPHA.c: _HALF, ALPHA.s: sp.sqrt(3) / 2}
+    gaps = []
+    for sigma in (1, -1):
+        at = {**third, HALF2.c: 0, HALF2.s: sigma}
+        (y1, x1), (y4, x4) = ([sp.expand(e.subs(at)) for e in f] for f in (form.first, form.last))
+        cos1, sin1 = -sigma * 2 * s3 * c3, -sigma * (c3**2 - s3**2)  # of phi_1/2
+        gaps += [x1 * sin1 - y1 * cos1, x4 * sigma - y4 * 0]
+    return all(vanishes(g, [HALF3]) for g in gaps)
+
+
+def derived_segments() -> set[Segment]:
+    """The edges of the chart with states beside which there are none, at alpha_1 = pi/3.
+
+    On phi_2 = sigma pi (creases 2, 4, 6 closed to the same side; a walk round a star of three legs keeps
+    it on one side) the fold limits leave |phi_3| <= 1 and |-sigma - 2 phi_3| <= 1 in units of pi, and
+    the sheet criterion excludes the neighbours where cos(phi_3) < 0; phi_3 = sigma pi alike with 2, 3
+    and 1, 4 exchanged.
+    """
+    x = sp.Symbol("x", real=True)
+    found = set()
+    for sigma in (1, -1):
+        fan = sp.Interval(-1, 1) & sp.solveset(sp.Abs(sigma + 2 * x) <= 1, x, sp.S.Reals)
+        bare = fan - sp.Interval(-_HALF, _HALF)  # cos(pi x) >= 0: states on one side of the edge
+        found |= {(name, sigma, bare.inf, bare.sup) for name in ("phi_2", "phi_3")}
+    return found
+
+
+def _corner(segment: Segment) -> tuple[Any, Any]:
+    """Corner of the chart, (phi_2, phi_3) in units of pi, at which a segment ends."""
+    name, value, low, high = segment
+    end = low if abs(low) == 1 else high
+    return (value, end) if name == "phi_2" else (end, value)
+
+
 def _check_handles(statement: tuple[tuple[Segment, ...], tuple[Segment, ...]]) -> Verdict:
-    """Intervals must be non-empty, and the two handles exchanged by turning the vertex over."""
-    first, second = statement
-    correction = Correction(
-        r"\text{second handle: }\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
-        lambda: (
-            set(_negated(FIRST_HANDLE)) == set(SECOND_HANDLE_RIGHT) and _endpoint_is_right_angle()
-        ),
-        "the image of the first handle under (phi_2, phi_3) -> -(phi_2, phi_3); the ends are "
-        "exactly pi/2, where the sheet criterion Re(uv) Re(u conj v) changes sign next to the edge.",
+    """Whether the two handles are the derived segments, two to a corner of the chart."""
+    if not (_fan_closes() and _endpoint_is_right_angle()):
+        return Verdict("unproved", "exact", "the states on the edges were not derived")
+    derived = derived_segments()
+    wrong = [
+        f"{name} = {value} pi, {low} pi to {high} pi" + (" (empty)" if low >= high else "")
+        for handle in statement
+        for name, value, low, high in handle
+        if (name, value, low, high) not in derived
+    ]
+    missing = derived - {s for handle in statement for s in handle}
+    split = [handle for handle in statement if len({_corner(s) for s in handle}) != 1]
+    if not (wrong or missing or split):
+        return Verdict(
+            "proved",
+            "exact",
+            "On the edge creases 2, 4, 6 (or 1, 3, 5) are closed and the others fan out, phi_1 + 2 phi_3 "
+            "= -+pi; the sheet criterion excludes the states beside it from pi/2 to pi.",
+        )
+    reason = (
+        f"no such segments: {'; '.join(wrong)}"
+        if wrong
+        else "segments missing"
+        if missing
+        else "segments of one handle at different corners"
     )
-    for handle in statement:
-        for name, value, lo, hi in handle:
-            if not lo < hi:
-                extra = ""
-                if set(_negated(first)) != set(second):
-                    extra = (
-                        "  Turning the vertex over, phi -> -phi, maps admissible states to "
-                        "admissible states and the first handle to {pi} x [-pi, -pi/2) u (pi/2, "
-                        "pi] x {-pi}, not to the printed second one, whose last interval starts "
-                        "at -pi/2."
-                    )
-                return refuted(
-                    f"The interval of the segment {name} = {value} pi runs from {lo} pi to {hi} "
-                    f"pi: empty as printed.{extra}",
-                    "exact",
-                    correction,
-                )
-    return by_cases(
-        [
-            ("the handles are images of each other", set(_negated(first)) == set(second)),
-            ("ends at pi/2", _endpoint_is_right_angle()),
-            (
-                "ends as derived",
-                {abs(x) for h in statement for s in h for x in s[2:]} == {_HALF, 1},
-            ),
-            ("first handle as derived", set(first) == set(FIRST_HANDLE)),
-        ],
-        "Odd symmetry of the admissible space and the sign of the sheet criterion at the edge.",
-        "exact",
-    )
-
-
-def _check_flat_point(statement: str) -> Verdict:
-    """Dimension of the set of states over (phi_2, phi_3) = (0, 0)."""
-    form = half_form()
-    origin = {HALF2.c: 1, HALF2.s: 0, HALF3.c: 1, HALF3.s: 0}
-    v = [sp.expand(e.subs(origin)) for e in form.v]
-    u = [sp.expand(e.subs(origin)) for e in form.u]
-    free = v == [0, 0] and u == [1, 0]
-    t = circle(sp.Symbol("t", real=True) / 2, "t")
-    book = about(E1, t.pair) * about(scale(-1, E1), t.pair)
-    closes = all(vanishes(g, [t]) for g in (book.w - 1, *book.vector))
-    # the other chart end: u = 0 at tan^2(phi_2/2) = tan^2(phi_3/2) = 1/cos(alpha_2)
-    c2a = 1 - 2 * ALPHA.c**2  # cos(pi - 2 alpha)
-    same = {HALF3.c: HALF2.c, HALF3.s: HALF2.s}
-    other_end = [sp.expand(e.subs(same)) for e in form.u]
-    second = vanishes(other_end[0] - (HALF2.c**2 - HALF2.s**2 * c2a), [ALPHA, HALF2]) and vanishes(
-        other_end[1], [ALPHA, HALF2]
-    )
-    if statement == "segment":
-        return by_cases([("free", free), ("closes", closes)], "book fold", "exact")
-    if not (free and closes):
-        return Verdict("unproved", "exact", "the fibre was not identified")
     return refuted(
-        "Over (phi_2, phi_3) = (0, 0) the inner product is 1, v = 0, and the equation for "
-        "phi_1 + phi_4 loses all coefficients: phi_1 = phi_4 = t closes for every t in [-pi, pi] "
-        "(book fold, flat only at t = 0).  What joins the two regions there is a segment of "
-        "states, not a point.",
+        f"{reason[0].upper()}{reason[1:]}.",
         "exact",
         Correction(
-            r"(\phi_2,\phi_3)=(0,0):\ \{\phi_1=\phi_4=t,\ t\in[-\pi,\pi]\};\quad "
-            r"\alpha_1>\tfrac{\pi}{4}:\ \tan^2\tfrac{\phi_2}{2}=\tan^2\tfrac{\phi_3}{2}"
-            r"=-1/\cos 2\alpha_1,\ \phi_2=\phi_3:\ \phi_1-\phi_4\ \text{free}",
-            lambda: free and closes and second,
-            "Q(e1, t/2) Q(-e1, t/2) = 1 for all t.  The chart has a second such point for alpha_1 "
-            "> pi/4: phi_2 = phi_3 with tan^2(phi_2/2) = -1/cos(2 alpha_1) gives u = 0, crease 4 "
-            "lies on crease 1 and phi_1 - phi_4 is free.",
-        ),
-    )
-
-
-def _check_corner_points(statement: tuple[Any, ...]) -> Verdict:
-    """Flat-folded corner states (-pi, pi), (pi, -pi): a layer order exists for some phi_1, phi_4."""
-
-    def corner(part: Any) -> bool:
-        return all(
-            any(is_flat_foldable(part, f"{a}{p}{q}{b}{q}{p}") for a in "MV" for b in "MV")
-            for p, q in (("M", "V"), ("V", "M"))
+            r"\text{second handle: }\{\pi\}\times[-\pi,-\tfrac{\pi}{2})\cup(\tfrac{\pi}{2},\pi]\times\{-\pi\}",
+            lambda: _check_handles((FIRST_HANDLE, SECOND_HANDLE_RIGHT)).verdict == "proved",
+            "the image of the first handle under (phi_2, phi_3) -> -(phi_2, phi_3), as turning the vertex "
+            "over maps admissible states to admissible states; the ends are exactly pi/2, where the sheet "
+            "criterion Re(uv) Re(u conj v) changes sign next to the edge.",
         )
-
-    return by_cases(
-        [
-            (
-                f"alpha_1 = {part} pi: corner states {'exist' if yes else 'do not exist'}",
-                corner(part) == yes,
-            )
-            for part, yes in statement
-        ],
-        "Folded flat with phi_2 = -phi_3 = -+pi the vertex has a layer order for alpha_1 = 5 pi/12 "
-        "(and pi/3), none for pi/4: the two corners belong to the admissible space only from pi/3 "
-        "on.",
-        "exact crimping algorithm",
+        if statement == (FIRST_HANDLE, SECOND_HANDLE)
+        else None,
     )
 
 
@@ -267,41 +241,52 @@ def _milnor_identity() -> bool:
     return all(g == 0 for g in gaps)
 
 
+_NONE, _NULL, _OPEN = "empty", "of measure zero", "of positive measure"
+
+
 def _check_morse(statement: str) -> Verdict:
-    """Exhibit a degenerate critical point at a regular state with positive stiffness."""
-    if statement == "almost all rest angles":
-        return by_cases([("end-point map", _milnor_identity())], "Sard", "exact")
+    """Size of the set of rest angles for which the energy has a degenerate critical point.
+
+    Not empty: a degenerate critical point at a regular state with positive stiffness.  Of measure
+    zero: they are the critical values of an end-point map (Sard).
+    """
     data = degenerate_example()
     singular = sp.expand(data["hessian"].det()) == 0
-    if not (singular and data["k2"] > 0 and data["rank"] == 3):
+    if not (singular and data["k2"] > 0 and data["rank"] == 3 and _milnor_identity()):
         return Verdict("unproved", "exact example", "the degenerate example does not apply")
-    return refuted(
-        "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = 1/4 (regular): "
-        f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
-        f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
-        "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "
-        "manifold.",
-        "exact example",
+    if statement == _NULL:
+        return Verdict("proved", "Sard's theorem", f"{_SARD[0].upper()}{_SARD[1:]}")
+    if statement == _OPEN:
+        return refuted(f"{_SARD[0].upper()}{_SARD[1:]}", "Sard's theorem", None)
+    return as_convention(
+        refuted(
+            "Degree 6, D_1, tan(alpha/2) = 1/2, tan(phi_2/4) = 1/3, tan(phi_3/4) = 1/4 (regular): "
+            f"with k_1 = k_3 = k_4 = 1, k_2 = {sp.N(data['k2'], 12)} (an exact rational), torques "
+            f"{data['tau']} in creases 1, 4 and balancing ones in 2 and 3 the state is critical "
+            "and the Hessian determinant is exactly 0.  At the flat state the space is not even a "
+            "manifold.",
+            "exact example",
+            None,
+        ),
+        "True of generic rest angles on the regular part, as such sentences are often meant.",
         Correction(
             r"\text{on the regular part, for almost every }\phi^0\ "
             r"(k_i>0\text{ fixed}),\ U\text{ is a Morse function}",
             _milnor_identity,
-            "in the coordinates sqrt(k_i) phi_i the energy is half a squared distance to the rest "
-            "point; its Hessian at a critical point equals the Jacobian of the end-point map "
-            "x + v n, so degenerate rest points are critical values: measure zero (Sard).",
+            _SARD,
         ),
     )
 
 
+_SARD = (
+    "in the coordinates sqrt(k_i) phi_i the energy is half a squared distance to the rest point; its "
+    "Hessian at a critical point equals the Jacobian of the end-point map x + v n, so degenerate rest "
+    "points are critical values: measure zero (Sard)."
+)
+
+
 CLAIMS: list[Claim] = [
-    Claim(
-        "s3.flat-point",
-        "sec. 3.1, two regions connected by a point",
-        "The regions are connected by a point, the flat state",
-        "point",
-        r"\text{two regions connected by a point at the flat state }(0,0)",
-        _check_flat_point,
-    ),
+    JOINT_CLAIMS["s3.flat-point"],
     Claim(
         "s3.handles",
         "sec. 3.1, 1-handles",
@@ -311,23 +296,16 @@ CLAIMS: list[Claim] = [
         r"\ \text{and}\ \{\pi\}\times(\approx-\tfrac{\pi}{2},-\pi]\cup(\approx-\tfrac{\pi}{2},\pi]"
         r"\times\{-\pi\}",
         _check_handles,
+        corrected=(FIRST_HANDLE, SECOND_HANDLE_RIGHT),
+        form=row(*[row(_SEGMENT, _SEGMENT)] * 2),
         damaged=(
             (SECOND_HANDLE_RIGHT, SECOND_HANDLE_RIGHT),
             (FIRST_HANDLE, (SECOND_HANDLE_RIGHT[0], ("phi_3", -1, -_HALF, 1))),
+            tuple(zip(FIRST_HANDLE, SECOND_HANDLE_RIGHT, strict=True)),
         ),
     ),
-    Claim(
-        "s3.corner-points",
-        "sec. 3.1, connected at (-pi, pi) and (pi, -pi)",
-        "The corner states exist for 5 pi/12 and not for pi/4",
-        ((sp.Rational(5, 12), True), (sp.Rational(1, 4), False)),
-        r"(\mp\pi,\pm\pi)\text{ admissible for }\alpha_1=5\pi/12,\ \text{not for }\pi/4",
-        _check_corner_points,
-        damaged=(
-            ((sp.Rational(5, 12), False), (sp.Rational(1, 4), False)),
-            ((sp.Rational(5, 12), True), (sp.Rational(1, 4), True)),
-        ),
-    ),
+    JOINT_CLAIMS["s3.handle-joints"],
+    JOINT_CLAIMS["s3.corner-points"],
     Claim(
         "s3.holes",
         "sec. 3.1, holes of the admissible space",
@@ -336,13 +314,17 @@ CLAIMS: list[Claim] = [
         r"\alpha_1=\tfrac{\pi}{4}:\ \text{holes top left, top right, bottom left, bottom right}",
         _check_holes,
         damaged=((sp.pi * 5 / 12, ((1, 1), (1, -1), (-1, 1), (-1, -1))),),
+        form=row(formula(), Several(row(one_of(1, -1), one_of(1, -1)))),
     ),
     Claim(
         "s3.morse",
         "sec. 3.1, 'is a Morse function'",
         "The energy is a Morse function",
-        "always",
-        r"U\text{ is a Morse function}",
+        _NONE,
+        r"\{\phi^0:U\text{ is no Morse function}\}=\varnothing",
         _check_morse,
+        damaged=(_OPEN,),
+        corrected=_NULL,
+        form=one_of(_NONE, _NULL, _OPEN),
     ),
 ]

@@ -28,6 +28,7 @@ from symbolic.cone import (
 )
 from symbolic.decide import Correction, by_cases, refuted
 from symbolic.rotations import E1, E2, E3
+from symbolic.statement import WHOLE, Several, one_of, row
 from symbolic.symbols import upsilon
 
 Word = tuple[int, ...]
@@ -220,14 +221,17 @@ def classes(flaps: int) -> list[tuple[str, int]]:
     return sorted(found.values())
 
 
+_ORDERS = {"C1": 1, "C2": 2, "C4": 4, "D1": 2, "D2": 4, "D4": 8}
+"""Subgroups of D_4 and their orders."""
+
+
 def _check_eight(statement: tuple[tuple[str, int], ...]) -> Verdict:
     """Symmetry and orbit size of the classes at N = 8, and the orbit-stabilizer theorem."""
     found = classes(4)
-    orders = {"C1": 1, "C2": 2, "C4": 4, "D1": 2, "D2": 4, "D4": 8}
     return by_cases(
         [
             (f"classes are {found}", sorted(statement) == found),
-            ("orbit size times |stabilizer| = 8", all(s * orders[n] == 8 for n, s in found)),
+            ("orbit size times |stabilizer| = 8", all(s * _ORDERS[n] == 8 for n, s in found)),
             ("orbit sizes sum to 16", sum(s for _, s in found) == 16),
             ("no two classes merge or split without mirrors", orbit_count(4, shifts) == len(found)),
         ],
@@ -246,8 +250,8 @@ def _fold_multiset(word: Word) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     return odd, even
 
 
-def _check_subgroup(statement: str) -> Verdict:
-    """Symmetries of the folded 8-vertex among the 16 of the flat one: only those of `statement`.
+def _check_subgroup(statement: int) -> Verdict:
+    """Symmetries of the folded 8-vertex among the 16 of the flat one: those of D_n, n = `statement`.
 
     A rotation by an odd multiple of alpha would exchange odd and even creases.  The even angles
     take one value 4 times, or two values 3+1 or 2+2 times; the odd ones, with rho_v > 0 > rho_m and
@@ -263,10 +267,10 @@ def _check_subgroup(statement: str) -> Verdict:
         )
         larger = len({s for s in shifts(word)}) * sum(s == word for s in shifts(word)) == 4
         cases.append((f"rotations of {word} lie in C_4", larger))
-    order = {"D4": 8, "D8": 16, "D2": 4}[statement]
+    order = 2 * statement
     largest = max(sum(w == word for w in images(word)) for word in words(4))
     cases.append(
-        (f"the largest symmetry has order {largest}, {statement} has {order}", largest == order)
+        (f"the largest symmetry has order {largest}, D_{statement} has {order}", largest == order)
     )
     return by_cases(
         cases,
@@ -353,6 +357,7 @@ CLAIMS: list[Claim] = [
         r"\hat{c}_{2i+1}(\upsilon)\ \text{is the same for}\ \rho_v\ \text{and}\ \rho_m",
         _check_same_crease,
         damaged=(1, 2),
+        origin="own derivation",
     ),
     Claim(
         "s4.breaking",
@@ -384,15 +389,16 @@ CLAIMS: list[Claim] = [
             (("D4", 1), ("D2", 2), ("D2", 2), ("D1", 4), ("D1", 4), ("D1", 4)),
             (("D4", 1), ("D4", 1), ("C2", 2), ("D1", 4), ("D1", 4), ("D1", 4)),
         ),
+        form=Several(row(one_of(*_ORDERS), WHOLE)),
     ),
     Claim(
         "s4.eight-subgroups",
         "sec. 4, N = 8",
         "Symmetry of each solution is a subgroup of D_4",
-        "D4",
+        4,
         r"\mathrm{Sym}(\text{state})\le D_4",
         _check_subgroup,
-        damaged=("D8", "D2"),
+        damaged=(8, 2),
     ),
     Claim(
         "s4.equivalence",
@@ -402,6 +408,9 @@ CLAIMS: list[Claim] = [
         r"\#\{\text{states up to rigid rotation}\}=\#\{\text{bracelets, }N/2\text{ beads, 2 colours}\}",
         _check_equivalence,
         damaged=("words",),
+        corrected="necklaces",
+        form=one_of("bracelets", "necklaces", "words"),
+        root="necklaces or bracelets",
     ),
     Claim(
         "s4.bracelet-formula",
@@ -428,5 +437,7 @@ CLAIMS: list[Claim] = [
             (4, 6, 8, 13, 18, 30, 46, 78, 126, 224, 380, 687, 1225),
             (4, 6, 9, 13, 18, 30, 46, 78, 126, 224, 380, 687, 1224),
         ),
+        corrected=(4, 6, 8, 13, 18, 30, 46, 78, 126, 224, 380, 687, 1224),
+        root="necklaces or bracelets",
     ),
 ]

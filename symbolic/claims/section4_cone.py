@@ -14,6 +14,7 @@ from symbolic.claims._section4_angles import ANGLE_CLAIMS, ROOTS, compare
 from symbolic.cone import (
     ALPHA_PAIR,
     ELEVATION,
+    K,
     azimuth,
     lift,
     mirror,
@@ -21,8 +22,9 @@ from symbolic.cone import (
     root,
     turn,
 )
-from symbolic.decide import Correction, by_cases, refuted
+from symbolic.decide import Correction, as_convention, by_cases, refuted
 from symbolic.rotations import E1, E2, E3, Vector, dot, reflect
+from symbolic.statement import WHOLE, Several, formula, one_of, row
 
 _MINUS_ELEVATION = (ELEVATION[0], -ELEVATION[1])
 
@@ -167,35 +169,46 @@ def _check_odd_equal(statement: Any) -> Verdict:
     )
 
 
-def _check_unit_cell(statement: tuple[int, ...]) -> Verdict:
-    """Orbit of the union of `statement` facets under <mirror e2, rotation by 2 alpha>, N = 6..30."""
+_WITH_MIRROR, _ROTATIONS = "mirror and rotations", "rotations"
+
+
+def _check_unit_cell(statement: tuple[tuple[int, ...], str]) -> Verdict:
+    """Orbit of a union of facets under rotations by 2 alpha, with or without the mirror e2, N = 6..30.
+
+    statement: (facets of the cell, group).
+    """
+    facets, group = statement
     cases = []
     for n in range(6, 31, 2):
         covered = [0] * n
         for r in range(n // 2):
-            for facet in statement:
+            for facet in facets:
                 covered[(facet - 1 + 2 * r) % n] += 1
-                covered[(-facet + 2 * r) % n] += 1  # the mirror sends facet i to -i
+                if group == _WITH_MIRROR:
+                    covered[(-facet + 2 * r) % n] += 1  # the mirror sends facet i to -i
         cases.append((f"N = {n}: each facet is covered {covered[0]} times", set(covered) == {1}))
     fix = Correction(
         r"\Omega_0^{c}=\Omega_0^{(1)}\quad(\text{for }G=\langle\boldsymbol{\sigma}_{\hat{e}_2},"
         r"\mathbf{Q}_{\hat{e}_3}(2\alpha)\rangle)",
-        lambda: _check_unit_cell((1,)).verdict == "proved",
-        "the cell of the dihedral group is facet 1 alone (as in section 2, k = 2, and as in "
-        "Omega = Orb_G Omega^(1) printed below); facets 1 and 2 are the cell of its rotations.",
+        lambda: all(_check_unit_cell(s).verdict == "proved" for s in _ORBITS),
+        "facet 1 is the cell of G, facets 1 and 2 (the flap) that of its rotations; the paper takes "
+        "both orbits with the right cell.",
     )
-    verdict = by_cases(cases, "Each facet is the image of facet 1 exactly once.", "enumeration")
-    rotations_alone = sorted(facet % 2 for facet in statement) == [0, 1]
-    if verdict.verdict == "refuted" and rotations_alone:
-        return Verdict(
-            "convention",
-            "enumeration N = 6..30",
-            "True for the rotations <Q(e3, 2 alpha)> alone; under the group G printed with it every "
-            "facet is covered twice.",
-            fix.latex,
-            fix.proof(),
-        )
-    return verdict
+    verdict = by_cases(cases, "Each facet is an image of the cell exactly once.", "enumeration")
+    if verdict.verdict == "proved" or group == _ROTATIONS:
+        return verdict
+    if _check_unit_cell((facets, _ROTATIONS)).verdict != "proved":
+        return verdict
+    return as_convention(
+        verdict,
+        "A matter of names, no formula is wrong: the orbits the paper takes, Orb_G of facet 1 (text) and "
+        "of the flap under rotations (caption of the figure), are ours.  Only section 2's word 'unit "
+        "cell', the cell of G, is given to the flap here.",
+        fix,
+    )
+
+
+_ORBITS = (((1,), _WITH_MIRROR), ((1, 2), _ROTATIONS))
 
 
 def _check_order(statement: Any) -> Verdict:
@@ -224,6 +237,7 @@ def _check_sectors(statement: Any) -> Verdict:
 
 
 _N, _M = sp.Symbol("N"), sp.Symbol("m", integer=True)
+_VECTOR = row(*[formula(K)] * 3)
 
 CLAIMS: list[Claim] = [
     Claim(
@@ -238,11 +252,14 @@ CLAIMS: list[Claim] = [
     Claim(
         "s4.unit-cell",
         "sec. 4, opening",
-        "Unit cell of the cone",
-        (1, 2),
-        r"\Omega_0^{c}=\Omega_0^{(1)}\cup\Omega_0^{(2)}",
+        "Facets 1 and 2 are called the unit cell",
+        ((1, 2), _WITH_MIRROR),
+        r"\Omega_0^{c}=\Omega_0^{(1)}\cup\Omega_0^{(2)}\quad(\text{unit cell of }G=\langle"
+        r"\boldsymbol{\sigma}_{\hat{e}_2},\mathbf{Q}_{\hat{e}_3}(2\alpha)\rangle)",
         _check_unit_cell,
-        damaged=((1, 2, 3), (1, 3)),
+        damaged=(((1, 2, 3), _WITH_MIRROR), ((1, 3), _WITH_MIRROR), ((1,), _ROTATIONS)),
+        corrected=_ORBITS[0],
+        form=row(Several(WHOLE), one_of(_WITH_MIRROR, _ROTATIONS)),
     ),
     Claim(
         "s4.deformation",
@@ -252,6 +269,7 @@ CLAIMS: list[Claim] = [
         r"\mathbf{F}_1=\mathbf{Q}_{\hat{e}_2}(\upsilon)\mathbf{Q}_{\hat{b}_1}(\rho_1)",
         _check_deformation,
         damaged=(("fold", "elevate"), ("elevate",)),
+        form=Several(one_of("elevate", "fold")),
     ),
     ANGLE_CLAIMS["s4.two-roots"],
     ANGLE_CLAIMS["s4.partial-valley"],
@@ -273,6 +291,7 @@ CLAIMS: list[Claim] = [
         r"\Omega^{(2)}=\boldsymbol{\sigma}_{\hat{b}_2\times\hat{e}_3}\,\Omega^{(1)}",
         _check_facet_mirror,
         damaged=(azimuth(1), mirror(2), E2),
+        form=_VECTOR,
     ),
     Claim(
         "s4.facet-copies",
@@ -283,6 +302,8 @@ CLAIMS: list[Claim] = [
         r"\,\Omega^{(j\bmod 2)}",
         _check_copies,
         damaged=((_M, 2), (2 * _M, 0), (2 * _M + 1, 2)),
+        corrected=(2 * _M, 2),
+        form=row(formula(_M), WHOLE),
     ),
     Claim(
         "s4.odd-creases",
@@ -305,6 +326,7 @@ CLAIMS: list[Claim] = [
         r"\boldsymbol{\sigma}_{\hat{b}_2\times\hat{e}_3}^{T}",
         _check_mapped_gradient,
         damaged=(E2, mirror(2)),
+        form=_VECTOR,
     ),
     Claim(
         "s4.crease-3",
@@ -314,5 +336,6 @@ CLAIMS: list[Claim] = [
         r"\hat{c}_3=\mathbf{Q}_{\mathbf{Q}_{\hat{e}_3}(\alpha)\hat{e}_2}(\upsilon)\,\hat{b}_3",
         _check_crease3,
         damaged=(0, 3, -2),
+        corrected=2,
     ),
 ]

@@ -15,40 +15,11 @@ from symbolic.cone import (
     K,
 )
 from symbolic.decide import Correction, by_cases, refuted
+from symbolic.statement import DEGREE, WHOLE, Ratio, Several, Table, Text, one_of, row
 
 N = sp.Symbol("N", positive=True)
 H = sp.Symbol("h", positive=True)
 """tan(|v|/2)."""
-
-LEFT_OUT: tuple[tuple[str, str], ...] = (
-    (
-        "sec. 5, figs. cone-3, cone-4, cone-56: where the bands and regions lie, 'a large portion', "
-        "'nearly irrespective', 'primarily vertical', 'finer structure', 'less stable'",
-        "words about a coloured picture, without a threshold that could be checked",
-    ),
-    (
-        "sec. 5, 'No branch was found with more than one stable state'",
-        "reports what the authors' optimiser found; true of any incomplete search",
-    ),
-    (
-        "sec. 5, range of counts 0.0625-0.6875 (N = 6), 0.015625-0.65625 (N = 10)",
-        "depends on the optimiser, its starts and its threshold; numerical maps are compared in the "
-        "studies, here only the limits r_k -> infinity are decided",
-    ),
-    (
-        "sec. 5, 'M_2 V up is stable for nearly every parameter set with r_k < 0.7 and v_0 > pi/8'",
-        "'nearly every' has no measure",
-    ),
-    (
-        "sec. 4, 'right-side of each odd crease', fig. N-setup, fig. 8-fold-symm-breaking-examples",
-        "needs the figure; the formula of the construction is claim s4.breaking",
-    ),
-    (
-        "sec. 4, d-cone and flexoelectricity remarks; sec. 5, Gibbs phase rule",
-        "statements about other work, not about this model",
-    ),
-)
-"""Statements of sections 4 and 5 that are not claims, and why."""
 
 
 def slopes(word: tuple[int, ...], side: int) -> tuple[Any, ...]:
@@ -167,42 +138,75 @@ def _check_fractions(statement: tuple[tuple[Any, int, int], ...]) -> Verdict:
     return by_cases(cases, "All decimals equal their fractions to the digits shown.", "exact")
 
 
-def stiff_even_minima(flaps: int) -> int:
-    """Branches with a minimum off the flat state of given relative depth as r_k -> infinity.
+THRESHOLD = sp.Rational(1, 1000)
+"""Well depth over U_flat above which the paper counts a minimum (footnote of section 5)."""
 
-    There U/k_even -> B = sum over even creases of (phi - phi0)^2/2, with a valley flaps of n:
+
+def stiff_even_minima(flaps: int, threshold: Any = THRESHOLD) -> int | None:
+    """Branches with a minimum deeper than `threshold` times U_flat for all large enough r_k.
+
+    U/k_even -> B = sum over even creases of (phi - phi0)^2/2, with a valley flaps of n:
     a (2|v| - 2|v_0|)^2/2 + (n - a)(2|v| + 2|v_0|)^2/2, a parabola with its vertex at
-    |v| = |v_0| (2a - n)/n.  So exactly the words with 2a > n keep a minimum (for both signs of v);
-    2a < n has B' > 0 throughout, and for 2a = n the depth tends to zero.
+    |v| = |v_0| (2a - n)/n and the relative depth ((2a - n)/n)^2 there.  2a < n has B' > 0 throughout.
+    For 2a = n the depth tends to zero, so such a branch counts without a threshold only, and then for
+    the one sign of v for which the odd creases pull away from the flat state (sum of d phi/d|v| > 0).
+    None: a depth tends to the threshold itself, and no large r_k decides.
     """
     a, n, v, rest = sp.symbols("a n v v_0", positive=True)
     energy = a * (2 * v - 2 * rest) ** 2 / 2 + (n - a) * (2 * v + 2 * rest) ** 2 / 2
     vertex = sp.solve(sp.diff(energy, v), v)[0]
+    flat = energy.subs(v, 0)
+    depth = sp.cancel((flat - energy.subs(v, vertex)) / flat)
     if sp.cancel(vertex - rest * (2 * a - n) / n) != 0:
         raise AssertionError("vertex of the limit energy")
-    return 2 * sum(sp.binomial(flaps, k) for k in range(flaps + 1) if 2 * k > flaps)
+    count = 0
+    for valleys in range(flaps + 1):
+        deep = depth.subs({a: valleys, n: flaps})
+        words = int(sp.binomial(flaps, valleys))
+        if 2 * valleys > flaps and deep == threshold:
+            return None
+        if 2 * valleys > flaps and deep > threshold:
+            count += 2 * words
+        if 2 * valleys == flaps and threshold == 0:
+            word = (1,) * valleys + (0,) * (flaps - valleys)
+            pulls = [sum(slopes(word, side)[:flaps]) for side in (1, -1)]
+            away = [p.subs(K, sp.Rational(1, 2)) > 0 for p in pulls]  # K - 1/K < 0 for 0 < K < 1
+            count += words * sum(map(bool, away))
+    return count
 
 
-def _check_plateau(statement: tuple[int, int]) -> Verdict:
-    """Number of stable states (threshold on depth) for r_k above every bound, v_0 != 0."""
-    degree, printed = statement
-    count = stiff_even_minima(degree // 2)
+def _check_plateau(statement: tuple[int, int, Any]) -> Verdict:
+    """Number of stable states for r_k above every bound, v_0 != 0.
+
+    statement: (degree, number, threshold on the well depth over U_flat).
+    """
+    degree, printed, threshold = statement
+    count = stiff_even_minima(degree // 2, threshold)
     total = 2 ** (degree // 2 + 1)
-    if count == printed:
-        return Verdict(
-            "proved",
-            "limit of the energy, exact count",
-            f"As r_k -> infinity exactly the {count} branches with more valley than mountain flaps "
-            f"(of {total}) keep a minimum of finite relative depth.",
-        )
-    return refuted(
+    method = "limit of the energy, exact count"
+    if count is None:
+        return Verdict("unproved", method, f"a depth tends to {threshold} itself")
+    bare = stiff_even_minima(degree // 2, 0)
+    deeper = f"deeper than {threshold} U_flat" if threshold else "of any depth"
+    shown = (
         f"N = {degree}: as r_k -> infinity U/k_even tends to a parabola in |v| on every branch; "
-        f"{count} of {total} branches have its vertex off the flat state, not {printed}.",
-        "limit of the energy, exact count",
+        f"{count} of {total} branches keep a minimum {deeper} off the flat state"
+    )
+    aside = f" (without a threshold {bare})." if threshold else "."
+    depths = {sp.Rational(2 * a - degree // 2, degree // 2) ** 2 for a in range(degree // 2 + 1)}
+    counts = {stiff_even_minima(degree // 2, d * sp.Rational(99, 100)) for d in depths}
+    if count == printed:
+        remark = f"only with the threshold on the depth; without one {bare} of {total} count."
+        return Verdict("proved", method, shown + ".", remark=remark if threshold else "")
+    return refuted(
+        f"{shown}, not {printed}{aside}"
+        + ("" if printed in counts else f"  No threshold at all gives {printed}."),
+        method,
         Correction(
-            r"\#=2\sum_{a>N/4}\binom{N/2}{a}\quad(r_k\to\infty):\quad "
-            rf"{count}/{total}\ \text{{for }}N={degree}",
-            lambda: stiff_even_minima(degree // 2) == count and both_roots(),
+            r"\#\{\Delta U>\varepsilon U_{\mathrm{flat}}\}=2\sum_{a>N/4}\binom{N/2}{a}\quad(r_k\to"
+            rf"\infty,\ 0<\varepsilon<\bigl(\tfrac{{2a-n}}{{n}}\bigr)^2,\ n=\tfrac N2):\quad {count}/{total}"
+            rf"\ \text{{for }}N={degree};\qquad \varepsilon=0:\ {bare}/{total}",
+            lambda: stiff_even_minima(degree // 2, threshold) == count and both_roots(),
             f"{count}/{total} = {sp.Rational(count, total)}, for every v_0 != 0 before contact.",
         ),
     )
@@ -226,6 +230,7 @@ CLAIMS: list[Claim] = [
         r"2^3\cdot2=16,\ 2^4\cdot2=32,\ 2^6=64,\ 2^7=128",
         _check_branch_numbers,
         damaged=({6: 8, 8: 32, 10: 64, 12: 128}, {6: 16, 8: 32, 10: 32, 12: 64}),
+        form=Table(DEGREE, WHOLE),
     ),
     CONTACT_CLAIMS["s5.rest-state"],
     CONTACT_CLAIMS["s5.range-6-8"],
@@ -253,6 +258,7 @@ CLAIMS: list[Claim] = [
         r"\upsilon_0=0:\ 1/16,\ 1/32,\ 1/64,\ 1/128",
         _check_flat_only,
         damaged=({6: sp.Rational(1, 8)}, {8: sp.Rational(1, 16)}),
+        form=Table(DEGREE, Ratio()),
     ),
     Claim(
         "s5.m2v2",
@@ -262,6 +268,7 @@ CLAIMS: list[Claim] = [
         r"M_2V_2\ne MVMV",
         _check_distinct,
         damaged=(((0, 0, 1, 1), (0, 1, 1, 0)), ((0, 1, 0, 1), (1, 0, 1, 0))),
+        form=row(*[Several(one_of(0, 1))] * 2),
     ),
     Claim(
         "s5.fractions",
@@ -289,18 +296,27 @@ CLAIMS: list[Claim] = [
         r"0.0625=1/16,\ \dots,\ 0.4375=56/128",
         _check_fractions,
         damaged=((("0.6875", 10, 16),), (("0.336", 44, 128),)),
+        form=Several(row(Text(r"\d+\.\d+", "a decimal in quotes"), WHOLE, Ratio(1, least=1))),
+        origin="decimals",
     ),
     *(
         Claim(
             f"s5.plateau-{degree}",
             f"sec. 5, N = {degree}, large r_k",
-            f"Number of stable states above a threshold of r_k, N = {degree}",
-            (degree, printed),
-            rf"\#={printed}/{2 ** (degree // 2 + 1)}\ (r_k\ \text{{above a threshold}},\ "
-            r"\upsilon_0\ne0)",
+            f"Number of branches with a minimum deeper than U_flat/1000, large r_k, N = {degree}",
+            (degree, printed, THRESHOLD),
+            r"\#\{\text{branches with }\Delta U>10^{-3}U_{\mathrm{flat}}\}="
+            rf"{printed}/{2 ** (degree // 2 + 1)}\ (r_k\ \text{{above a threshold}},\ \upsilon_0\ne0)",
             _check_plateau,
-            damaged=((degree, printed + 1), (degree, printed // 2)),
+            damaged=(
+                (degree, printed + 1, THRESHOLD),
+                (degree, printed // 2, THRESHOLD),
+                (degree, printed, sp.Integer(0)),
+            ),
+            corrected=None if right is None else (degree, right, THRESHOLD),
+            form=row(DEGREE, WHOLE, Ratio(least=0)),
+            root="" if right is None else "plateaus at large stiffness ratio",
         )
-        for degree, printed in ((8, 10), (10, 42), (12, 56))
+        for degree, printed, right in ((8, 10, None), (10, 42, 32), (12, 56, 44))
     ),
 ]

@@ -46,8 +46,10 @@ def test_a_refutation_carries_a_correction_proved_in_the_same_run(run):
         if r.verdict.verdict in ("refuted", "convention"):
             assert r.verdict.corrected_latex, r.claim.id
             assert r.verdict.corrected_proved is True, r.claim.id
+            assert r.claim.corrected is not None, r.claim.id
         else:
             assert r.verdict.corrected_latex is None, r.claim.id
+            assert r.claim.corrected is None, r.claim.id
         assert r.verdict.evidence and r.verdict.method, r.claim.id
 
 

@@ -10,6 +10,7 @@ import pytest
 from origami_nlp.errors import OptionError
 from symbolic import catalogue
 from symbolic.claim import Claim, Verdict
+from symbolic.left_out import LEFT_OUT
 
 QUICK = ("s2.valley", "s3.J", "s2.elevation")
 
@@ -42,6 +43,18 @@ def test_single_claims_print_one_line_each_and_the_evidence():
         assert len(row) == 1
     assert "3 claims: 1 proved, 1 refuted, 1 convention, 0 unproved; 3 decided" in done.stdout
     assert r"\cos 2\upsilon" in done.stdout
+
+
+def test_the_counts_speak_of_statements_of_the_paper():
+    done = verify(*only(*QUICK, "derive.cone"))
+    assert done.returncode == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    assert "Statements of the paper: 3 checked, 1 true as printed, 1 false, 1 true only" in text
+    assert "derivations and rewritings of our own: 1;" in text
+    for entry in LEFT_OUT:
+        assert entry.where in text and " ".join(entry.what.split()) in text
+    done = verify(*only("derive.cone"))
+    assert "Statements of the paper" not in done.stdout
 
 
 def test_reports_are_written(tmp_path):
@@ -93,7 +106,7 @@ def test_exit_code_follows_the_verdicts(verdict, code, monkeypatch, capsys):
 
     from origami_nlp.cli import app
 
-    claim = Claim("x.y", "sec. 2", "title [bold]", None, "x=y", lambda _: verdict)
+    claim = Claim("x.y", "sec. 2", "title [bold]", 0, "x=y", lambda _: verdict)
     monkeypatch.setattr(catalogue, "claims", lambda: (claim,))
     done = CliRunner().invoke(app, ["verify"])
     assert done.exit_code == code, done.output

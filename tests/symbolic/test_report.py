@@ -9,17 +9,18 @@ import pytest
 from symbolic import report
 from symbolic.catalogue import Result
 from symbolic.claim import Claim, Verdict
+from symbolic.left_out import LEFT_OUT
 
 ERRATA = Path(__file__).parents[2] / "docs" / "errata.md"
 
 
 def test_json_has_the_keys_of_the_schema(run):
     data = json.loads(report.as_json(run.results))
-    assert data["schema"] == "origami-nlp/verify/1"
+    assert data["schema"] == "origami-nlp/verify/2"
     assert set(data) == {"schema", "claims", "summary"}
     keys = {
         "id", "where", "statement_latex", "verdict", "method", "evidence", "corrected_latex",
-        "seconds",
+        "origin", "finding", "remark", "seconds",
     }  # fmt: skip
     assert all(set(c) == keys for c in data["claims"])
     count = data["summary"]
@@ -64,8 +65,72 @@ def test_the_errata_page_lists_what_fails_and_nothing_else(run):
     for r in run.results:
         listed = f"| `{r.claim.id}` |" in page
         assert listed == (r.verdict.verdict in ("refuted", "convention")), r.claim.id
+    remarked = page.split("## True as printed, with a remark")[1]
+    assert "`s3.flat-point`" in remarked and "`s5.plateau-8`" in remarked
     for needed in ("s3.J", "s3.phi1-8", "s3.handles", "s2.d2h-count", "s4.table", "s4.crease-3"):
         assert f"`{needed}`" in page
+
+
+def _result(claim_id, verdict, **fields):
+    answer = Verdict(verdict, "m", "e", None if verdict == "proved" else "y", True)
+    return Result(Claim(claim_id, "sec. 2", "t", 0, "x", lambda _: answer, **fields), answer)
+
+
+def test_the_tally_counts_statements_readings_and_shared_causes():
+    results = [
+        _result("a", "proved"),
+        _result("b", "refuted", root="one cause"),
+        _result("c", "convention", root="one cause"),
+        _result("d", "refuted"),
+        _result("e", "unproved", root="one cause"),
+        _result("f", "proved", origin="own derivation"),
+        _result("g", "refuted", origin="own derivation"),
+        _result("h", "proved", origin="decimals"),
+    ]
+    assert report.tally(results) == {
+        "statements": 5, "true": 1, "false": 2, "another_reading": 1, "undecided": 1,
+        "findings": 2, "derivations": 2, "decimals": 1,
+    }  # fmt: skip
+    text = report.tally_text(results)
+    for words in (
+        "5 checked",
+        "1 true as printed",
+        "2 false",
+        "1 true only",
+        "causes of what fails: 2",
+    ):
+        assert words in text
+
+
+def test_the_tally_of_the_catalogue_adds_up(run):
+    count = report.tally(run.results)
+    parts = ("true", "false", "another_reading", "undecided")
+    assert count["statements"] == sum(count[p] for p in parts)
+    others = count["derivations"] + count["decimals"]
+    assert count["statements"] + others == len(run.results)
+    failing = [r for r in run.results if r.verdict.fails]
+    assert all(r.claim.origin == "paper" for r in failing)
+    assert count["findings"] < len(failing) == count["false"] + count["another_reading"]
+
+
+def test_causes_belong_to_failures_and_are_shared(run):
+    """A root names what several failures share; what holds has none."""
+    roots = [r.claim.root for r in run.results if r.claim.root]
+    assert all(r.verdict.fails for r in run.results if r.claim.root)
+    assert all(roots.count(root) > 1 for root in roots)
+
+
+def test_own_derivations_and_decimals_are_told_apart(run):
+    origins = {r.claim.id: r.claim.origin for r in run.results}
+    assert all(v == "own derivation" for k, v in origins.items() if k.startswith("derive."))
+    assert [k for k, v in origins.items() if v == "decimals"] == ["s5.fractions"]
+
+
+def test_errata_and_report_say_the_counts_and_what_is_left_out(run):
+    for text in (report.errata_page(run.results), report.as_markdown(run.results)):
+        assert report.tally_text(run.results) in text
+        for entry in LEFT_OUT:
+            assert report.plain(entry.what) in text
 
 
 def test_markdown_shows_stars_and_bars_as_they_are():
@@ -74,6 +139,6 @@ def test_markdown_shows_stars_and_bars_as_they_are():
 
 def test_an_unproved_correction_is_shown_as_such():
     verdict = Verdict("refuted", "m", "e", "y", False)
-    result = Result(Claim("a.b", "app. A", "t", None, "x", lambda _: verdict), verdict)
+    result = Result(Claim("a.b", "app. A", "t", 0, "x", lambda _: verdict), verdict)
     assert "NOT proved" in report.as_markdown([result])
     assert report.summary([result])["decided"] == 0

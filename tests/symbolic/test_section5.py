@@ -1,11 +1,10 @@
-"""Claims of section 5: decided, corrected, able to fail; and independent numerical cross-checks."""
+"""Claims of section 5 against independent numbers."""
 
 from itertools import product
 
 import numpy as np
 import pytest
 import sympy as sp
-from claim_checks import accepts
 
 from origami_nlp.closed_forms import (
     cone_contact_elevation,
@@ -13,26 +12,13 @@ from origami_nlp.closed_forms import (
     cone_fold_angles,
     cone_partial_angles,
 )
-from symbolic.claims import _section5_contact
-from symbolic.claims.section5 import CLAIMS, LEFT_OUT, stiff_even_minima
-from symbolic.symbols import upsilon
-
-CORRECTED = {
-    "s5.rest-state": (_section5_contact._SWITCH, -2 * sp.Abs(upsilon)),
-    "s5.range-6-8": {6: (-sp.pi / 6, sp.pi / 2), 8: (-sp.pi / 4, sp.pi / 2)},
-    "s5.contact": sp.pi / 2 * (1 + 4 / _section5_contact.N),
-    "s5.plateau-10": (10, 32),
-    "s5.plateau-12": (12, 44),
-}
-
-
-@pytest.mark.parametrize("claim_id", CORRECTED)
-def test_corrected_statement_is_accepted(claim_id):
-    accepts(next(c for c in CLAIMS if c.id == claim_id), CORRECTED[claim_id])
+from symbolic.catalogue import claim_by_id
+from symbolic.claims.section5 import stiff_even_minima
+from symbolic.left_out import LEFT_OUT
 
 
 def test_left_out_statements_say_why():
-    assert all(place and reason for place, reason in LEFT_OUT)
+    assert all(entry.where and entry.what and entry.why for entry in LEFT_OUT)
 
 
 def _rest(degree, v0):
@@ -60,7 +46,7 @@ def _minima(degree, ratio, v0, depth=1e-3):
     for flaps in product((1, -1), repeat=degree // 2):
         low, high = cone_elevation_range(degree, flaps)
         for end in (low, high):
-            v = end * np.linspace(1e-9, 1, 801)
+            v = end * np.concatenate([np.geomspace(1e-9, 1e-2, 400), np.linspace(1e-2, 1, 801)])
             f = cone_fold_angles(degree, v, flaps).value
             u = ((f[:, 0::2] - odd) ** 2).sum(axis=1) / 2
             u = u + ratio * ((f[:, 1::2] - even) ** 2).sum(axis=1) / 2
@@ -74,6 +60,28 @@ def _minima(degree, ratio, v0, depth=1e-3):
 def test_plateau_of_stable_states_at_large_stiffness_ratio(degree, v0):
     assert abs(v0) < cone_contact_elevation(degree)
     assert _minima(degree, 1e6, v0) == stiff_even_minima(degree // 2)
+
+
+@pytest.mark.parametrize("depth", [0, 1e-3, 0.05, 0.2])
+@pytest.mark.parametrize("degree", [8, 10, 12])
+def test_the_plateau_depends_on_the_depth_threshold(degree, depth):
+    threshold = sp.Rational(str(depth))
+    assert _minima(degree, 1e5, -0.4, depth) == stiff_even_minima(degree // 2, threshold)
+
+
+def test_printed_plateaus_without_a_threshold_are_false():
+    for degree, printed, bare in ((8, 10, 16), (10, 42, 32), (12, 56, 64)):
+        claim = claim_by_id(f"s5.plateau-{degree}")
+        assert "depth" in claim.title or "deeper" in claim.title
+        assert "10^{-3}" in claim.statement_latex
+        assert claim.decide((degree, printed, sp.Integer(0))).verdict == "refuted"
+        assert claim.decide((degree, bare, sp.Integer(0))).verdict == "proved"
+
+
+def test_a_depth_that_tends_to_the_threshold_is_left_undecided():
+    """N = 10: three valleys of five flaps keep a minimum of relative depth 1/25 in the limit."""
+    assert stiff_even_minima(5, sp.Rational(1, 25)) is None
+    assert claim_by_id("s5.plateau-10").decide((10, 32, sp.Rational(1, 25))).verdict == "unproved"
 
 
 def test_no_minimum_off_the_flat_state_without_rest_elevation():
