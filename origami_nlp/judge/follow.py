@@ -30,6 +30,8 @@ RESCUE = (3e-2, 1e-2, 1e-3)
 """Radii [rad] of the search for a lower neighbour: where contacts crowd, the first long step is the easiest."""
 NEAR = 3e-5
 """Contacts open by less [rad] are slid along."""
+MOST_GUESSES = 8
+"""Sets of closed contacts that are tried when the end of a path is polished."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
@@ -216,10 +218,15 @@ def _polish_nearby(model: Model, x: np.ndarray) -> np.ndarray | None:
         if row.kind == "limit":
             pull[row.index] = 1.0
     force = {g.pair: 1.0 for g in model.structure.gaps if g.pair is not None}
-    done = polish(model, Solve(x, "followed", 0, 0.0, pull, force))
-    if not done.converged:
-        done = exact_beside(model, done)
-    close = np.abs(done.x - x).max() <= 1e-3
-    # the path may stand a contact tolerance inside a closed contact, so a little below the exact state
-    lower = model.energy_change(x, done.x) <= 1e-7 * max(model.energy(x), model.scale)
-    return done.x if done.converged and close and lower else None
+    answer = Solve(x, "followed", 0, 0.0, pull, force)
+    # the contacts that are closed first: a guess from near gaps may close one that the path never met
+    for guess in (*(rows.combinations() or [rows.base])[:MOST_GUESSES], None):
+        done = polish(model, answer, guess)
+        if not done.converged:
+            done = exact_beside(model, done)
+        close = np.abs(done.x - x).max() <= 1e-3
+        # the path may stand a contact tolerance inside a closed contact, so a little below the exact state
+        lower = model.energy_change(x, done.x) <= 1e-7 * max(model.energy(x), model.scale)
+        if done.converged and close and lower:
+            return done.x
+    return None
