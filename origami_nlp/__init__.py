@@ -1,4 +1,4 @@
-"""origami_nlp: the stable states of an origami vertex, found and proved.
+"""origami_nlp: energy minima of an origami vertex, classified, and which of them are stable.
 
 The public face: state a `Scene`, then `find_minima(scene)`.  CasADi, matplotlib and SymPy load only
 when something asks for them, so that this import stays fast.

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from independent import rotations
 from typer.testing import CliRunner
 
 from origami_nlp.cli.audit import audit
@@ -198,12 +199,16 @@ def small() -> tuple[list[dict[str, object]], dict[int, str]]:
         ([-3.0, 0.3, 0.4, 1.0], "does not close"),
         (chain, "grid jag"),
         (closed(10 * STEP, -11 * STEP, guess=-1.5), "chart edge"),
+        ([-3.0, 0.3, 0.4, 1.0], "does not close"),  # a row that is no state, twice over
     ]
     data = [record(phi) for phi, _ in rows]
     causes = {n: cause for n, (_, cause) in enumerate(rows, start=1)}
     # phi_2 = +pi where the handle of alpha_1 = pi/3 has phi_2 = -pi: the same geometry, the wrong side
     data.append(record([math.pi - 2 * 2.3, math.pi, 2.3, -math.pi], alpha="pi/3"))
     causes[len(data)] = "wrong side"
+    # on that handle, with the right side: the energy falls along it by 0.6 rad
+    data.append(record([math.pi - 4.0, -math.pi, 2.0, -math.pi], alpha="pi/3"))
+    causes[len(data)] = "on a handle"
     other = examples.degree6("pi/3", 1.0)
     crossing, residual = project(other.model(), np.array([-1.65, 2.27, 2.27, -1.65]), ())
     assert residual < 1e-12 and np.abs(crossing).max() < 3  # no fold angle at +-pi
@@ -234,7 +239,7 @@ def test_descents_lose_energy_and_end_at_listed_minima(panels: tuple[PanelAudit,
     for p in panels:
         model = p.result.model
         for a in p.audited:
-            if a.cause not in ("exact", "grid jag", "chart edge"):
+            if a.cause not in ("exact", "on a handle", "grid jag", "chart edge"):
                 continue
             followed += 1
             assert a.minimum is not None and a.admissible and a.drop > 0
@@ -246,7 +251,28 @@ def test_descents_lose_energy_and_end_at_listed_minima(panels: tuple[PanelAudit,
             assert chart_distance(model, x, end) == pytest.approx(
                 a.grid_steps * p.grid_step, abs=1e-6
             )
-    assert followed >= 3
+    assert followed >= 4
+
+
+def test_a_point_on_a_handle_slides_along_it(panels: tuple[PanelAudit, ...]) -> None:
+    """phi_2 = phi_4 = -pi, phi_1 + 2 phi_3 = pi: the descent ends at the parabola's lowest point."""
+    panel = next(p for p in panels if p.alpha == math.pi / 3)
+    (a,) = [a for a in panel.audited if a.cause == "on a handle"]
+    assert "creases 2, 6" in a.reason and "crease 4" in a.reason and a.minimum
+    end = panel.result.minima[a.minimum - 1].fold_angles
+    phi_3 = np.linspace(math.pi / 2, math.pi, 200_001)
+    k, rest = panel.result.scene.stiffness, panel.result.scene.rest_angles
+    u = k[0] * (math.pi - 2 * phi_3 - rest[0]) ** 2 + 2 * k[2] * (phi_3 - rest[2]) ** 2
+    assert end[2] == pytest.approx(phi_3[u.argmin()], abs=1e-4)
+    assert a.distance == pytest.approx(2 * (end[2] - 2.0), abs=1e-6)
+
+
+def test_a_row_that_does_not_close_is_no_duplicate(panels: tuple[PanelAudit, ...]) -> None:
+    first, again = (a for p in panels for a in p.audited if a.cause == "does not close")
+    assert first.twin is None and again.twin == first.candidate.number
+    assert again.closes_at == first.closes_at
+    panel = next(p for p in panels if p.alpha == math.pi / 4)
+    assert panel.count("does not close") == 2 and panel.count("duplicate") == 2
 
 
 def test_command_writes_json_and_markdown(
@@ -279,6 +305,20 @@ def test_nothing_to_audit_is_an_error() -> None:
 
 
 # --- the authors' file --------------------------------------------------------------------------
+
+
+def test_thirty_rows_do_not_close(reference: tuple[Candidate, ...]) -> None:
+    """By rotation matrices; fifteen different ones, each listed on both branches; docs/audit.md says so."""
+    open_rows: list[tuple[object, tuple[float, ...]]] = []
+    for c in reference:
+        sectors = np.array(c.scene(c.alpha).vertex.sector_angles)
+        m = rotations.fold(sectors, np.array(c.fold_angles))[1][0]
+        if np.linalg.norm(m - np.eye(3)) > 1e-5:  # |M - I| is 2 sqrt(2) |vec q|
+            open_rows.append((c.panel, c.fold_angles))
+    different = {(panel, tuple(np.round(phi, 5))) for panel, phi in open_rows}
+    assert len(open_rows) == 30 and len(different) == 15
+    text = " ".join((ROOT / "docs" / "audit.md").read_text(encoding="utf-8").split())
+    assert "**Rows that are no states (30).**" in text and "15 different ones" in text
 
 
 def test_pi6_files_are_of_another_vertex(reference: tuple[Candidate, ...]) -> None:

@@ -19,12 +19,14 @@ from origami_nlp.judge.barriers_graph import parabola_top, side_of_flat
 from origami_nlp.judge.barriers_merge_tree import is_ultrametric, merge_tree
 from origami_nlp.judge.barriers_thin import thin_curves
 from origami_nlp.judge.critical import find_critical_points
+from origami_nlp.judge.follow import follow
 from origami_nlp.judge.minima import find_minima
-from origami_nlp.judge.nearby import is_admissible
+from origami_nlp.judge.nearby import is_admissible, project
 from origami_nlp.solve.starts import StartStream
 from origami_nlp.state import examples
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.vertex import Vertex
+from origami_nlp.tell.barriers_table import full_words
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +54,7 @@ def contact_barriers():
 @pytest.fixture(scope="module")
 def handle_barriers():
     scene = examples.degree6("pi/3", 1)
-    return find_barriers(scene, find_minima(scene, max_starts=24), spacing=0.18)
+    return find_barriers(scene, find_minima(scene, max_starts=24, full=True), True, spacing=0.18)
 
 
 def grid_graph(values):
@@ -141,6 +143,50 @@ def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
             seen[int(side_of_flat(phi))] += 1
     assert min(seen.values()) > 5
     assert side_of_flat(np.zeros(6)) == 0
+
+
+def reached_from_flat(found, many=14):
+    """Numbers (1-based) of minima that explicit paths from the flat state reach without rising above it."""
+    model = found.scene.model()
+    minima = [model.reduce(np.array(m.fold_angles)) for m in found.result.minima]
+    flat, rng, out = model.energy(np.zeros(model.size)), np.random.default_rng(0), set()
+    for _ in range(many):
+        way = rng.normal(size=model.size)
+        way *= 0.2 / np.linalg.norm(way)
+        steps = [project(model, t * way, ()) for t in np.geomspace(1e-3, 1, 25)]
+        states = np.array([x for x, residual in steps if residual < 1e-11])
+        if len(states) < len(steps) or np.abs(np.diff(states, axis=0)).max() > 0.2:
+            continue  # not one curve from the flat state
+        if not all(model.energy(x) < flat and is_admissible(model, x) for x in states):
+            continue
+        path = follow(model, states[-1])
+        assert (np.diff(path.energies) < 0).all()
+        near = [np.abs(path.end - y).max() for y in minima]
+        out |= {int(np.argmin(near)) + 1} if min(near) < 1e-6 else set()
+    return out
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+def test_the_flat_state_is_the_least_barrier_between_its_sides(which, request):
+    """Never below U(flat); U(flat) where both minima can be reached from it without rising: not the handles."""
+    found = request.getfixturevalue(which)
+    minima = found.result.minima
+    flat = found.scene.energy(np.zeros(6))
+    reached = reached_from_flat(found)
+    handles = {k + 1 for k, m in enumerate(minima) if m.local_dimension == 1}
+    sides = side_of_flat(np.array([m.fold_angles for m in minima]))
+    across = [p for p in found.passes if sides[p.from_state - 1] * sides[p.to_state - 1] < 0]
+    assert len(reached) >= 2 and not reached & handles
+    equal = above = 0
+    for p in across:
+        assert p.energy >= flat * (1 - 1e-14)
+        if {p.from_state, p.to_state} <= reached:
+            assert p.energy == pytest.approx(flat, rel=1e-14)
+            equal += 1
+        elif {p.from_state, p.to_state} & handles:
+            assert p.energy > 1.5 * flat
+            above += 1
+    assert equal and bool(above) == (which == "handle_barriers")
 
 
 def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers):
@@ -279,13 +325,13 @@ def test_all_panels_against_2049(column):
         assert over.max() <= 0.02 * (highest - lowest)
 
 
-@pytest.mark.slow
-def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are():
-    scene = examples.degree6("pi/3", 1)
-    found = find_barriers(scene, find_minima(scene, max_starts=24, full=True), full=True)
-    assert len(found.full) == 3  # of four minima one is unstable there
-    for f in found.full:
-        assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-9)
+def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are(handle_barriers):
+    """The lower bound is proved (see test_barriers_flaps.py), and the report says so."""
+    assert len(handle_barriers.full) == 3  # of four minima one is unstable there
+    for f in handle_barriers.full:
+        assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-12)
+        assert "(proved: phi_" in f.why and "sampled" not in f.why
+    assert all("(proved: phi_" in line for line in full_words(handle_barriers))
 
 
 def test_wrong_scenes_are_named(saddle_scene):

@@ -32,7 +32,8 @@ def scene_file(tmp_path):
 def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out.json"
     code, table, _ = run(monkeypatch, capsys, "minima", scene_file, "--json", out)
-    assert code == 0 and "stable states" in table and "IPOPT" in table
+    assert code == 0 and "4 symmetric minima," in table and "IPOPT" in table
+    assert "stable state" not in table and "full space: not asked" in table
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/1"
     assert set(data) == {"schema", "scene", "model", "search", "minima"}
@@ -68,7 +69,7 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
 def test_json_to_stdout_is_only_json(scene_file, monkeypatch, capsys):
     code, out, err = run(monkeypatch, capsys, "minima", scene_file, "--json", "-")
     assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/1"
-    assert "stable states" in err
+    assert "symmetric minima" in err
 
 
 def test_the_same_seed_gives_the_same_answer(scene_file, tmp_path, monkeypatch, capsys):

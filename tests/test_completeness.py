@@ -9,6 +9,7 @@ are enumerated apart.  Nothing here shares code with the package's models, solve
 import numpy as np
 import pytest
 from independent.neighbours import Problem
+from independent.rotations import project
 from independent.search_descent import descend, grid_minima, starts
 from independent.search_manifold import Piece
 from independent.search_stationary import named_ends
@@ -18,7 +19,7 @@ from independent.search_thin import (
     truly_minimal,
 )
 
-from origami_nlp import examples, find_minima
+from origami_nlp import Scene, Vertex, examples, find_minima
 
 SAME = 1e-4  # issue: distance [rad] within which an end is a listed minimum
 PANELS = pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
@@ -127,3 +128,22 @@ def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
 @PANELS
 def test_fine_sweeps_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
     _thin_sets_hold_nothing_else(scene, listed(scene), 180)
+
+
+def test_the_state_that_one_seed_missed_is_a_minimum():
+    """The example of docs/states.md: lower than its neighbours on the curve of closed states, by Gauss-Newton here."""
+    sectors = (0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)
+    stiffness = (0.022816280794769387, 0.03205546964080397)
+    stiffness += (0.04387824855836886, 0.0012500010060577914)
+    rest = (-0.2369412983168271, 1.0889080776221243, 3.141592485901434, 3.1415921923256085)
+    scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
+    guess = np.radians([-39.56, 169.34, 37.27, 120.30])
+    found = find_minima(scene, guesses=[guess], fewest_starts=1, max_starts=1).minima
+    state = min(found, key=lambda m: np.abs(np.subtract(m.fold_angles, guess)).max())
+    x = np.array(state.fold_angles)
+    assert np.abs(x - guess).max() < 1e-3 and state.kind == "interior"
+    for radius in (1e-3, 1e-2):
+        for side in (1, -1):
+            near = x + radius * side * np.array([0, 1, 0, 0])
+            y, closure = project(np.array(sectors), np.arange(4), near, np.array([0, 1, 0, 0]))
+            assert closure[0] < 1e-13 and scene.energy(y[0]) > state.energy

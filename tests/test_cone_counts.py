@@ -39,7 +39,7 @@ def disagreements(degree, number, seed):
     for r, v in zip(*points(degree, number, seed), strict=True):
         found = branch_minima(degree, r, v)
         assert not found.undecided
-        ours = (found.stable_interior, found.stable_contact)
+        ours = (found.stable_interior, found.stable_contact, found.falling_at_cut)
         if ours != brute.count(degree, r, v):
             wrong.append((r, v))
     return wrong
@@ -67,7 +67,7 @@ def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
             direction = int(rng.choice([1, -1]))
             valleys, changes = class_of(flaps)
             own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == direction)
-            ours = np.abs(m.elevation[own & ~m.contact])
+            ours = np.abs(m.elevation[own & m.interior])
             theirs = brute.minimum_on(degree, flaps, direction, r, v)
             assert len(ours) == len(theirs)
             np.testing.assert_allclose(ours, theirs, rtol=1e-9)
@@ -123,7 +123,7 @@ def test_a_random_branch_equals_an_ipopt_solve(degree):
             assert float(answer["f"]) * (1 + r) == pytest.approx(
                 m.energy[own][k], rel=1e-8, abs=1e-9
             )
-            if m.contact[own][k]:
+            if not m.interior[own][k]:
                 assert -float(answer["lam_x"]) * (1 + r) == pytest.approx(
                     -m.multiplier[own][k], rel=1e-5, abs=1e-6
                 )
@@ -234,7 +234,7 @@ def test_minima_agree_with_50_digits(degree, elevation):
             )
             args = (degree, direction, side.weights[row].tolist(), int(m.valleys[k]), ratio)
             s = abs(m.elevation[k])
-            if m.contact[k]:
+            if not m.interior[k]:
                 value = -slope_mp(*args, mp.mpf(elevation), mp.mpf(float(s)))
                 assert float(value) == pytest.approx(m.multiplier[k], rel=1e-12)
             else:
@@ -287,12 +287,12 @@ def test_multiplicities_are_exact_at_degree_1000():
     assert sum(classes.multiplicity) == 2**500
     found = branch_minima(1000, 3.0, 0.2)
     m = found.minima
-    pinned = m.contact.tolist()
     assert found.branches == 2**501
-    assert found.stable_interior == sum(
-        k for k, c in zip(m.multiplicity, pinned, strict=True) if not c
-    )
-    assert found.stable_contact == sum(k for k, c in zip(m.multiplicity, pinned, strict=True) if c)
+    of_kind = {"interior": 0, "contact": 0, "cut": 0}
+    for number, kind in zip(m.multiplicity, m.kind.tolist(), strict=True):
+        of_kind[kind] += number
+    numbers = (found.stable_interior, found.stable_contact, found.falling_at_cut)
+    assert tuple(of_kind.values()) == numbers
     # (assignment, up) and (complement, down) leave the flat state with opposite slopes
     assert found.branches_with_minimum >= 2**500
 
@@ -310,10 +310,10 @@ def test_at_least_half_of_the_branches_hold_a_minimum(degree, exponent, share, r
     found = branch_minima(degree, 10**exponent, elevation, rest=rest)
     if abs(elevation) > 1e-6 and not found.undecided:
         assert 2 * found.branches_with_minimum >= found.branches
-    total = found.stable_interior + found.stable_contact
+    total = found.stable_interior + found.stable_contact + found.falling_at_cut
     assert found.branches_with_minimum <= total <= 2 * found.branches
     assert np.all(found.minima.energy >= 0) and np.all(found.minima.depth <= 1)
-    assert np.all(found.minima.multiplier[found.minima.contact] >= 0)
+    assert np.all(found.minima.multiplier >= 0)
 
 
 def test_flat_rest_state_has_no_minimum_off_the_flat_state():
@@ -346,15 +346,16 @@ def test_depth_counts_deeper_wells_only():
         deep = branch_minima(12, r, v, depth=depth)
         assert np.all(deep.minima.depth > depth)
         kept = every.minima.where(every.minima.depth > depth)
-        assert sum(kept.multiplicity) == deep.stable_interior + deep.stable_contact
+        total = deep.stable_interior + deep.stable_contact + deep.falling_at_cut
+        assert sum(kept.multiplicity) == total
     assert branch_minima(12, r, v, depth=0.5).stable_interior < every.stable_interior
 
 
-def test_a_branch_may_hold_an_interior_minimum_and_one_at_contact():
-    """Degree 10, four valleys up: over a barrier the energy falls again, to contact."""
+def test_a_branch_may_hold_an_interior_minimum_and_fall_again_at_its_end():
+    """Degree 10, four valleys up: over a barrier the energy falls again, to the cut and past it."""
     m = branch_minima(10, 0.01, -0.8).minima
     own = (m.valleys == 4) & (m.direction == 1)
-    assert m.contact[own].tolist() == [False, True]
+    assert m.kind[own].tolist() == ["interior", "cut"]
     side = direction_classes(10, -0.8, direction=1)
     row = side.classes.index((1, 1, 1, 1, -1))
     s = np.linspace(0, steep_end(10), 2001)
@@ -363,7 +364,7 @@ def test_a_branch_may_hold_an_interior_minimum_and_one_at_contact():
     inner = int(np.argmin(u[:1000]))
     assert (
         0 < inner < 999 and u[inner:].max() > u[-1] > u[0]
-    )  # the pinned one is above the flat state
+    )  # the one at the end is above the flat state
     assert m.depth[own][1] < 0 < m.depth[own][0]
 
 
@@ -378,7 +379,7 @@ def test_a_branch_may_hold_two_interior_minima(degree, flaps, r, v):
     """Seen with plain energies of one branch on a fine grid."""
     valleys, changes = class_of(flaps)
     m = branch_minima(degree, r, v).minima
-    own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == 1) & ~m.contact
+    own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == 1) & m.interior
     assert own.sum() == 2
     s = np.linspace(1.0, steep_end(degree), 20001)[:-1]
     angles = brute.cone_fold_angles(degree, s, flaps).value
@@ -425,6 +426,7 @@ def test_counts_do_not_depend_on_the_first_grid(cells, monkeypatch):
             before.stable_interior,
             before.stable_contact,
         )
+        assert now.falling_at_cut == before.falling_at_cut
         np.testing.assert_allclose(now.minima.elevation, before.minima.elevation, rtol=1e-10)
 
 
@@ -490,6 +492,7 @@ def test_maps_equal_points(degree, depth):
             point = branch_minima(degree, r, v, depth=depth)
             assert plane.interior[i, k] == point.stable_interior
             assert plane.contact[i, k] == point.stable_contact
+            assert plane.cut[i, k] == point.falling_at_cut
 
 
 def test_maps_follow_the_other_rules():
@@ -500,6 +503,7 @@ def test_maps_follow_the_other_rules():
             point = branch_minima(8, r, v, rest="paper", end="contact", depth=0.02)
             assert plane.interior[i, k] == point.stable_interior
             assert plane.contact[i, k] == point.stable_contact
+            assert plane.cut[i, k] == point.falling_at_cut
 
 
 # ---------------------------------------------------------------- rest states, input, command line
@@ -555,10 +559,11 @@ def test_count_writes_the_contract():
         "branches",
         "stable_interior",
         "stable_contact",
+        "falling_at_cut",
         "classes",
     ]
     assert data["schema"] == "origami-nlp/cone/1" and data["branches"] == "64"
-    totals = {"interior": 0, "contact": 0}
+    totals = {"interior": 0, "contact": 0, "cut": 0}
     for row in data["classes"]:
         assert (
             list(row)
@@ -568,8 +573,9 @@ def test_count_writes_the_contract():
         )
         totals[row["kind"]] += row["multiplicity"]
         assert (row["elevation"] > 0) == (row["direction"] == "up")
-    assert totals == {"interior": data["stable_interior"], "contact": data["stable_contact"]}
-    assert brute.count(10, 0.01, -0.8) == (data["stable_interior"], data["stable_contact"])
+    keys = ("stable_interior", "stable_contact", "falling_at_cut")
+    assert tuple(totals.values()) == tuple(data[k] for k in keys) == brute.count(10, 0.01, -0.8)
+    assert all(totals.values())
 
 
 def test_long_integers_are_strings(tmp_path):
@@ -579,7 +585,8 @@ def test_long_integers_are_strings(tmp_path):
     assert out.exit_code == 0 and "of 2.535e30 branches" in out.stdout
     data = json.loads(target.read_text())
     assert data["branches"] == str(2**101)
-    number = int(data["stable_interior"]) + int(data["stable_contact"])
+    keys = ("stable_interior", "stable_contact", "falling_at_cut")
+    number = sum(int(data[k]) for k in keys)
     assert number == sum(int(row["multiplicity"]) for row in data["classes"]) > 2**53
     for row in data["classes"]:
         assert isinstance(row["multiplicity"], int if int(row["multiplicity"]) <= 2**53 else str)
@@ -593,7 +600,8 @@ def test_speed_is_measured_with_errors(tmp_path):
     assert "| 65,536 |" in as_markdown(rows)
     # with many nodes the scan finds what the exact count finds
     found = branch_minima(8, 0.3, -0.5)
-    assert scan_branches(8, 0.3, -0.5, 4000) == (found.stable_interior, found.stable_contact)
+    at_end = found.stable_contact + found.falling_at_cut
+    assert scan_branches(8, 0.3, -0.5, 4000) == (found.stable_interior, at_end)
 
 
 def test_bad_input_ends_before_anything_is_written(tmp_path):

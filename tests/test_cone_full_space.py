@@ -41,8 +41,10 @@ def slope_by_differences(scene, x):
 
 def test_every_minimum_of_every_arrangement_is_there(judged):
     count = branch_minima(judged.degree, judged.ratio, judged.rest.elevation)
-    assert judged.count() == count.stable_interior + count.stable_contact
+    total = count.stable_interior + count.stable_contact + count.falling_at_cut
+    assert judged.count() == total
     assert judged.count(kind="interior") == count.stable_interior
+    assert judged.count(kind="cut") == count.falling_at_cut
     stable, unstable, undecided = (judged.count(v) for v in ("stable", "unstable", "undecided"))
     assert stable + unstable + undecided == judged.count()
     seen = {(s.flaps, s.direction) for s in judged.states}

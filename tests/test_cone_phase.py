@@ -30,14 +30,14 @@ SLOW = pytest.mark.slow
 
 
 def counts_of(branches, ratio, nu, depth, rest="waterbomb"):
-    """(interior, contact) minima of one class."""
+    """Minima of one class: (inside, at its end)."""
     found = branch_minima(branches.degree, ratio, nu, depth=depth, rest=rest).minima
     own = (
         (found.valleys == branches.valleys)
         & (found.changes == branches.changes)
         & (found.direction == branches.direction)
     )
-    return int((own & ~found.contact).sum()), int((own & found.contact).sum())
+    return int((own & found.interior).sum()), int((own & ~found.interior).sum())
 
 
 def sample(curve, many, rng):
@@ -197,7 +197,7 @@ def test_dense_scan_agrees_with_exact_counts(depth, contact):
     ratios = 10 ** rng.uniform(-2, 2, 12)
     scanned = printed.scan_counts(8, ratios, nu, reading)
     exact = count_map(8, ratios, nu, depth=depth)
-    wanted = (exact.interior + contact * exact.contact).T
+    wanted = (exact.interior + contact * exact.at_end).T
     assert (scanned != wanted).mean() < 0.02  # a scan of 400 points misses minima within its step
 
 
@@ -207,7 +207,7 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
 
     for degree in (6, 8, 10, 12):
         counts = count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
-        assert (counts.interior + counts.contact == stiff_even_minima(degree // 2)).all()
+        assert (counts.total == stiff_even_minima(degree // 2)).all()
 
 
 def test_findings_are_consistent_with_what_was_counted():
@@ -233,9 +233,9 @@ def test_command_writes_map_and_boundaries(tmp_path):
     assert {b["kind"] for b in told["boundaries"]} <= set(KINDS)
     rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
     assert len(rows) == 144
-    for nu, ratio, interior, contact in rows[::17]:
+    for nu, ratio, *numbers in rows[::17]:
         count = branch_minima(8, ratio, nu)
-        assert (interior, contact) == (count.stable_interior, count.stable_contact)
+        assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
     assert np.array(told["interior"]).shape == (12, 12)
     assert files["png"].stat().st_size > 10_000
 
@@ -258,8 +258,8 @@ def test_bad_options_are_named(options, word):
 
 def test_diagram_counts_only_inside_when_asked():
     both, inside = (phase_diagram(6, size=9, contact=c) for c in (True, False))
-    assert (both.stable == both.map.interior + both.map.contact).all()
-    assert (inside.stable == both.map.interior).all() and (inside.stable < both.stable).any()
+    assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
+    assert (inside.minima == both.map.interior).all() and (inside.minima < both.minima).any()
 
 
 @pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])

@@ -65,7 +65,7 @@ def test_a_scene_without_pinned_states_says_so(app: typer.Typer, tmp_path: Path)
     scene = scene_file(tmp_path, o.examples.degree8("pi/4", 1.0))
     done = CliRunner().invoke(app, [scene, "--segments"])
     assert done.exit_code == 0
-    assert "0 of 2 stable states" in " ".join(done.output.split())
+    assert "0 of 2 minima" in " ".join(done.output.split())
     assert "no contact boundary to follow" in done.output
 
 

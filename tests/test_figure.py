@@ -131,7 +131,7 @@ def test_too_many_minima_are_counted_not_crowded(results):
     assert not overlapping(figure)
     assert any("3 more minima" in text for text, _ in texts(figure))
     empty = o.draw_minima(dataclasses.replace(result, minima=()))
-    assert any("no stable states" in text for text, _ in texts(empty))
+    assert any(": no minima;" in text for text, _ in texts(empty))
 
 
 def test_family_and_missing_chart_are_said(results):

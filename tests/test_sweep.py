@@ -342,7 +342,7 @@ def test_figures(finished, tmp_path, suffix):
     figure = draw_sweep(finished, tmp_path / f"a.{suffix}")
     titles = {axes.get_title() for axes in figure.axes}
     kinds = {k for k in load_states(finished).kind}
-    assert "all stable states" in titles and kinds <= titles
+    assert "all minima" in titles and kinds <= titles
     assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
 
 

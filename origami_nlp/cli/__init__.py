@@ -31,7 +31,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="The stable states of an origami vertex: found, classified, shown.",
+    help="Energy minima of an origami vertex: found, classified, and which are stable states.",
 )
 for command in (
     demo,

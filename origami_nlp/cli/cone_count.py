@@ -1,4 +1,4 @@
-"""`origami-nlp cone count`: how many branches of a cone hold a stable state."""
+"""`origami-nlp cone count`: how many branches of a cone hold a minimum."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ RestRule = Annotated[
 EndRule = Annotated[
     str,
     typer.Option(
-        help="contract: branches with a steep flap end at pi/2 - 2 pi/N; contact: a single steep "
-        "flap goes on until it touches."
+        help="contract: branches with a steep flap end at pi/2 - 2 pi/N, where a single one touches nothing "
+        "(cut); contact: a single steep flap goes on until it touches."
     ),
 ]
 
@@ -36,7 +36,7 @@ def count(
     end: EndRule = "contract",
     json: JsonFile = None,
 ) -> None:
-    """Count the minima on all 2^(N/2 + 1) branches exactly, interior and pinned at contact."""
+    """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
     from rich.console import Console
 
     from origami_nlp.judge.cone_minima import branch_minima

@@ -42,10 +42,10 @@ def phase(
     end: EndRule = "contract",
     size: Annotated[int, typer.Option(help="Points of the map along each coordinate.")] = 200,
     without_contact: Annotated[
-        bool, typer.Option("--without-contact", help="Do not count minima pinned at the end.")
+        bool, typer.Option("--without-contact", help="Do not count minima at the end of a branch.")
     ] = False,
 ) -> None:
-    """Map the number of stable branches over (nu_0, r_k), with its exact boundaries."""
+    """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from rich.console import Console
 
     from origami_nlp.judge.cone_phase import check_size, phase_diagram

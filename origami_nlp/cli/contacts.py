@@ -1,4 +1,4 @@
-"""`origami-nlp contacts`: what pins each stable state, and how much load it bears."""
+"""`origami-nlp contacts`: what pins each minimum, and how much load it bears."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from origami_nlp.state.scene_file import read_scene
 def contacts(
     scene: SceneFile,
     state: Annotated[
-        int | None, typer.Option(metavar="K", help="Only the stable state of this number.")
+        int | None, typer.Option(metavar="K", help="Only the minimum of this number.")
     ] = None,
     seed: Seed = 0,
     json: JsonFile = None,

@@ -31,19 +31,19 @@ def demo(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("origami_demo"),
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
 ) -> None:
-    """Find all symmetric stable states of the paper's degree-6 and degree-8 vertices."""
+    """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from rich.console import Console
 
     from origami_nlp.tell.figure import draw_minima
     from origami_nlp.tell.json_file import result_to_dict, write_json
-    from origami_nlp.tell.table import SUMMARY_HEADS, print_result, rows_table, summary_row
+    from origami_nlp.tell.table import DEMO_HEADS, demo_rows, print_result, rows_table
 
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise OptionError(f"--out = {str(out)!r}: {error.strerror}") from None
     console = Console()
-    results = search_panels(seed)
+    results = search_panels(seed, full=True)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
@@ -51,8 +51,9 @@ def demo(
     for result in shown:
         print_result(result, console)
         console.print()
-    title = f"all panels of the paper, {sum(r.search.seconds for r in results):.1f} s in total"
-    console.print(rows_table(SUMMARY_HEADS, [summary_row(r) for r in results], title))
+    seconds = sum(r.search.seconds for r in results)
+    title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
+    console.print(rows_table(DEMO_HEADS, demo_rows(results), title))
     write_json([result_to_dict(r) for r in results], out / "minima.json")
     for name, result in zip(("degree6", "degree8"), shown, strict=True):
         draw_minima(result, out / f"{name}.png")

@@ -1,4 +1,4 @@
-"""`origami-nlp minima`: find, classify and show every stable state of a scene."""
+"""`origami-nlp minima`: find, classify and show the energy minima of a scene."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def minima(
     ] = None,
     max_starts: Annotated[int, typer.Option(help="Cap on random starts.")] = 1000,
     full: Annotated[
-        bool, typer.Option("--full", help="Also decide each state in the full space.")
+        bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
     ] = False,
     vertex: Annotated[
         int | None, typer.Option(help="FOLD file: the vertex, numbered from 0 as in the file.")
@@ -69,7 +69,7 @@ def minima(
         ),
     ] = None,
 ) -> None:
-    """Find every stable state of SCENE, classify it, and show it."""
+    """Find the energy minima of SCENE that have its symmetry; --full says which are stable states."""
     from rich.console import Console
 
     check_figure(figure)

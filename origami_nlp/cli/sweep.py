@@ -26,7 +26,7 @@ def sweep(
     ] = None,
     figure: FigureFile = None,
 ) -> None:
-    """Find the stable states of every scene of SWEEP; run it again to go on after an interruption."""
+    """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
     from rich.console import Console
 
     from origami_nlp.sweep.run import run_sweep

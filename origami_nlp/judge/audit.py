@@ -17,6 +17,8 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.baseline import appendix_a
 from origami_nlp.judge.follow import follow
 from origami_nlp.judge.grid_chart import chart_distance, chart_end, chart_point
+from origami_nlp.judge.handles import thin_at
+from origami_nlp.judge.loads import row_name
 from origami_nlp.judge.minima import MinimaResult, find_minima
 from origami_nlp.judge.nearby import project, search_spheres
 from origami_nlp.judge.published_closure import (
@@ -42,6 +44,7 @@ SAME_STATE = 1e-4
 Cause = Literal[
     "exact",
     "duplicate",
+    "on a handle",
     "grid jag",
     "chart edge",
     "does not close",
@@ -67,7 +70,7 @@ class Audited:
     none.  followed_at: the other alpha_1 at which a state that closes there was followed; `minimum` is then
     one of that vertex.  distance: largest change of a fold angle on the way [rad].  grid_steps: distance in
     the paper's chart, in grid steps.  drop: energy lost on the way [J].  steps: states of the descent.
-    twin: number of the candidate that it repeats (`duplicate`).
+    twin: number of the candidate that it repeats (`duplicate`, and rows that do not close twice over).
     """
 
     candidate: Candidate
@@ -219,13 +222,18 @@ def _audit_one(
     embedding = examine(vertex, phi, tolerance=PRINTED)
     base = Audited(c, "undecided", embedding.reason, embedding.closure_residual)
     twin = next((n for y, n in seen if np.abs(x - y).max() <= PRINTED), None)
+    closes = embedding.closure_residual <= PRINTED
+    if twin is not None and not closes:
+        why = f"the same fold angles as candidate {twin}, which does not close"
+        at = closing_alphas(c.degree, x)
+        return replace(base, cause="does not close", reason=why, twin=twin, closes_at=at)
     if twin is not None:
         why = f"the same fold angles as candidate {twin}"
         return replace(
             base, cause="duplicate", reason=why, twin=twin, admissible=embedding.admissible
         )
     paper = appendix_a(result.scene, phi).verdict
-    if embedding.closure_residual > PRINTED:
+    if not closes:
         seen.append((x, c.number))
         return _elsewhere(replace(base, cause="does not close", paper_test=paper), minima)
     stationarity = distance_from_stationary(model, x)
@@ -288,6 +296,11 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact", reason=f"{steps:.1f} grid steps from #{hit + 1}")
+    held = thin_at(model, start)
+    if held:
+        closed = ", ".join(row_name(model, row) for row in held)
+        why = f"slides along a set that exists only with {closed}: nothing beside it is admissible"
+        return replace(base, cause="on a handle", reason=why)
     end = chart_end(model, start, step)
     if end:
         return replace(base, cause="chart edge", reason=end)

@@ -3,8 +3,9 @@
 The symmetric path is admissible in the full space too: its pass bounds the barrier from above.  From below:
 
 - minima on different sides of the flat state are separated by it (`barriers_graph.side_of_flat`, a proof);
-- a minimum on a thin set leaves it only through states where the set is thin no more; they are sampled
-  (`exits`), and the lowest of them bounds every path out (a sample, not a proof).
+- a minimum on a thin set leaves it only through states where the set is thin no more, and the lowest of them
+  bounds every path out.  For three closed flaps about one edge, the paper's 1-handles, it is proved
+  (`barriers_flaps`); other sets are sampled (`exits`: a sample, not a proof).
 
 Where the bounds meet, the full barrier is the symmetric one.  Where they do not, the symmetric pass is judged in the
 full space: with more than one direction of negative curvature it is no pass there and a lower one exists;
@@ -21,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.judge.barriers_flaps import flap_exit
 from origami_nlp.judge.barriers_graph import energies, side_of_flat
 from origami_nlp.judge.barriers_pass import Pass, PassKind, critical_at
 from origami_nlp.judge.branch import null_space
@@ -88,6 +90,7 @@ class Exits:
     held: contacts that stay closed on it.  sampled: number of its states looked at.  lowest: smallest
     energy of a state where it is thin no more (inf where there is none).  state: that state [n], or None.
     dimension: of the thin set.  complete: whether the samples cover it; if not, `lowest` bounds nothing.
+    proof: why no exit is lower, in words; empty where that is what the samples say.
     """
 
     held: tuple[Row, ...]
@@ -96,6 +99,7 @@ class Exits:
     state: np.ndarray | None
     dimension: int
     complete: bool = True
+    proof: str = ""
 
 
 def full_pass(
@@ -123,7 +127,7 @@ def full_pass(
         bounds.append((flat, "the flat state separates them (proved)"))
     for number, state in zip(numbers, states, strict=True):
         if number not in known_exits:
-            known_exits[number] = exits(
+            known_exits[number] = proved_exit(model, state) or exits(
                 model, model.reduce(state), [model.reduce(y) for y in (at, *others)]
             )
         out = known_exits[number]
@@ -133,9 +137,8 @@ def full_pass(
             )
         elif out.held:
             what = f"{out.dimension}-dimensional thin set of state {number}"
-            bounds.append(
-                (out.lowest, f"lowest exit of the {what} ({out.sampled} states of it sampled)")
-            )
+            known_by = out.proof or f"{out.sampled} states of it sampled"
+            bounds.append((out.lowest, f"lowest exit of the {what} ({known_by})"))
     lower, why = max(bounds, key=lambda b: b[0])
     if upper > lower + 1e-9 * max(abs(upper), model.scale):
         why = "; ".join([why, *open_sets])
@@ -151,6 +154,16 @@ def full_pass(
     return FullPass(
         *numbers, symmetric.energy, upper, lower, symmetric.pass_kind, verdict, index, why
     )
+
+
+def proved_exit(model: Model, state: np.ndarray) -> Exits | None:
+    """Return the exits of the thin set of three closed flaps around a state [N], or None if it is on none."""
+    found = flap_exit(model.scene, state)
+    if found is None:
+        return None
+    held = thin_at(model, model.reduce(state))
+    proof = f"proved: phi_{found.hinge} = 0 at every way out"
+    return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
 
 
 def exits(

@@ -26,7 +26,7 @@ import numpy as np
 
 from origami_nlp.closed_forms._cone import MIXED, SHALLOW, STEEP, cone_roots
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.model.cone import SLACK, branch_end, steep_end
+from origami_nlp.model.cone import SLACK, branch_end, is_cut, steep_end
 from origami_nlp.state.angles import format_angle
 from origami_nlp.state.cone import ConeClasses, check_degree, cone_classes
 
@@ -133,6 +133,11 @@ class DirectionClasses:
     def end(self) -> np.ndarray:
         """|v| at the end of the branch [rad]."""
         return branch_end(self.degree, self.flaps - self.shallow, self.end_rule)
+
+    @cached_property
+    def cut(self) -> np.ndarray:
+        """Whether the branch is cut at `end`, where nothing touches."""
+        return is_cut(self.flaps - self.shallow, self.end_rule)
 
     @cached_property
     def weights(self) -> np.ndarray:

@@ -36,7 +36,7 @@ class BranchVerdict:
 
     flaps, direction: the branch.  label: of its class.  symmetry: of its states.
     copies: number of branches that rotations and reflections make of it.
-    kind: "interior" or "contact" (at the end of the branch).  elevation: |v| [rad].
+    kind: "interior", "contact" (at the end of the branch) or "cut" (`cone_minima.BranchMinima`).  elevation: |v| [rad].
     energy: per k_odd.  depth: (U_flat - U)/U_flat.
     fold_angles: all N [rad].
     residual: norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an
@@ -158,8 +158,7 @@ def _jobs(count: ConeCount) -> list[tuple[Folding, int, str, float]]:
     m = count.minima
     for k in range(len(m)):
         key = (int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
-        kind = "contact" if m.contact[k] else "interior"
-        of_class.setdefault(key, []).append((kind, abs(float(m.elevation[k]))))
+        of_class.setdefault(key, []).append((str(m.kind[k]), abs(float(m.elevation[k]))))
     return [
         (folding, direction, kind, elevation)
         for folding in bracelets(count.degree)

@@ -1,4 +1,4 @@
-"""Numbers of stable branches of a cone over a whole plane of (r_k, v_0), without an optimiser.
+"""Numbers of branch minima of a cone over a whole plane of (r_k, v_0), without an optimiser.
 
 With B' = 4 n (s - s_e) the slope at s is F = A'(s) + r B'(s): linear in r, so for one class, one rest state and one
 cell of elevations the ratios with F < 0 at the left and F >= 0 at the right end make one interval,
@@ -31,9 +31,10 @@ LIMB = 30
 
 @dataclass(frozen=True)
 class CountMap:
-    """Numbers of stable branches, shape [ratios, elevations] each.
+    """Numbers of branch minima, shape [ratios, elevations] each.
 
-    interior, contact: int64 where all numbers fit, else exact Python integers (dtype object).
+    interior, contact, cut: by kind, see `cone_minima.BranchMinima`; int64 where all numbers fit, else exact
+    Python integers (dtype object).
     branches: number of all branches, 2^(N/2 + 1).
     """
 
@@ -42,6 +43,7 @@ class CountMap:
     elevations: np.ndarray
     interior: np.ndarray
     contact: np.ndarray
+    cut: np.ndarray
     depth: float
     rest_rule: str
     end_rule: str
@@ -50,6 +52,16 @@ class CountMap:
     def branches(self) -> int:
         """Number of all branches, 2^(N/2 + 1)."""
         return 1 << (self.degree // 2 + 1)
+
+    @property
+    def at_end(self) -> np.ndarray:
+        """Minima at the end of their branch, pinned there by contact or by the cut."""
+        return self.contact + self.cut
+
+    @property
+    def total(self) -> np.ndarray:
+        """All minima."""
+        return self.interior + self.at_end
 
 
 def count_map(
@@ -62,7 +74,7 @@ def count_map(
     end: str = "contract",
     progress: Callable[[int], None] | None = None,
 ) -> CountMap:
-    """Count interior and contact-pinned branch minima at every (r_k, v_0): `branch_minima` for a plane.
+    """Count branch minima by kind at every (r_k, v_0): `branch_minima` for a plane.
 
     Parameters
     ----------
@@ -87,7 +99,7 @@ def count_map(
     classes = cone_classes(degree)
     limbs = _limbs(classes)
     shape = (len(limbs), len(given), len(columns))
-    inside, pinned = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+    inside, pinned, cut = (np.zeros(shape, np.int64) for _ in range(3))
     for k, elevation in enumerate(columns):
         state = rest_state(degree, elevation, rest)
         for direction in (1, -1):
@@ -96,10 +108,12 @@ def count_map(
                 rows = np.nonzero(branches.end == own_end)[0]
                 column = _Column(branches, rows, float(own_end), given[order], depth)
                 inside[:, order, k] += column.total(column.interior(), limbs)
-                pinned[:, order, k] += column.total([column.contact()], limbs)
+                for counts, which in ((pinned, ~branches.cut), (cut, branches.cut)):
+                    counts[:, order, k] += column.total([column.at_end(which[rows])], limbs)
         if progress:
             progress(k + 1)
-    return CountMap(degree, given, columns, _whole(inside), _whole(pinned), depth, rest, end)
+    one, two, three = (_whole(limbs) for limbs in (inside, pinned, cut))
+    return CountMap(degree, given, columns, one, two, three, depth, rest, end)
 
 
 def _limbs(classes: ConeClasses) -> np.ndarray:
@@ -193,7 +207,7 @@ class _Column:
         self.tied = (np.abs(last.odd[:, 0]) <= TIE * scale) & (
             np.abs(last.even[:, 0]) <= TIE * self.stiff * (end + vertex)
         )
-        self.at_grid.odd[self.tied, -1] = -1.0  # "falls to the end": counted there, by contact()
+        self.at_grid.odd[self.tied, -1] = -1.0  # "falls to the end": counted there, by at_end()
         self.at_grid.even[self.tied, -1] = 0.0
 
     def total(self, events: list[Events], limbs: np.ndarray) -> np.ndarray:
@@ -206,8 +220,8 @@ class _Column:
                 np.subtract.at(limb, stop, value)
         return np.cumsum(steps[:, :-1], axis=1)
 
-    def contact(self) -> Events:
-        """Ratios at which the energy falls at the end (and from a height of more than the depth)."""
+    def at_end(self, which: np.ndarray) -> Events:
+        """Ratios at which the energy of the classes `which` (mask) falls at the end, deep enough."""
         last = self.at_grid.pick((slice(None), -1))
         level = last.ratio()
         up = last.even >= 0
@@ -221,7 +235,7 @@ class _Column:
             low = np.maximum(low, np.where(rising, least, -np.inf))
             high = np.minimum(high, np.where(rising, np.inf, least))
         first, stop = self._range(low, high)
-        some = np.nonzero(stop > first)[0]
+        some = np.nonzero((stop > first) & which)[0]
         return some, first[some], stop[some]
 
     def interior(self) -> list[Events]:

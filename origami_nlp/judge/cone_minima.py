@@ -2,7 +2,9 @@
 
 A branch has an interior minimum where the slope F of its energy turns from falling to rising,
 and a contact-pinned one at its end where the energy still falls there, with multiplier
--F(end) > 0 (the generalised force along |v| that the contact bears).  All branches of a class
+-F(end) > 0 (the generalised force along |v| that the contact bears).  The rule "contract" cuts branches of
+a single steep flap where nothing touches: where the energy falls there, no contact holds the state, and its kind
+is "cut" (the branch goes on, and its minimum lies further along: `end` = "contact" finds it).  All branches of a class
 have the same energy, so O(N^2) classes stand for all branches; `cone_roots` isolates every zero.
 The flat state, where all branches begin, is not counted.
 
@@ -42,10 +44,11 @@ class BranchMinima:
         Of the springs, with k_odd = 1 and k_even = r per crease.
     depth
         (U_flat - U)/U_flat; below 0 where a minimum at contact lies higher than the flat state.
-    contact
-        True: pinned at the end of the branch; False: interior.
+    kind
+        "interior"; "contact": pinned by contact at the end of the branch; "cut": the energy falls at an end
+        where nothing touches (`model.cone.is_cut`).
     multiplier
-        -dU/d|nu| at contact, 0 for interior minima.
+        -dU/d|nu| at the end, 0 for interior minima; for "cut" no contact bears it.
     """
 
     valleys: np.ndarray
@@ -55,11 +58,26 @@ class BranchMinima:
     elevation: np.ndarray
     energy: np.ndarray
     depth: np.ndarray
-    contact: np.ndarray
+    kind: np.ndarray
     multiplier: np.ndarray
 
     def __len__(self) -> int:
         return len(self.multiplicity)
+
+    @property
+    def interior(self) -> np.ndarray:
+        """Mask of the minima inside their branch."""
+        return self.kind == "interior"
+
+    @property
+    def contact(self) -> np.ndarray:
+        """Mask of the minima pinned by contact."""
+        return self.kind == "contact"
+
+    def count(self, kind: str) -> int:
+        """Return the number of branches with a minimum of a kind, exact."""
+        pairs = zip(self.multiplicity, (self.kind == kind).tolist(), strict=True)
+        return sum(number for number, own in pairs if own)
 
     def where(self, keep: np.ndarray) -> BranchMinima:
         """Return the minima of a mask."""
@@ -73,14 +91,16 @@ class BranchMinima:
             self.elevation[rows],
             self.energy[rows],
             self.depth[rows],
-            self.contact[rows],
+            self.kind[rows],
             self.multiplier[rows],
         )
 
 
 @dataclass(frozen=True)
 class ConeCount:
-    """Stable states of a cone, branch by branch.
+    """Minima of a cone, branch by branch.
+
+    A minimum along a branch need not be stable when the vertex may leave the branch (`judge.cone_full_space`).
 
     Attributes
     ----------
@@ -93,9 +113,12 @@ class ConeCount:
     minima
         One entry a class and minimum: up first, then by valleys, changes, |elevation|.
     stable_interior, stable_contact
-        Numbers of branch minima of either kind, exact.
+        Numbers of branch minima inside, and pinned by contact, exact.
+    falling_at_cut
+        Number of branches whose energy falls where the rule "contract" cuts them and nothing touches (kind "cut").
     branches_with_minimum
-        Number of branches with at least one minimum (a branch may have several).
+        Number of branches with at least one minimum (a branch may have several); one that falls at its cut
+        has one further along.
     undecided
         (valleys, changes, direction) of classes with a tie: slope 0 to rounding at either end, or a
         double zero of it.  Their minima are counted as the module says.
@@ -108,6 +131,7 @@ class ConeCount:
     minima: BranchMinima
     stable_interior: int
     stable_contact: int
+    falling_at_cut: int
     branches_with_minimum: int
     undecided: tuple[tuple[int, int, int], ...]
 
@@ -125,7 +149,8 @@ class ConeCount:
         return (
             f"ConeCount(degree {self.degree}, ratio {self.ratio:g}, elevation "
             f"{self.rest.elevation:g}: {self.stable_interior} interior and {self.stable_contact} "
-            f"contact-pinned minima on {self.branches} branches)"
+            f"contact-pinned minima, {self.falling_at_cut} falling at their cut, on {self.branches} "
+            "branches)"
         )
 
 
@@ -172,19 +197,16 @@ def branch_minima(
     minima = _join(parts)
     if depth > 0:
         minima = minima.where(minima.depth > depth)
-    interior = contact = having = 0
-    last = None
+    interior, contact, cut = (minima.count(kind) for kind in ("interior", "contact", "cut"))
+    having, last = 0, None
     keys = zip(
         minima.direction.tolist(), minima.valleys.tolist(), minima.changes.tolist(), strict=True
     )
-    for number, pinned, key in zip(minima.multiplicity, minima.contact.tolist(), keys, strict=True):
-        if pinned:
-            contact += number
-        else:
-            interior += number
+    for number, key in zip(minima.multiplicity, keys, strict=True):
         having += number if key != last else 0
         last = key
-    return ConeCount(state, ratio, depth, end, minima, interior, contact, having, tuple(undecided))
+    known = tuple(undecided)
+    return ConeCount(state, ratio, depth, end, minima, interior, contact, cut, having, known)
 
 
 def _direction_minima(branches: DirectionClasses, ratio: float) -> tuple[BranchMinima, np.ndarray]:
@@ -199,10 +221,10 @@ def _direction_minima(branches: DirectionClasses, ratio: float) -> tuple[BranchM
     pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend + ratio * even > 0])
     rows = np.concatenate([signs.rows, pinned])
     s = np.concatenate([inside, branches.end[pinned]])
-    contact = np.concatenate([np.zeros(len(inside), bool), np.ones(len(pinned), bool)])
+    at_end = np.concatenate([np.zeros(len(inside), bool), np.ones(len(pinned), bool)])
     multiplier = np.concatenate([np.zeros(len(inside)), np.maximum(-signs.end[pinned], 0.0)])
     order = np.lexsort((s, rows))
-    found = _entries(branches, ratio, rows[order], s[order], contact[order], multiplier[order])
+    found = _entries(branches, ratio, rows[order], s[order], at_end[order], multiplier[order])
     ties = np.concatenate([np.nonzero(signs.start == 0)[0], tied, signs.undecided])
     return found, np.unique(ties)
 
@@ -212,15 +234,16 @@ def _entries(
     ratio: float,
     rows: np.ndarray,
     s: np.ndarray,
-    contact: np.ndarray,
+    at_end: np.ndarray,
     multiplier: np.ndarray,
 ) -> BranchMinima:
-    """Fill in energies and depths of minima at s of classes `rows`."""
+    """Fill in energies, depths and kinds of minima at s of classes `rows`."""
     odd, even = branches.energies(s, rows)
     well_odd, well_even = branches.wells(s, rows)
     flat_odd, flat_even = branches.flat_energies()
     flat = flat_odd + ratio * flat_even
     classes = branches.classes
+    end_kind = np.where(branches.cut[rows], "cut", "contact")
     return BranchMinima(
         classes.valleys[rows],
         classes.changes[rows],
@@ -229,7 +252,7 @@ def _entries(
         branches.direction * s,
         odd + ratio * even,
         np.minimum((well_odd + ratio * well_even) / flat, 1.0) if flat else np.zeros(len(rows)),
-        contact,
+        np.where(at_end, end_kind, "interior"),
         multiplier,
     )
 
@@ -244,7 +267,7 @@ def _join(parts: list[BranchMinima]) -> BranchMinima:
         np.concatenate([up.elevation, down.elevation]),
         np.concatenate([up.energy, down.energy]),
         np.concatenate([up.depth, down.depth]),
-        np.concatenate([up.contact, down.contact]),
+        np.concatenate([up.kind, down.kind]),
         np.concatenate([up.multiplier, down.multiplier]),
     )
 

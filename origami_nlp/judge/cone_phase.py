@@ -1,4 +1,4 @@
-"""The phase diagram of a cone: numbers of stable branches over (nu_0, r_k), and the curves that bound them."""
+"""The phase diagram of a cone: numbers of branch minima over (nu_0, r_k), and the curves that bound them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ LARGEST_DEGREE = 200
 class PhaseDiagram:
     """Map and boundaries.
 
-    map: interior and contact-pinned minima, shape [ratios, elevations].  contact: whether the pinned ones count.
+    map: minima by kind, shape [ratios, elevations].  contact: whether those at the end of a branch count (pinned by
+    contact, or at a cut).
     boundaries: of every class; those of kind "end" move a minimum between inside and end.
     """
 
@@ -40,14 +41,14 @@ class PhaseDiagram:
         return self.map.degree
 
     @cached_property
-    def stable(self) -> np.ndarray:
-        """Number of stable states [ratios, elevations]."""
-        return self.map.interior + self.map.contact if self.contact else self.map.interior
+    def minima(self) -> np.ndarray:
+        """Number of branch minima [ratios, elevations]."""
+        return self.map.total if self.contact else self.map.interior
 
     @property
     def numbers(self) -> tuple[int, ...]:
         """The numbers that occur."""
-        return tuple(int(x) for x in np.unique(self.stable))
+        return tuple(int(x) for x in np.unique(self.minima))
 
 
 def phase_diagram(
@@ -75,7 +76,7 @@ def phase_diagram(
     depth, rest, end
         See `cone_minima.branch_minima`.
     contact
-        Whether minima pinned at the end of a branch count.
+        Whether minima at the end of a branch count.
     progress
         Called with the number of columns of the map that are done.
 
@@ -95,7 +96,7 @@ def phase_diagram(
     cells = (np.arange(size) + 0.5) / size
     r = bottom * (top / bottom) ** cells
     nu = low + (high - low) * cells
-    nu = nu[nu != 0]  # on that line only the flat state is stable
+    nu = nu[nu != 0]  # on that line no branch has a minimum but the flat state
     counts = count_map(
         degree, r, nu, depth=check_depth(depth), rest=rest, end=end, progress=progress
     )

@@ -40,7 +40,7 @@ class Reading:
     """One way to read what was counted.
 
     mirrored: whether the paper's nu_0 is minus ours (its intervals are mirror images of those its Q(e2, v) gives).
-    depth: threshold on relative depth, 0 for none.  contact: whether minima pinned at the end count.
+    depth: threshold on relative depth, 0 for none.  contact: whether minima at the end of a branch count.
     rest: rule for the rest state.  roots: "exact", or "printed": with the moduli, to |v| = pi/2.
     """
 
@@ -293,7 +293,7 @@ def scan_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Readin
 def exact_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Reading) -> np.ndarray:
     """Count minima exactly (`cone_map.count_map`), shape [nu, ratios]."""
     counts = count_map(degree, ratios, nu, depth=reading.depth, rest=reading.rest)
-    return (counts.interior + reading.contact * counts.contact).T
+    return (counts.interior + reading.contact * counts.at_end).T
 
 
 M2V_REGIONS = (((_PI / 8, _PI / 6), (LOW, 0.7)), ((-_PI / 2, -_PI / 36), (LOW, 7.0)))
@@ -330,4 +330,4 @@ def _holds(branches: BranchClass, ratio: float, nu: float) -> bool:
     """Whether a class has an interior minimum deeper than the threshold."""
     m = branch_minima(branches.degree, ratio, nu, depth=DEPTH).minima
     own = (m.valleys == branches.valleys) & (m.changes == branches.changes)
-    return bool((own & (m.direction == branches.direction) & ~m.contact).any())
+    return bool((own & (m.direction == branches.direction) & m.interior).any())

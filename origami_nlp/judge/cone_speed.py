@@ -59,7 +59,7 @@ def random_points(degree: int, number: int, seed: int) -> list[tuple[float, floa
 def scan_branches(
     degree: int, ratio: float, elevation: float, nodes: int = BRUTE_NODES
 ) -> tuple[int, int]:
-    """Count (interior, contact-pinned) minima branch by branch on a grid of elevations."""
+    """Count minima (inside, at the end) branch by branch on a grid of elevations."""
     rest = rest_state(degree, elevation)
     interior = contact = 0
     for direction in (1, -1):
@@ -100,7 +100,7 @@ def measure(
             start = time.process_time()
             scanned = [scan_branches(degree, r, v) for r, v in cases]
             brute = (time.process_time() - start) / points
-            pairs = [(c.stable_interior, c.stable_contact) for c in counts]
+            pairs = [(c.stable_interior, c.stable_contact + c.falling_at_cut) for c in counts]
             wrong = sum(a != b for a, b in zip(scanned, pairs, strict=True))
         if degree in maps:
             start = time.process_time()
@@ -122,7 +122,7 @@ def elevation_error(degree: int, ratio: float, elevation: float, minima: BranchM
     """
     import mpmath as mp
 
-    inside = np.nonzero(~minima.contact)[0]
+    inside = np.nonzero(minima.interior)[0]
     rows = np.random.default_rng(0).permutation(inside)[:SAMPLED]
     n, worst = degree // 2, 0.0
     with mp.workdps(60):  # differences of energies lose 30

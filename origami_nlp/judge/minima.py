@@ -1,4 +1,4 @@
-"""The main job: every stable state of a scene, classified, with the record of the search."""
+"""The main job: the energy minima of a scene, classified, with the record of the search."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def find_minima(
     full: bool = False,
     progress: Progress | None = None,
 ) -> MinimaResult:
-    """Find and classify every stable state of `scene` that has its symmetry.
+    """Find and classify the energy minima of `scene` among states of its symmetry.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What holds each stable state in contact: contact moments, stiffness along the contact, load margin."""
+"""What holds each minimum in contact: contact moments, stiffness along the contact, load margin."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SOFT = STIFFNESS
 
 @dataclass(frozen=True)
 class PinnedState:
-    """One stable state with closed contacts.
+    """One minimum with closed contacts.
 
     number: of the minimum (1-based).  stiffness: tangential stiffness [N m/rad], eigenvalues of the Hessian on
     the space that keeps the loaded contacts closed, per unit length in the space of all N fold
@@ -49,7 +49,7 @@ class ContactReport:
 def report_contacts(
     result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
-    """Report on the stable states of `result` that have closed contacts.
+    """Report on the minima of `result` that have closed contacts.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def report_contacts(
     """
     count = len(result.minima)
     if state is not None and not 1 <= state <= count:
-        raise OptionError(f"state = {state} must be the number of a stable state, 1 to {count}")
+        raise OptionError(f"state = {state} must be the number of a minimum, 1 to {count}")
     total = sum(result.scene.stiffness)
     states = []
     for number, minimum in enumerate(result.minima, start=1):

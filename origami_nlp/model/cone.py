@@ -12,7 +12,8 @@ nothing to touch on the axis and can go on: with an even number of flaps to pi/2
 flap opposite, with an odd number until its even crease meets the odd crease opposite, at
 cos v = tan(pi/N).  Without steep flaps the odd creases meet on the axis at pi/2.  Derived here;
 `tests/test_cone_kinematics.py` compares with the examination of embeddings.  The rule "contract" (the default)
-ends the branches of a single steep flap at pi/2 - 2 pi/N as well; "contact" follows them.
+cuts the branches of a single steep flap at pi/2 - 2 pi/N as well, where nothing touches (`is_cut`); "contact"
+follows them.
 """
 
 from __future__ import annotations
@@ -69,6 +70,14 @@ def branch_end(degree: int, steep: Any, end: str = "contract") -> np.ndarray:
     count = np.asarray(steep)
     lone = lone_end(degree) if end == "contact" else steep_end(degree)
     return np.select([count == 0, count == 1], [math.pi / 2, lone], steep_end(degree))
+
+
+def is_cut(steep: Any, end: str = "contract") -> np.ndarray:
+    """Whether branches with `steep` steep flaps are cut where nothing touches, shape of `steep`.
+
+    True for a single steep flap under the rule "contract": the branch goes on past `branch_end`.
+    """
+    return (np.asarray(steep) == 1) & (end == "contract")
 
 
 @dataclass(frozen=True)

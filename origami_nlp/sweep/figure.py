@@ -1,4 +1,4 @@
-"""Number and kind of stable states over one or two parameters of a sweep."""
+"""Number and kind of minima over one or two parameters of a sweep."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
     _scale(axes.xaxis, axes.set_xscale, x)
     axes.set(
         xlabel=name,
-        ylabel="stable states",
+        ylabel="minima",
         ylim=(0, max(1, below.max()) + 0.3),
         xlim=(x.min(), x.max()),
     )
@@ -81,7 +81,7 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
 
 def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
     y, x = (grid["axes"][n] for n in names)
-    panels = {"all stable states": grid["count"], **_by_kind(grid)}
+    panels = {"all minima": grid["count"], **_by_kind(grid)}
     figure = Figure(figsize=(1.0 + 2.75 * len(panels), 3.1), layout="constrained")
     rows = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     most = max(1, int(grid["count"].max()))

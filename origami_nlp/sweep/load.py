@@ -28,7 +28,7 @@ def _need(module: str) -> Any:
 
 
 def load_states(folder: str | Path) -> pandas.DataFrame:
-    """One row a stable state: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad]."""
+    """One row a minimum: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad]."""
     pandas = _need("pandas")
     names, rows = read_table(folder, "scenes")
     scenes = pandas.DataFrame(rows, columns=names)
@@ -45,7 +45,7 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
 def load_sweep(folder: str | Path) -> xarray.Dataset:
     """Counts and lowest energies over the axes of the sweep, labelled.
 
-    Variables: ``count`` (stable states), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is not
+    Variables: ``count`` (minima), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is not
     done has count -1 and energy NaN.
     """
     xarray = _need("xarray")

@@ -28,7 +28,7 @@ from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
 
 Progress = Callable[[int, int, int], None]
-"""Called with scenes finished, scenes in all, and stable states found since the run began."""
+"""Called with scenes finished, scenes in all, and minima found since the run began."""
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,13 @@ SCHEMA = "origami-nlp/audit/1"
 HEADS = ("published", *CAUSES, "exact minima", "represented", "reached", "appendix A strict")
 MEANING = {
     "exact": "nearest candidate, within two grid steps, of an exact minimum",
-    "duplicate": "the same fold angles, the same sheet with the other sign of +-pi, or the same exact minimum "
-    "as another candidate",
+    "duplicate": "closes, and is the same fold angles, the same sheet with the other sign of +-pi, or the same exact "
+    "minimum as another candidate",
+    "on a handle": "lies on a one-dimensional set beside which nothing is admissible, and slides along it by more than "
+    "two grid steps",
     "grid jag": "flows away by more than two grid steps; the grid hides the way down",
     "chart edge": "flows away, and lies within a grid step of where the chart ends",
-    "does not close": "no vertex at the stated sector angle",
+    "does not close": "no vertex at the stated sector angle, repeated rows included",
     "wrong side": "a sheet of paper with these facets has the other sign of +-pi, and another energy",
     "not admissible": "facets cross, or no order of the layers exists, whatever the signs of +-pi",
     "isolated": "no symmetric motion leaves it, and it is no listed minimum",

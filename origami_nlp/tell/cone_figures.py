@@ -49,16 +49,16 @@ def _diagram(degree: int, exact: bool, zoom: bool = False) -> PhaseDiagram:
 
 
 def _map(axes: Any, degree: int, what: str, zoom: bool = False) -> None:
-    """One map on the paper's axis: "paper" (its options) or "pinned" (exact)."""
-    diagram = _diagram(degree, what == "pinned", zoom)
+    """One map on the paper's axis: "paper" (its options) or "ends" (exact)."""
+    diagram = _diagram(degree, what == "ends", zoom)
     m = diagram.map
-    counts = m.contact if what == "pinned" else diagram.stable
+    counts = m.at_end if what == "ends" else diagram.minima
     total = m.branches
-    if what == "pinned":
+    if what == "ends":
         span = f"{min(diagram.numbers)}"
         if len(diagram.numbers) > 1:
             span += f" to {max(diagram.numbers)}"
-        title = f"exact: {span} of {total} stable, of these pinned:"
+        title = f"at an end (contact or cut), of {span} minima"
     else:
         title = f"$N$ = {degree}: interior, depth > $10^{{-3}}$" + (" (zoom)" if zoom else "")
     draw_map(axes, -m.elevations[::-1], m.ratios, counts[:, ::-1], total, title=title)
@@ -96,7 +96,7 @@ def _cone3(figure: Any) -> None:
     top, bottom = figure.subfigures(2, 1, height_ratios=(HEIGHT, 1.6))
     left, right = top.subplots(1, 2)
     _map(left, 6, "paper")
-    _map(right, 6, "pinned")
+    _map(right, 6, "ends")
     _snapshots(bottom)
 
 
@@ -113,14 +113,14 @@ def _cone4(figure: Any) -> None:
     left, middle, right = figure.subplots(1, 3)
     _map(left, 8, "paper")
     _map(middle, 8, "paper", zoom=True)
-    _map(right, 8, "pinned")
+    _map(right, 8, "ends")
 
 
 def _cone56(figure: Any) -> None:
     for row, degree in zip(figure.subplots(2, 3), (10, 12), strict=True):
         _map(row[0], degree, "paper")
         _map(row[1], degree, "paper", zoom=True)
-        _map(row[2], degree, "pinned")
+        _map(row[2], degree, "ends")
 
 
 SHEETS: dict[str, tuple[Callable[[Any], None], tuple[float, float], str]] = {

@@ -1,5 +1,7 @@
 """Cones as JSON: counts (schema ``origami-nlp/cone/1``), foldings and branches.
 
+A minimum's kind is "interior", "contact", or "cut" (the energy falls where a branch is cut and nothing touches).
+
 Radians; directions are "up" (nu > 0) and "down"; energies with k_odd = 1, k_even = r per crease.
 Integers beyond 2^53, which JSON readers round, are strings; ``branches`` always is.
 """
@@ -51,7 +53,7 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
         m.elevation.tolist(),
         m.energy.tolist(),
         m.depth.tolist(),
-        m.contact.tolist(),
+        m.kind.tolist(),
         m.multiplier.tolist(),
         strict=True,
     )
@@ -61,6 +63,7 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
         "branches": str(count.branches),
         "stable_interior": exact(count.stable_interior),
         "stable_contact": exact(count.stable_contact),
+        "falling_at_cut": exact(count.falling_at_cut),
         "classes": [
             {
                 "valleys": valleys,
@@ -70,7 +73,7 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
                 "elevation": elevation,
                 "energy": energy,
                 "depth": depth,
-                "kind": "contact" if contact else "interior",
+                "kind": kind,
                 "multiplier": multiplier,
             }
             for (
@@ -81,7 +84,7 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
                 elevation,
                 energy,
                 depth,
-                contact,
+                kind,
                 multiplier,
             ) in columns
         ],

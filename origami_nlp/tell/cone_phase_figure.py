@@ -1,4 +1,4 @@
-"""Phase diagrams of cones drawn: a map of numbers of stable states, and labelled boundaries beside it."""
+"""Phase diagrams of cones drawn: a map of numbers of branch minima, and labelled boundaries beside it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from origami_nlp.tell.files import write_whole
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {
     "start": "slope at the flat state",
-    "end": "slope at the end (interior / pinned)",
+    "end": "slope at the end (minimum inside / at the end)",
     "fold": "fold: minimum meets maximum",
     "depth": "depth threshold",
-    "depth-at-end": "depth threshold, pinned",
+    "depth-at-end": "depth threshold, at the end",
 }
 INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
 """Okabe-Ito, by number of valley flaps."""
@@ -68,7 +68,7 @@ def draw_map(
     title: str = "",
     bar: bool = True,
 ) -> None:
-    """Draw numbers of stable states [ratios, nu] as a map with one colour for each number that occurs.
+    """Draw numbers of branch minima [ratios, nu] as a map with one colour for each number that occurs.
 
     nu [rad] and ratios are cell centres, evenly and geometrically spaced.
     """
@@ -127,7 +127,7 @@ def draw_boundaries(
     mirrored: bool = False,
     size: float = 7.0,
 ) -> None:
-    """Draw boundaries with labels on the side where the branch is stable.
+    """Draw boundaries with labels on the side where the branch has a minimum.
 
     mirrored: draw -nu_0 (the paper's intervals are the mirror image of those of its own convention).
     At a curve of kind "end" the label stands where the minimum is inside the branch.
@@ -178,7 +178,7 @@ def _place_labels(
     ratio: tuple[float, float],
     size: float,
 ) -> None:
-    """Put each label on the stable side of its curve, as far from other labels as the curve allows."""
+    """Put each label on the side of its curve with the minimum, as far from other labels as the curve allows."""
     placed: list[np.ndarray] = []
 
     def unit(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -194,8 +194,8 @@ def _place_labels(
             continue
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
-        side = _stable_side(curve)
-        # at an end curve the branch is stable on both sides: its label stands on the line
+        side = _side_of_minimum(curve)
+        # at an end curve the branch has a minimum on both sides: its label stands on the line
         offset = points[at] + np.array([0.0, 0.028 * side * (curve.kind != "end")])
         room = np.full(len(at), 1.0)
         for other in placed:
@@ -222,8 +222,8 @@ def _place_labels(
         )
 
 
-def _stable_side(curve: Boundary) -> float:
-    """+1 where the branch is stable (at its end: has its minimum inside) above the curve, else -1."""
+def _side_of_minimum(curve: Boundary) -> float:
+    """+1 where the branch has a minimum (at its end: inside) above the curve, else -1."""
     middle = len(curve.ratio) // 2
     nu, t = curve.rest_elevation[middle], curve.elevation[middle]
     energy = class_energy(curve.branches, t, nu)
@@ -248,12 +248,12 @@ def legend(axes: Any) -> None:
 
 
 def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw a phase diagram: numbers of stable states, how many are pinned, and the boundaries."""
+    """Draw a phase diagram: numbers of branch minima, how many are at an end, and the boundaries."""
     counts = diagram.map
     panels = 3 if diagram.contact else 2
     figure = Figure(figsize=(4.1 * panels, 4.3), layout="constrained", dpi=100)
     grid = figure.subplots(1, panels)
-    words = "stable branches" if diagram.contact else "branches stable inside (contact left out)"
+    words = "branch minima" if diagram.contact else "minima inside their branch"
     if counts.depth > 0:
         words += f", deeper than {counts.depth:g}"
     only = (
@@ -263,7 +263,7 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
         grid[0],
         counts.elevations,
         counts.ratios,
-        diagram.stable,
+        diagram.minima,
         counts.branches,
         title=words + only,
         bar=not only,
@@ -273,13 +273,13 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
             grid[1],
             counts.elevations,
             counts.ratios,
-            counts.contact,
+            counts.at_end,
             counts.branches,
-            title="of these pinned at the end of the branch",
+            title=end_words(counts.end_rule),
         )
     window = (grid[0].get_xlim(), grid[0].get_ylim())
     draw_boundaries(grid[-1], diagram.boundaries, *window)
-    grid[-1].set_title("boundaries, labelled where the branch is stable", fontsize=9)
+    grid[-1].set_title("boundaries, labelled where the branch has a minimum", fontsize=9)
     legend(grid[-1])
     figure.suptitle(
         f"cone of degree {diagram.degree}, {counts.branches} branches, rest state: {counts.rest_rule}",
@@ -288,6 +288,13 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
     if path is not None:
         save(figure, path)
     return figure
+
+
+def end_words(rule: str) -> str:
+    """Say what holds minima at the end of a branch."""
+    return (
+        "of these pinned by contact" if rule == "contact" else "of these at an end (contact or cut)"
+    )
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:

@@ -39,6 +39,7 @@ def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
         "rest_elevations": m.elevations.tolist(),
         "interior": _counts(m.interior),
         "contact_pinned": _counts(m.contact),
+        "falling_at_cut": _counts(m.cut),
         "boundaries": [
             {
                 "valleys": b.branches.valleys,
@@ -56,12 +57,13 @@ def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
 
 
 def map_as_csv(diagram: PhaseDiagram) -> str:
-    """Return the map as comma-separated rows: rest elevation [rad], ratio, interior and pinned minima."""
+    """Return the map as comma-separated rows: rest elevation [rad], ratio, and numbers of minima by kind."""
     m = diagram.map
-    lines = ["rest_elevation,ratio,interior,contact_pinned"]
+    lines = ["rest_elevation,ratio,interior,contact_pinned,falling_at_cut"]
     for i, nu in enumerate(m.elevations.tolist()):
         for k, r in enumerate(m.ratios.tolist()):
-            lines.append(f"{nu!r},{r!r},{int(m.interior[k, i])},{int(m.contact[k, i])}")
+            numbers = ",".join(str(int(n[k, i])) for n in (m.interior, m.contact, m.cut))
+            lines.append(f"{nu!r},{r!r},{numbers}")
     return "\n".join(lines) + "\n"
 
 

@@ -41,13 +41,13 @@ def folding_table(
 
 def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
     """Say which numbers occur and how much of the map each takes, and count the boundaries."""
-    numbers, often = np.unique(diagram.stable, return_counts=True)
+    numbers, often = np.unique(diagram.minima, return_counts=True)
     total = diagram.map.branches
     rows = [
-        [f"{int(n)}/{total}", f"{int(n) / total:.6g}", f"{k / diagram.stable.size:.2%}"]
+        [f"{int(n)}/{total}", f"{int(n) / total:.6g}", f"{k / diagram.minima.size:.2%}"]
         for n, k in zip(numbers, often, strict=True)
     ]
-    console.print(folding_table(("stable branches", "normalised", "share of the map"), rows, ""))
+    console.print(folding_table(("branch minima", "normalised", "share of the map"), rows, ""))
     kinds = Counter(b.kind for b in diagram.boundaries)
     console.print("boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items()))
 

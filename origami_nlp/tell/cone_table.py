@@ -38,7 +38,7 @@ def share_words(part: int, whole: int) -> str:
 
 
 def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> None:
-    """Print the numbers of stable branches, then a row for each class and minimum, deepest first."""
+    """Print the numbers of branch minima, then a row for each class and minimum, deepest first."""
     whole = count.branches
     rest = count.rest
     console.print(
@@ -47,9 +47,12 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
     )
     for name, number in (
         ("interior minima", count.stable_interior),
-        ("contact-pinned minima", count.stable_contact),
+        ("minima pinned by contact", count.stable_contact),
+        ("falling at their cut, where nothing touches", count.falling_at_cut),
         ("branches with a minimum", count.branches_with_minimum),
     ):
+        if name.startswith("falling") and not number:
+            continue
         console.print(
             f"  {name}: {number_words(number)} of {number_words(whole)} branches "
             f"({share_words(number, whole)})"
@@ -69,7 +72,7 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
 
 
 def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
-    """Return one row a class and minimum, deepest first; contact-pinned ones with their multiplier."""
+    """Return one row a class and minimum, deepest first; those at an end with their multiplier."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("branches", no_wrap=True)
     for head in ("changes", "number", "elevation", "energy", "depth"):
@@ -86,7 +89,7 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
             f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > 1e-3 else f"{m.elevation[k]:.3e}",
             f"{m.energy[k]:.5g}",
             f"{m.depth[k]:.4g}",
-            f"contact, {m.multiplier[k]:.4g}" if m.contact[k] else "interior",
+            "interior" if m.interior[k] else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
         )
     return table
 

@@ -41,7 +41,7 @@ def headline(report: ContactReport) -> str:
     scene, count = report.result.scene, len(report.states)
     who = scene.name or repr(scene.vertex)
     return (
-        f"{who}: {count} of {len(report.result.minima)} stable states reported, each with closed "
+        f"{who}: {count} of {len(report.result.minima)} minima reported, each with closed "
         f"contacts; symmetry {scene.group.name}, contact {scene.contact}"
     )
 

@@ -22,6 +22,7 @@ from origami_nlp.tell.files import write_whole
 from origami_nlp.tell.landscape import Landscape, landscape
 from origami_nlp.tell.landscape_axes import (
     UNIT,
+    WARNING,
     Marks,
     colour_bar,
     draw_area,
@@ -30,6 +31,7 @@ from origami_nlp.tell.landscape_axes import (
     mark_minima,
     norm_of,
 )
+from origami_nlp.tell.stability import count_words, verdict
 
 if TYPE_CHECKING:
     from origami_nlp.judge.minima import MinimaResult, Minimum
@@ -173,8 +175,9 @@ def _compose(result: MinimaResult, chart: Landscape) -> Figure:
         figure.text(
             (x + CELL / 2) / width,
             1 - (y + 0.05) / height,
-            _state_title(k + 1, minimum, result.model.freedom),
+            _state_title(k + 1, minimum, result),
             fontsize=9.5,
+            color=WARNING if verdict(result.scene, minimum) == "unstable" else "black",
             ha="center",
             va="top",
             linespacing=1.25,
@@ -224,13 +227,11 @@ def _fill_panels(
 def _title(result: MinimaResult) -> str:
     scene = result.scene
     who = scene.name or f"degree {scene.degree}"
-    count = len(result.minima)
-    states = "1 stable state" if count == 1 else f"{count or 'no'} stable states"
     subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     group = f"{scene.group.kind}{subscript}"
-    symmetry = "" if scene.group.is_trivial else f" with symmetry {group}"
+    symmetry = "" if scene.group.is_trivial else f"symmetry {group}, "
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
-    return plain(f"{who}: {states}{symmetry}, {contact[scene.contact]}")
+    return plain(f"{who}: {count_words(result, 'no')}; {symmetry}{contact[scene.contact]}")
 
 
 def plain(text: str) -> str:
@@ -241,13 +242,14 @@ def plain(text: str) -> str:
     return pretty.replace("$", r"\$")
 
 
-def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
+def _state_title(number: int, minimum: Minimum, result: MinimaResult) -> str:
     kind: str = minimum.kind
-    if minimum.local_dimension < freedom:
+    if minimum.local_dimension < result.model.freedom:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
             minimum.local_dimension, f", local dimension {minimum.local_dimension}"
         )
-    return f"{number}:  U = {minimum.energy:.4g} {UNIT}\n{kind}"
+    known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
+    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}"
 
 
 def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[str]:
@@ -281,6 +283,15 @@ def _notes(result: MinimaResult, chart: Landscape, places: list[Any]) -> list[st
         here = "(0, 0)" if max(map(abs, point)) < 1e-6 else f"({point[0]:.3g}, {point[1]:.3g})"
         notes.append(
             f"Ring ({', '.join(numbers)}): {here} is not one state but a family: {family}."
+        )
+    verdicts = {verdict(scene, m) for m in result.minima}
+    if "not asked" in verdicts:
+        notes.append(
+            "Minima among symmetric states; whether they are stable when the symmetry breaks was not asked."
+        )
+    if "unstable" in verdicts:
+        notes.append(
+            "Red title and outline: a symmetric minimum, but not stable when the symmetry may break."
         )
     if result.minima:
         notes.append(

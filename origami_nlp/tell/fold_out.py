@@ -69,7 +69,7 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
         states = states[1:]
     else:
         raise OptionError(
-            "no stable state was found, and paper that is not flat has no crease pattern to write"
+            "no minimum was found, and paper that is not flat has no crease pattern to write"
         )
     data["file_frames"] = states
     return data
@@ -94,7 +94,8 @@ def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
     orders = face_orders(creases, phi)
     full = m.full_space
     return {
-        "frame_title": f"state {number}: {m.kind}, {m.energy:.6g} J",
+        "frame_title": f"state {number}: {m.kind}, {m.energy:.6g} J"
+        + (f", {full.verdict}" if full else ""),
         "frame_classes": ["foldedForm"],
         "frame_attributes": ["3D", "selfTouching" if orders else "nonSelfTouching"],
         "frame_parent": 0,
@@ -150,7 +151,7 @@ def write_mesh(result: MinimaResult, target: str | Path) -> None:
         points = np.vstack([np.zeros((1, 3)), creases]) + np.array([2.5 * k, 0.0, 0.0])
         parts.append(trimesh.Trimesh(points, faces, process=False))
     if not parts:
-        raise OptionError(f"--mesh = {str(target)!r}: no stable state was found to write")
+        raise OptionError(f"--mesh = {str(target)!r}: no minimum was found to write")
     content = trimesh.util.concatenate(parts).export(None, file_type=suffix[1:])
     write_whole(target, content.encode() if isinstance(content, str) else content)
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from origami_nlp.tell.figure import draw_minima
 from origami_nlp.tell.landscape_axes import STYLE, UNIT
+from origami_nlp.tell.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.tell.table import geometry_lines, undecided_lines
 
 if TYPE_CHECKING:
@@ -45,15 +46,19 @@ def as_html(result: MinimaResult, *, picture: bool = True) -> str:
 
 
 def _headline(result: MinimaResult) -> str:
-    scene, count = result.scene, len(result.minima)
-    states = "1 stable state" if count == 1 else f"{count or 'no'} stable states"
+    scene = result.scene
     who = scene.name or repr(scene.vertex)
-    return f"{who}: {states}, symmetry {scene.group.name}, contact {scene.contact}"
+    return (
+        f"{who}: {count_words(result, 'no')}, symmetry {scene.group.name}, contact {scene.contact}"
+    )
 
 
 def _table(result: MinimaResult) -> str:
-    heads = ("#", f"energy [{UNIT}]", "kind", "dimension", "fold angles [deg]", "contacts", "hits")
-    left = {"kind", "dimension", "fold angles [deg]", "contacts"}
+    heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "fold angles [deg]", "contacts", "hits"]
+    full = asked(result)
+    if full:
+        heads.insert(3, "full space")
+    left = {"kind", "full space", "dimension", "fold angles [deg]", "contacts"}
     row = "".join(f"<th {_CELL if h in left else _NUMBER}>{escape(h)}</th>" for h in heads)
     lines = ["<table style='border-collapse:collapse'>", f"<thead><tr>{row}</tr></thead><tbody>"]
     for number, m in enumerate(result.minima, start=1):
@@ -62,6 +67,7 @@ def _table(result: MinimaResult) -> str:
             (str(number), _NUMBER),
             (f"{m.energy:.6g}", _NUMBER),
             (swatch, _CELL),
+            *([(escape(verdict(result.scene, m)), _CELL)] if full else []),
             (escape(_dimension(m, result.model.freedom)), _CELL),
             (", ".join(_degrees(a) for a in m.fold_angles), _CELL),
             ("<br>".join(escape(_contact(c)) for c in m.contacts) or "none closed", _CELL),
@@ -122,5 +128,6 @@ def _search(result: MinimaResult) -> str:
         f"{s.starts} starts, {s.solves} IPOPT solves ({statuses}), {s.seconds:.2f} s, seed {s.seed}; "
         f"expected undiscovered minima {s.expected_undiscovered:.2g}{stop}"
     )
-    lines = [text, *undecided_lines(result), *geometry_lines(result)]
+    more = not_asked_words(result)
+    lines = [text, *[more] * bool(more), *undecided_lines(result), *geometry_lines(result)]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
+WARNING = "#B00020"
+"""Of a minimum that is not stable when the symmetry may break."""
 STYLE: dict[str, tuple[str, Any]] = {
     "interior": ("#F0B000", "*"),
     "contact-pinned": ("#D55E00", (4, 1, 0)),
@@ -153,14 +155,17 @@ def mark_minima(axes: Any, marks: Marks) -> None:
         for extra in _surrounds(minimum, place, _freedom(marks)):
             axes.plot([x], [y], **extra, **top)
         face = "white" if minimum.local_dimension == 0 else colour
+        edge, width = ("black", 0.9) if face != "white" else (colour, 1.8)
+        if minimum.full_space is not None and minimum.full_space.verdict == "unstable":
+            edge, width = WARNING, 2.2
         axes.plot(
             [x],
             [y],
             marker=marker,
             markersize=SIZE.get(marker, 15.0) if isinstance(marker, str) else 15.0,
             markerfacecolor=face,
-            markeredgecolor="black" if face != "white" else colour,
-            markeredgewidth=0.9 if face != "white" else 1.8,
+            markeredgecolor=edge,
+            markeredgewidth=width,
             path_effects=[withStroke(linewidth=2.6, foreground="white")],
             **top,
         )

@@ -21,7 +21,7 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     """Draw U(s), dU/ds, d2U/ds2 and the contact moment along every boundary; metastable parts in red.
 
     The bands are the thresholds of `judge.segments`; dotted parts of a curve are those where a contact does not
-    push; circles are stable states.  The figure is saved if a path is given.
+    push; circles are minima.  The figure is saved if a path is given.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     title = title.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("$", r"\$")
     figure.suptitle("\n".join(textwrap.wrap(title, int(width * 11))), fontsize=11)
     if not shown:
-        figure.text(0.5, 0.5, "No stable state has a closed contact.", ha="center")
+        figure.text(0.5, 0.5, "No minimum has a closed contact.", ha="center")
     else:
         axes = figure.subplots(4, columns, squeeze=False, sharex="col")
         for column, k in enumerate(shown):
@@ -96,7 +96,7 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
             axis.set_ylabel(label, fontsize=9)
         axis.tick_params(labelsize=8)
     states = ", ".join(f"#{n}" for n in report.states[k])
-    head = f"from state {states}" if states else "no stable state"
+    head = f"from state {states}" if states else "no minimum"
     contacts = "\n".join(curve.contacts[:2]) + ("\n..." if len(curve.contacts) > 2 else "")
     axes[0].set_title(f"{head}\n{contacts}", fontsize=8.5)
     axes[-1].set_xlabel("arclength s  [rad]", fontsize=9)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from origami_nlp.tell.stability import asked, count_words, not_asked_words, verdict
 
 if TYPE_CHECKING:
     from origami_nlp.judge.classify import ContactForce
@@ -24,6 +26,7 @@ KIND_STYLE = {
     "contact-touching": "cyan",
     "degenerate": "magenta",
 }
+VERDICT_STYLE = {"stable": "green", "unstable": "red", "undecided": "bold"}
 
 
 def freedom_words(dimension: int, full: int) -> str:
@@ -43,22 +46,31 @@ def contact_words(contact: ContactForce) -> str:
 
 
 def minima_table(result: MinimaResult) -> Table:
-    """Return one row a minimum: energy, kind, local dimension, residuals, hits."""
+    """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, residuals, hits."""
     scene = result.scene
-    count = len(result.minima)
     title = (
-        f"{scene.name or scene.vertex!r}\n{count} stable state{'s' * (count != 1)}, "
+        f"{scene.name or scene.vertex!r}\n{count_words(result)}, "
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
-    table = Table(title=Text(title), title_justify="left")
-    for head in ("#", "energy [J]", "kind", "dimension", "closure", "KKT", "hits"):
-        left = head in ("kind", "dimension")
+    full = asked(result)
+    # with the verdicts the table keeps to 80 columns without frames
+    look: dict[str, Any] = {"box": box.HEAVY_HEAD}
+    if full:
+        look = {"box": box.SIMPLE_HEAD, "pad_edge": False, "padding": (0, 1, 0, 0)}
+    table = Table(title=Text(title), title_justify="left", **look)
+    heads = ["#", "energy [J]", "kind", "dimension", "closure", "KKT", "hits"]
+    if full:
+        heads.insert(3, "full space")
+    for head in heads:
+        left = head in ("kind", "full space", "dimension")
         table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
     for number, m in enumerate(result.minima, start=1):
+        known = verdict(scene, m)
         table.add_row(
             str(number),
             f"{m.energy:.9g}",
             Text(m.kind, style=KIND_STYLE[m.kind]),
+            *([Text(known, style=VERDICT_STYLE.get(known, ""))] if full else []),
             freedom_words(m.local_dimension, result.model.freedom),
             f"{m.closure_residual:.0e}",
             "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
@@ -78,7 +90,7 @@ def state_lines(result: MinimaResult) -> list[str]:
         lines.append(f"   {m.certificate}")
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
-    return lines
+    return [*lines, *filter(None, [not_asked_words(result)])]
 
 
 def full_space_lines(f: FullSpace) -> list[str]:
@@ -159,7 +171,17 @@ def as_text(result: MinimaResult) -> str:
     return console.file.getvalue().rstrip()
 
 
-SUMMARY_HEADS = ("scene", "minima", "kinds", "starts", "failed", "closure", "KKT", "seconds")
+SUMMARY_HEADS = (
+    "scene",
+    "symmetric minima",
+    "kinds",
+    "starts",
+    "failed",
+    "closure",
+    "KKT",
+    "seconds",
+)
+DEMO_HEADS = ("scene", "stable", "kinds of the symmetric minima", "KKT", "seconds")
 FULL_HEADS = (
     "scene",
     "symmetric minima",
@@ -191,6 +213,25 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
     )
 
 
+def demo_rows(results: Sequence[MinimaResult]) -> list[tuple[str, ...]]:
+    """Return one row a scene: how many of its symmetric minima are stable in the full space, kinds, and the sums."""
+    rows = []
+    known = [verdict(r.scene, m) for r in results for m in r.minima]
+    for r in results:
+        name, _, kinds, *_, kkt, seconds = summary_row(r)
+        rows.append(
+            (name, _stable_of([verdict(r.scene, m) for m in r.minima]), kinds, kkt, seconds)
+        )
+    return [*rows, ("total", _stable_of(known), "", "", "")]
+
+
+def _stable_of(verdicts: Sequence[str]) -> str:
+    """Say "3 of 4", with the undecided ones where there are any."""
+    words = f"{verdicts.count('stable')} of {len(verdicts)}"
+    undecided = verdicts.count("undecided")
+    return words + (f", {undecided} undecided" if undecided else "")
+
+
 def short_name(r: MinimaResult) -> str:
     """Return a scene's name without the words that all rows of a table share."""
     name = r.scene.name or repr(r.scene.vertex)
@@ -220,7 +261,7 @@ def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) 
     """Return rows as a table; the first column and long texts to the left, numbers to the right."""
     table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for k, head in enumerate(heads):
-        text = head == "kinds" or head.startswith("how")
+        text = head.startswith(("kinds", "how"))
         table.add_column(head, justify="left" if k == 0 or text else "right", no_wrap=not text)
     for row in rows:
         table.add_row(*(Text(cell) for cell in row))

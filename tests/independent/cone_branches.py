@@ -24,8 +24,14 @@ def branches(degree: int) -> tuple[tuple[tuple[int, ...], int], ...]:
     return tuple((w, d) for d in (1, -1) for w in product((1, -1), repeat=degree // 2))
 
 
-def branch_end(degree: int, flaps: tuple[int, ...], direction: int) -> float:
-    """pi/2 - 2 pi/N where a flap takes the larger root (it is of the other sign than v), else pi/2."""
+def branch_end(degree: int, flaps: tuple[int, ...], direction: int, end: str = "contract") -> float:
+    """pi/2 - 2 pi/N where a flap takes the larger root (it is of the other sign than v), else pi/2.
+
+    end = "contact": a single such flap goes on, to pi/2 (even number of flaps) or until its even
+    crease, then beyond the axis, meets the odd crease opposite.
+    """
+    if flaps.count(-direction) == 1 and end == "contact":
+        return math.pi / 2 if degree % 4 == 0 else math.acos(math.tan(math.pi / degree))
     return math.pi / 2 - 2 * math.pi / degree if -direction in flaps else math.pi / 2
 
 
@@ -46,14 +52,14 @@ def rest_angles(degree: int, elevation: float) -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def tables(degree: int):
+def tables(degree: int, end: str = "contract"):
     """For all branches on their grids: s, and sums of phi phi' and phi' over odd and even creases."""
     step = np.linspace(0.0, 1.0, UNIFORM + 1)[1:-1]
     small = np.geomspace(1e-15, step[0], GEOMETRIC)[:-1]
     share = np.concatenate([small, step, 1 - small[::-1], [1.0]])
     s, sums = [], []
     for flaps, direction in branches(degree):
-        own = share * branch_end(degree, flaps, direction)
+        own = share * branch_end(degree, flaps, direction, end)
         angles = cone_fold_angles(degree, direction * own, flaps)
         first = direction * angles.first
         both = angles.value * first
@@ -62,12 +68,23 @@ def tables(degree: int):
     return np.array(s), np.array(sums).transpose(1, 0, 2)
 
 
-def count(degree: int, ratio: float, elevation: float) -> tuple[int, int]:
-    """(interior minima, branches whose energy falls at their end), branch by branch."""
+def count(
+    degree: int, ratio: float, elevation: float, end: str = "contract"
+) -> tuple[int, int, int]:
+    """(interior minima, branches that fall at an end in contact, branches that fall at a cut)."""
+    inside, falls = per_branch(degree, ratio, elevation, end)
+    cut = np.array([end == "contract" and w.count(-d) == 1 for w, d in branches(degree)])
+    return int(inside.sum()), int((falls & ~cut).sum()), int((falls & cut).sum())
+
+
+def per_branch(
+    degree: int, ratio: float, elevation: float, end: str = "contract"
+) -> tuple[np.ndarray, np.ndarray]:
+    """For every branch: interior minima, and whether the energy falls at the end."""
     rest = rest_angles(degree, elevation)
-    s, (odd2, odd1, even2, even1) = tables(degree)
+    s, (odd2, odd1, even2, even1) = tables(degree, end)
     f = odd2 - rest[0] * odd1 + ratio * (even2 - rest[1] * even1)
-    interior = int(((f[:, :-1] < 0) & (f[:, 1:] >= 0)).sum())
+    interior = ((f[:, :-1] < 0) & (f[:, 1:] >= 0)).sum(axis=1)
     # an extremum of f between nodes may reach across zero: a pair of zeros the grid steps over
     size = np.sign(f)
     same = (size[:, :-2] == size[:, 1:-1]) & (size[:, 1:-1] == size[:, 2:])
@@ -84,8 +101,8 @@ def count(degree: int, ratio: float, elevation: float) -> tuple[int, int]:
             return sign * float(slope(degree, flaps, direction, x, ratio, rest))
 
         if golden(towards_zero, s[b, k], s[b, k + 2]) < 0:
-            interior += 1
-    return interior, int((f[:, -1] < 0).sum())
+            interior[b] += 1
+    return interior, f[:, -1] < 0
 
 
 def golden(function, low: float, high: float) -> float:
