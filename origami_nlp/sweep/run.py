@@ -7,6 +7,7 @@ to the last bit; so the answers depend on neither workers, nor interruptions, no
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import (
@@ -133,7 +134,27 @@ def _processes(workers: int | None) -> ProcessPoolExecutor:
     import multiprocessing
 
     # a fresh interpreter per worker: CasADi's state does not survive a fork of a process with threads
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=end_with_parent)
+
+
+def end_with_parent() -> None:
+    """End this worker as soon as the process that started it is gone, however that ended.
+
+    A worker waits for work on a pipe that its siblings keep open: killed with -9, a parent would leave it
+    waiting for ever.
+    """
+    import multiprocessing
+    import os
+
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True, name="end with parent").start()
 
 
 def _size(pool: Any) -> int:
