@@ -7,7 +7,6 @@ to the last bit; so the answers depend on neither workers, nor interruptions, no
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import (
@@ -15,7 +14,6 @@ from concurrent.futures import (
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     wait,
 )
 from dataclasses import dataclass
@@ -27,6 +25,7 @@ import numpy as np
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
+from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int, int], None]
 """Called with scenes finished, scenes in all, and stable states found since the run began."""
@@ -121,40 +120,13 @@ def run_sweep(
     begin = time.perf_counter()
     own = executor is None
     with Store(folder, sweep) as store:
-        pool = _processes(workers) if executor is None else executor
+        pool = worker_pool(workers) if executor is None else executor
         try:
             ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress)
         finally:
             if own:
                 pool.shutdown(wait=False, cancel_futures=True)
         return SweepReport(store.counts(), ran, time.perf_counter() - begin, interrupted)
-
-
-def _processes(workers: int | None) -> ProcessPoolExecutor:
-    import multiprocessing
-
-    # a fresh interpreter per worker: CasADi's state does not survive a fork of a process with threads
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=end_with_parent)
-
-
-def end_with_parent() -> None:
-    """End this worker as soon as the process that started it is gone, however that ended.
-
-    A worker waits for work on a pipe that its siblings keep open: killed with -9, a parent would leave it
-    waiting for ever.
-    """
-    import multiprocessing
-    import os
-
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True, name="end with parent").start()
 
 
 def _size(pool: Any) -> int:
