@@ -40,6 +40,7 @@ from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts
 from origami_nlp.solve.active import row_values as one_row_values
+from origami_nlp.state.arguments import check_flag, check_type, check_whole
 from origami_nlp.state.scene import Scene
 
 SAME = 1e-6
@@ -74,8 +75,14 @@ def find_critical_points(
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms or not full contact.
+        If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
     """
+    check_type("scene", scene, Scene)
+    if minima is not None:
+        check_type("minima", minima, MinimaResult)
+    check_whole("samples", samples, 1)
+    check_whole("seed", seed, 0)
+    check_flag("all_links", all_links)
     strata = strata_of(scene, samples=samples, seed=seed)
     model = scene.model()
     doubts: list[str] = []

@@ -34,7 +34,10 @@ def parse_angle(value: object, field: str = "angle") -> float:
         If `value` is anything else, or is not finite; the message names `field`.
     """
     if isinstance(value, Real) and not isinstance(value, bool):
-        angle = float(value)
+        try:
+            angle = float(value)
+        except OverflowError:
+            angle = math.inf
     elif isinstance(value, str):
         match = _ANGLE.fullmatch(value) if len(value) <= _LONGEST else None
         if (

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import SymmetryError
+from origami_nlp.state.arguments import shown
 from origami_nlp.state.vertex import Vertex
 
 Elements = tuple[tuple[int, bool], ...]
@@ -161,13 +162,11 @@ def averaged(values: Sequence[float], elements: Elements, *, facets: bool) -> tu
 
 
 def _parse(wanted: object) -> tuple[str, int]:
-    if wanted == "auto":
-        return "auto", 0
-    if wanted == "none":
-        return "C", 1
     match = re.fullmatch(r"([CD])([1-9]\d{0,5})", wanted) if isinstance(wanted, str) else None
+    if isinstance(wanted, str) and wanted in ("auto", "none"):
+        return {"auto": ("auto", 0), "none": ("C", 1)}[wanted]
     if match is None:
-        raise SymmetryError(f"symmetry = {wanted!r} is unknown: use none, auto, C<n> or D<n>")
+        raise SymmetryError(f"symmetry = {shown(wanted)} is unknown: use none, auto, C<n> or D<n>")
     return match[1], int(match[2])
 
 

@@ -97,7 +97,7 @@ class Vertex:
         """
         try:
             d = np.asarray(directions, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise VertexError("directions must be an [N, 2] array of numbers") from None
         if d.ndim != 2 or d.shape[1] != 2:
             raise VertexError(f"directions has shape {d.shape}, not [N, 2]")

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.state.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
 from origami_nlp.workers import worker_pool
@@ -113,10 +114,19 @@ def run_sweep(
     ------
     SweepError
         If the folder holds another sweep, or a worker died.
+    OptionError
+        If an argument is not what it must be.
 
     Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
     goes on from there.
     """
+    check_type("sweep", sweep, Sweep)
+    check_path("folder", folder)
+    if executor is not None:
+        check_type("executor", executor, Executor)
+    if workers is not None:
+        check_whole("workers", workers, 1)
+    check_callback("progress", progress)
     begin = time.perf_counter()
     own = executor is None
     with Store(folder, sweep) as store:
