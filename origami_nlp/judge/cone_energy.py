@@ -51,6 +51,18 @@ class Rest:
     rule: str = "waterbomb"
 
 
+def check_rest_rule(rest: object) -> None:
+    """Complain about a rule for the rest state that is none of `REST_RULES`.
+
+    Raises
+    ------
+    OptionError
+        With the rules there are.
+    """
+    if not isinstance(rest, str) or rest not in REST_RULES:
+        raise OptionError(f"rest = {shown(rest)}: write {' or '.join(REST_RULES)}")
+
+
 def rest_state(degree: int, elevation: float, rest: str = "waterbomb") -> Rest:
     """Return the rest angles of the waterbomb (odd creases valleys) at elevation v_0.
 
@@ -67,8 +79,7 @@ def rest_state(degree: int, elevation: float, rest: str = "waterbomb") -> Rest:
         For an unknown rule, or an elevation out of range.
     """
     check_degree(degree)
-    if not isinstance(rest, str) or rest not in REST_RULES:
-        raise OptionError(f"rest = {shown(rest)}: write {' or '.join(REST_RULES)}")
+    check_rest_rule(rest)
     v = check_number("elevation", elevation)
     low = -steep_end(degree) if rest == "waterbomb" else -math.pi / 2
     if not low - SLACK <= v <= math.pi / 2 + SLACK:

@@ -21,7 +21,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.cone_energy import DirectionClasses, Rest, rest_state
 from origami_nlp.judge.cone_roots import polish, slope_signs
 from origami_nlp.state.arguments import check_number
-from origami_nlp.state.cone import cone_classes
+from origami_nlp.state.cone import LARGEST_DEGREE, check_degree, cone_classes
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,7 @@ def branch_minima(
     OptionError, AngleError
         For values out of range.
     """
+    check_degree(degree, LARGEST_DEGREE)
     ratio, depth = check_ratio(ratio), check_depth(depth)
     state = rest_state(degree, elevation, rest)
     classes = cone_classes(degree)

@@ -97,7 +97,7 @@ def phase_diagram(
         low, high = (check_number("rest_elevations", v, low, high) for v in pair)
     if not (bottom < top and low < high):
         raise OptionError(
-            f"ratios = {ratios!r} and rest elevations = ({low}, {high}) must increase"
+            f"ratios = {ratios!r} and rest_elevations = ({low}, {high}) must increase"
         )
     cells = (np.arange(size) + 0.5) / size
     r = bottom * (top / bottom) ** cells

@@ -29,6 +29,7 @@ from origami_nlp.judge.cone_phase_energy import (
     rest_range,
 )
 from origami_nlp.state.arguments import check_whole
+from origami_nlp.state.cone import LARGEST_DEGREE, check_degree
 
 KINDS = ("start", "end", "fold", "depth", "depth-at-end")
 RATIO_LIMITS = (1e-9, 1e9)
@@ -87,6 +88,7 @@ def phase_boundaries(
     OptionError
         If `depth`, `lines` or a rule is out of range.
     """
+    check_degree(degree, LARGEST_DEGREE)
     depth = check_depth(depth)
     check_whole("lines", lines, 2, MOST_LINES)
     low, high = rest_range(degree, rest)

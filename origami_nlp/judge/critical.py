@@ -51,6 +51,10 @@ MATCH = 1e-4
 """Minima of two lists that differ by less [rad] are one."""
 
 
+MOST_SAMPLES = 10_000_000
+"""Random states that memory bears."""
+
+
 def find_critical_points(
     scene: Scene,
     minima: MinimaResult | None = None,
@@ -80,7 +84,7 @@ def find_critical_points(
     check_type("scene", scene, Scene)
     if minima is not None:
         check_type("minima", minima, MinimaResult)
-    check_whole("samples", samples, 1)
+    check_whole("samples", samples, 1, MOST_SAMPLES)
     check_whole("seed", seed, 0)
     check_flag("all_links", all_links)
     strata = strata_of(scene, samples=samples, seed=seed)

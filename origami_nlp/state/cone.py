@@ -51,7 +51,9 @@ def check_degree(degree: int, largest: int | None = None) -> int:
             f"degree = {shown(degree)}: a cone has an even number of creases >= 6 (flaps of two facets)"
         )
     if largest is not None and degree > largest:
-        raise OptionError(f"degree = {degree}: this is done for degrees up to {largest} only")
+        raise OptionError(
+            f"degree = {shown(degree)}: this is done for degrees up to {largest} only"
+        )
     return int(degree)
 
 

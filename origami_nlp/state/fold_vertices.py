@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
-from origami_nlp.state.arguments import check_number, check_type, check_whole
+from origami_nlp.state.arguments import check_number, check_type, check_whole, shown
 from origami_nlp.state.fold_file import FOLDS, NOISE, Frame
 from origami_nlp.state.scene import Contact, Scene
 from origami_nlp.state.vertex import Vertex
@@ -115,6 +115,7 @@ def scene_at(
     FoldFileError
         If the vertex is not there, or cannot be analysed.
     """
+    check_type("frame", frame, Frame)
     check_whole("number", number, 0)
     check_number("stiffness", stiffness)
     check_number("rest_angle", rest_angle, 0.0, math.pi)
@@ -123,7 +124,7 @@ def scene_at(
     if not here:
         some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
         raise FoldFileError(
-            f"--vertex {number} is no interior vertex with creases in frame {frame.number}: "
+            f"--vertex {shown(number)} is no interior vertex with creases in frame {frame.number}: "
             f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
         )
     v = here[0]

@@ -78,7 +78,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
-            raise SceneError(f"vertex = {self.vertex!r} must be a Vertex")
+            raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
         stiffness = _numbers(self.stiffness, "stiffness", n)
         for i, k in enumerate(stiffness, start=1):
@@ -104,15 +104,15 @@ class Scene:
                     "facet is below the accuracy of contacts (1e-8); use contact = 'fold-limits', or merge its creases"
                 )
         if self.name is not None and not isinstance(self.name, str):
-            raise SceneError(f"name = {self.name!r} must be text")
+            raise SceneError(f"name = {shown(self.name)} must be text")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
-            raise SceneError(f"symmetry_tolerance = {tolerance!r} must be a number [rad]")
+            raise SceneError(f"symmetry_tolerance = {shown(tolerance)} must be a number [rad]")
         if not TOLERANCE <= tolerance <= 0.1:
             raise SceneError(
-                f"symmetry_tolerance = {tolerance!r} must lie between 1e-9 and 0.1 rad"
+                f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
         wanted = self.symmetry, self.mirror, tolerance
         group = find_symmetry(self.vertex, stiffness, rest, *wanted)
@@ -167,7 +167,7 @@ class Scene:
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.name}: " if self.name else ""
         return (
-            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{shown(self.vertex)},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 

@@ -97,16 +97,18 @@ def find_symmetry(
     largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
     if kind == "C":
         if mirror is not None:
-            raise SymmetryError(f"mirror = {mirror!r} needs symmetry = 'D<n>', not {wanted!r}")
+            raise SymmetryError(
+                f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
+            )
         if len(shifts) % order:
             raise SymmetryError(
-                f"symmetry = {wanted!r} is not shared by geometry, stiffness and rest angles: "
+                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
                 f"the largest common group is {largest}"
             )
         return _period(vertex, order)
     if len(shifts) % order or not mirrors:
         raise SymmetryError(
-            f"symmetry = {wanted!r} is not shared by geometry, stiffness and rest angles: "
+            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
             f"the largest common group is {largest}"
         )
     return _wedge(vertex, order, mirrors, mirror, tolerance)
@@ -185,7 +187,7 @@ def _wedge(
     step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
     if mirror is not None:
         if isinstance(mirror, bool) or not isinstance(mirror, int) or not 1 <= mirror <= n:
-            raise SymmetryError(f"mirror = {mirror!r} must be a crease number from 1 to {n}")
+            raise SymmetryError(f"mirror = {shown(mirror)} must be a crease number from 1 to {n}")
         start = 2 * (mirror - 1) % n
         if start not in mirrors:
             raise SymmetryError(f"mirror = {mirror}: no shared mirror runs through this crease")

@@ -24,10 +24,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.chart_grid import allowed, chart_limits
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.model.chart import chart_of, family_of
-from origami_nlp.state.arguments import check_type, shown
+from origami_nlp.state.arguments import check_type, check_whole, shown
 from origami_nlp.state.scene import Scene
 from origami_nlp.tell.grid_minima import grid_points
-from origami_nlp.tell.landscape import Landscape, landscape
+from origami_nlp.tell.landscape import LARGEST_SIZE, Landscape, landscape
 
 SIZES = (65, 129, 257, 513, 1025)
 REACH, STATE_REACH = 0.35, 1.0
@@ -177,6 +177,8 @@ def count_grid_minima(
         check_type(f"results[{k}]", result, MinimaResult)
     if not isinstance(sizes, tuple | list):
         raise OptionError(f"sizes = {shown(sizes)} must be a list of whole numbers")
+    for size in sizes:
+        check_whole("sizes", size, 8, LARGEST_SIZE)
     states: dict[tuple[object, int], Landscape] = {}
     out = []
     for result in results:
