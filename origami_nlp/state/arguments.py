@@ -111,7 +111,7 @@ def check_angles(
         raise AngleError(f"{name} = {shown(value)} must be numbers [rad], one a crease") from None
     if phi.ndim == 0 or phi.shape[-1] != degree or (one and phi.ndim > 1):
         raise AngleError(
-            f"{name} has shape {phi.shape}: give one angle for each of the {degree} creases"
+            f"{name} has shape {phi.shape}: give all {degree} fold angles, one a crease"
             + (", of one state" if one else "")
         )
     if finite and not np.isfinite(phi).all():
