@@ -6,7 +6,10 @@ an `OrigamiError` into that line and exit code 2; anything else is a bug of ours
 
 
 class OrigamiError(ValueError):
-    """Base class: catch this to catch every complaint about input."""
+    """Base class: catch this to catch every complaint about input.  Its text is one line."""
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(" ".join(line.strip() for line in str(message).splitlines()))
 
 
 class AngleError(OrigamiError):

@@ -8,12 +8,12 @@ from __future__ import annotations
 import difflib
 import importlib
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cache
-from multiprocessing import get_context
 
 from origami_nlp.errors import OptionError
+from origami_nlp.workers import worker_pool
 from symbolic.claim import Claim, Verdict
 
 MODULES = (
@@ -90,7 +90,7 @@ def _verdicts(chosen: Sequence[Claim], workers: int) -> Iterator[tuple[Claim, Ve
         for claim in chosen:
             yield claim, claim.decide()
         return
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with worker_pool(workers) as pool:
         running = {pool.submit(_decide, c.id): c for c in chosen}
         for done in as_completed(running):
             yield running[done], done.result()

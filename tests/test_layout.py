@@ -12,6 +12,7 @@ import origami_nlp
 ROOT = Path(origami_nlp.__file__).parent
 LAYERS = [
     "errors",
+    "workers",
     "state",
     "closed_forms",
     "model",

@@ -40,7 +40,10 @@ def test_scenes_survive_toml(parts, data):
     if max(angles) >= math.pi - 1e-9:
         return
     n = len(angles)
-    stiffness = data.draw(st.lists(st.floats(1e-12, 1e12), min_size=n, max_size=n))
+    unit = data.draw(st.floats(1e-12, 1e12))
+    stiffness = [
+        unit * k for k in data.draw(st.lists(st.floats(1e-4, 1e4), min_size=n, max_size=n))
+    ]
     rest = data.draw(st.lists(st.floats(-math.pi, math.pi), min_size=n, max_size=n))
     name = data.draw(st.one_of(st.none(), st.text(st.characters(codec="utf-8"), max_size=20)))
     scene = Scene(Vertex(tuple(angles)), tuple(stiffness), tuple(rest), "none", name=name)

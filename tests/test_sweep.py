@@ -1,5 +1,6 @@
 """Sweeps: what a file may say, answers that depend on nothing but the sweep, and kill -9 at random times."""
 
+import contextlib
 import os
 import random
 import signal
@@ -10,6 +11,7 @@ import tomllib
 from concurrent.futures import Executor, Future
 
 import numpy as np
+import psutil
 import pytest
 from typer.testing import CliRunner
 
@@ -240,6 +242,37 @@ def test_two_kills_change_nothing(finished, tmp_path):
     out, met = killed_and_finished(SMALL, tmp_path, 2, seed=0, most=3)
     assert met == 2  # both were alive to be killed
     assert answers(out) == answers(finished)
+
+
+def alive(numbers):
+    """Which of these processes still run (a zombie does not)."""
+    found = set()
+    for number in numbers:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            if psutil.Process(number).status() != psutil.STATUS_ZOMBIE:
+                found.add(number)
+    return found
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    spec, out = tmp_path / "sweep.toml", tmp_path / "out"
+    spec.write_text(MANY)
+    process = start(spec, out)
+    while process.poll() is None and stored(out) < 5:
+        time.sleep(0.05)
+    family = {p.pid for p in psutil.Process(process.pid).children(recursive=True)}
+    try:
+        assert len(family) >= 2
+        os.kill(process.pid, signal.SIGKILL)  # the parent alone
+        process.wait()
+        end = time.monotonic() + 30
+        while alive(family) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert not alive(family)
+    finally:
+        for number in alive(family):
+            os.kill(number, signal.SIGKILL)
+        process.communicate()
 
 
 @pytest.mark.slow

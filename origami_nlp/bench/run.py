@@ -30,6 +30,7 @@ from origami_nlp.bench.tally import Attempts, summary
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.minima import FEWEST_STARTS, find_minima
 from origami_nlp.solve.search import FEW_PAIRS
+from origami_nlp.state.arguments import check_path
 from origami_nlp.tell.files import write_whole
 
 SCHEMA = "origami-nlp/bench/1"
@@ -274,6 +275,7 @@ def read_bench(source: str | os.PathLike[str]) -> dict[str, Any]:
     OptionError
         If the file is not a run of this schema.
     """
+    check_path("source", source)
     try:
         data = json.loads(Path(source).read_text())
     except (OSError, ValueError) as error:

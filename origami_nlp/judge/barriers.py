@@ -24,6 +24,7 @@ from origami_nlp.judge.loads import row_name
 from origami_nlp.judge.minima import MinimaResult, find_minima
 from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.solve.active import closed_contacts
+from origami_nlp.state.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.state.scene import Scene
 
 MOST_UNLISTED = 3
@@ -113,10 +114,14 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If the scene has another number of symmetric freedoms, or `spacing` is out of range.
+        If the scene has another number of symmetric freedoms, or an argument is not what it must be.
     """
-    if not 0.02 <= spacing <= 0.5:
-        raise OptionError(f"spacing = {spacing!r} must lie between 0.02 and 0.5 rad")
+    check_type("scene", scene, Scene)
+    if result is not None:
+        check_type("result", result, MinimaResult)
+    check_flag("full", full)
+    check_number("spacing", spacing, 0.02, 0.5)
+    check_whole("seed", seed, 0)
     check_freedoms(scene)
     model = scene.model()
     if result is None:

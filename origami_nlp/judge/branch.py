@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.judge.linear import minimise
+from origami_nlp.judge.linear import nearest_in_cone
 from origami_nlp.judge.multipliers import Multipliers, find_multipliers
 from origami_nlp.model.nlp import Local, Model
 from origami_nlp.solve.active import Row, gap_weights, row_values
@@ -173,8 +173,10 @@ def cone(
     for i in range(r):
         if i in free:
             continue
-        y = minimise(-rows[i], rows, np.zeros(r), np.full(r, np.inf), -1.0, 1.0)
-        if y is not None and rows[i] @ y > 1e-9:
+        y = nearest_in_cone(rows[i], rows)
+        opens = float(np.linalg.norm(y))  # how fast row i can open, at unit speed
+        if opens > 1e-9:
+            y /= opens
             interior += y
             free += [k for k in range(r) if rows[k] @ y > 1e-9 and k not in free]
     held = [i for i in range(r) if i not in free]
@@ -187,11 +189,10 @@ def cone(
 
 
 def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-    """Return the steepest feasible direction of the linearised problem (box norm)."""
+    """Return the steepest feasible direction of the linearised problem."""
     if a.shape[0] == 0:
         return -z @ (z.T @ gradient)
-    y = minimise(z.T @ gradient, a @ z, np.zeros(len(a)), np.full(len(a), np.inf), -1.0, 1.0)
-    return z @ (y if y is not None else np.zeros(z.shape[1]))
+    return z @ nearest_in_cone(-z.T @ gradient, a @ z)
 
 
 def _closure_multipliers(jac: np.ndarray, right: np.ndarray, regular: bool) -> list[np.ndarray]:

@@ -28,6 +28,7 @@ from origami_nlp.closed_forms._cone import MIXED, SHALLOW, STEEP, cone_roots
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.model.cone import SLACK, branch_end, is_cut, steep_end
 from origami_nlp.state.angles import format_angle
+from origami_nlp.state.arguments import check_number, shown
 from origami_nlp.state.cone import ConeClasses, check_degree, cone_classes
 
 REST_RULES = ("waterbomb", "paper")
@@ -50,6 +51,18 @@ class Rest:
     rule: str = "waterbomb"
 
 
+def check_rest_rule(rest: object) -> None:
+    """Complain about a rule for the rest state that is none of `REST_RULES`.
+
+    Raises
+    ------
+    OptionError
+        With the rules there are.
+    """
+    if not isinstance(rest, str) or rest not in REST_RULES:
+        raise OptionError(f"rest = {shown(rest)}: write {' or '.join(REST_RULES)}")
+
+
 def rest_state(degree: int, elevation: float, rest: str = "waterbomb") -> Rest:
     """Return the rest angles of the waterbomb (odd creases valleys) at elevation v_0.
 
@@ -66,9 +79,8 @@ def rest_state(degree: int, elevation: float, rest: str = "waterbomb") -> Rest:
         For an unknown rule, or an elevation out of range.
     """
     check_degree(degree)
-    if rest not in REST_RULES:
-        raise OptionError(f"rest = {rest!r}: write {' or '.join(REST_RULES)}")
-    v = float(elevation)
+    check_rest_rule(rest)
+    v = check_number("elevation", elevation)
     low = -steep_end(degree) if rest == "waterbomb" else -math.pi / 2
     if not low - SLACK <= v <= math.pi / 2 + SLACK:
         raise AngleError(

@@ -20,6 +20,7 @@ from origami_nlp.judge.cone_minima import ConeCount, branch_minima, check_ratio
 from origami_nlp.judge.full_space import FullSpace, judge_in_full_space
 from origami_nlp.model.cone import ConeBranch, branch_label
 from origami_nlp.model.nlp import Model
+from origami_nlp.state.arguments import check_callback
 from origami_nlp.state.cone import Folding, bracelets, check_degree, class_of
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.vertex import Vertex
@@ -121,6 +122,7 @@ def cone_full_space(
     """
     check_degree(degree, LARGEST_DEGREE)
     ratio = check_ratio(ratio)
+    check_callback("progress", progress)
     stress_free = rest_state(degree, rest_elevation, rest)
     scene = cone_scene(degree, ratio, stress_free)
     model = scene.model()

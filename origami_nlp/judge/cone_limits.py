@@ -21,6 +21,8 @@ from origami_nlp.closed_forms import (
     cone_roots,
 )
 from origami_nlp.errors import OptionError
+from origami_nlp.judge.cone_minima import check_ratio
+from origami_nlp.state.arguments import check_number
 
 DEGREES = (8, 16, 32, 64, 128, 256, 512, 1024)
 """The ladder of degrees; each is twice the one before."""
@@ -74,12 +76,11 @@ def limits(elevation: float = 0.6, ratio: float = 1.0) -> list[Limit]:
     OptionError
         If an argument is out of range.
     """
-    if not (isinstance(elevation, int | float) and 0 < elevation < math.pi / 4):
+    if not 0 < check_number("elevation", elevation) < math.pi / 4:
         raise OptionError(
             f"elevation = {elevation!r} must lie in (0, pi/4) [rad]: below contact at N = 8"
         )
-    if not (isinstance(ratio, int | float) and math.isfinite(ratio) and ratio > 0):
-        raise OptionError(f"ratio = {ratio!r} must be a positive number")
+    check_ratio(ratio)
     v, r = float(elevation), float(ratio)
     sine, cosine = math.sin(v), math.cos(v)
     inverted = 4 * r * sine**2 / ((1 + r) * v) ** 2

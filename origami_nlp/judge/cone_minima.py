@@ -15,7 +15,6 @@ as contact (the rest state of the all-valley branch at the end of its range is o
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,8 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.cone_energy import DirectionClasses, Rest, rest_state
 from origami_nlp.judge.cone_roots import polish, slope_signs
-from origami_nlp.state.cone import cone_classes
+from origami_nlp.state.arguments import check_number
+from origami_nlp.state.cone import LARGEST_DEGREE, check_degree, cone_classes
 
 
 @dataclass(frozen=True)
@@ -184,6 +184,7 @@ def branch_minima(
     OptionError, AngleError
         For values out of range.
     """
+    check_degree(degree, LARGEST_DEGREE)
     ratio, depth = check_ratio(ratio), check_depth(depth)
     state = rest_state(degree, elevation, rest)
     classes = cone_classes(degree)
@@ -280,12 +281,7 @@ def check_ratio(ratio: float, field: str = "ratio") -> float:
     OptionError
         Unless it is a finite number between 1e-12 and 1e12 (beyond, one kind of spring is rounding).
     """
-    value = float(ratio)
-    if not (math.isfinite(value) and 1e-12 <= value <= 1e12):
-        raise OptionError(
-            f"{field} = {ratio!r}: write r_k = k_even/k_odd as a number between 1e-12 and 1e12"
-        )
-    return value
+    return check_number(field, ratio, 1e-12, 1e12)
 
 
 def check_depth(depth: float) -> float:
@@ -296,7 +292,7 @@ def check_depth(depth: float) -> float:
     OptionError
         Unless it is a number of [0, 1): U >= 0, so no well is deeper than 1.
     """
-    value = float(depth)
+    value = check_number("depth", depth)
     if not 0 <= value < 1:
         raise OptionError(
             f"depth = {depth!r}: write a share of the flat state's energy, 0 <= depth < 1"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from origami_nlp.judge.cone_map import CountMap, count_map
 from origami_nlp.judge.cone_minima import check_depth, check_ratio
 from origami_nlp.judge.cone_phase_curves import Boundary, phase_boundaries
 from origami_nlp.judge.cone_phase_energy import rest_range
+from origami_nlp.state.arguments import check_callback, check_flag, check_number, check_whole, shown
 from origami_nlp.state.cone import check_degree
 
 RATIOS = (1e-2, 1e2)
@@ -87,11 +89,16 @@ def phase_diagram(
     """
     check_degree(degree, LARGEST_DEGREE)
     check_size(size)
-    bottom, top = check_ratio(ratios[0]), check_ratio(ratios[1])
-    low, high = rest_elevations or rest_range(degree, rest)
+    check_flag("contact", contact)
+    check_callback("progress", progress)
+    bottom, top = (check_ratio(r, "ratios") for r in _pair("ratios", ratios))
+    low, high = rest_range(degree, rest)
+    if rest_elevations is not None:
+        pair = _pair("rest_elevations", rest_elevations)
+        low, high = (check_number("rest_elevations", v, low, high) for v in pair)
     if not (bottom < top and low < high):
         raise OptionError(
-            f"ratios = {ratios!r} and rest elevations = ({low}, {high}) must increase"
+            f"ratios = {ratios!r} and rest_elevations = ({low}, {high}) must increase"
         )
     cells = (np.arange(size) + 0.5) / size
     r = bottom * (top / bottom) ** cells
@@ -113,8 +120,13 @@ def check_size(size: object) -> None:
     OptionError
         Unless 2 <= size <= `LARGEST_SIZE`.
     """
-    if isinstance(size, bool) or not isinstance(size, int) or not 2 <= size <= LARGEST_SIZE:
-        raise OptionError(f"size = {size!r} must be a whole number from 2 to {LARGEST_SIZE}")
+    check_whole("size", size, 2, LARGEST_SIZE)
+
+
+def _pair(name: str, value: object) -> tuple[Any, Any]:
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise OptionError(f"{name} = {shown(value)} must be two numbers, low and high")
+    return value[0], value[1]
 
 
 def _within(curve: Boundary, nu: tuple[float, float], ratio: tuple[float, float]) -> bool:

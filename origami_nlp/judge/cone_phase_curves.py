@@ -28,6 +28,8 @@ from origami_nlp.judge.cone_phase_energy import (
     class_energy,
     rest_range,
 )
+from origami_nlp.state.arguments import check_whole
+from origami_nlp.state.cone import LARGEST_DEGREE, check_degree
 
 KINDS = ("start", "end", "fold", "depth", "depth-at-end")
 RATIO_LIMITS = (1e-9, 1e9)
@@ -58,6 +60,10 @@ class Boundary:
         return self.branches.label
 
 
+MOST_LINES = 100_000
+"""Grid lines that memory bears."""
+
+
 def phase_boundaries(
     degree: int,
     *,
@@ -80,9 +86,11 @@ def phase_boundaries(
     Raises
     ------
     OptionError
-        If `depth` or a rule is out of range.
+        If `depth`, `lines` or a rule is out of range.
     """
+    check_degree(degree, LARGEST_DEGREE)
     depth = check_depth(depth)
+    check_whole("lines", lines, 2, MOST_LINES)
     low, high = rest_range(degree, rest)
     found = []
     for branches in branch_classes(degree, end):

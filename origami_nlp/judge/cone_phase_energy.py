@@ -18,8 +18,7 @@ import numpy as np
 
 from origami_nlp.closed_forms import cone_roots
 from origami_nlp.closed_forms._cone import SHALLOW, STEEP
-from origami_nlp.errors import OptionError
-from origami_nlp.judge.cone_energy import REST_RULES, crease_angles
+from origami_nlp.judge.cone_energy import check_rest_rule, crease_angles
 from origami_nlp.model.cone import branch_end, steep_end
 from origami_nlp.state.cone import cone_classes
 
@@ -95,17 +94,17 @@ def branch_classes(degree: int, end: str = "contract") -> list[BranchClass]:
 
 def rest_angles(degree: int, rest_elevation: Any, rule: str = "waterbomb") -> tuple[Any, Any]:
     """Rest angles (odd, even) at signed elevations nu_0 of any shape; see `cone_energy.rest_state`."""
+    check_rest_rule(rule)
     nu = np.asarray(rest_elevation, dtype=float)
     roots = cone_roots(degree, np.abs(nu)).value
     if rule == "paper":
         return 2 * roots[..., SHALLOW], -2 * nu
-    if rule != "waterbomb":
-        raise OptionError(f"rest = {rule!r}: write {' or '.join(REST_RULES)}")
     return 2 * np.where(nu >= 0, roots[..., SHALLOW], -roots[..., STEEP]), -2 * np.abs(nu)
 
 
 def rest_range(degree: int, rule: str = "waterbomb") -> tuple[float, float]:
     """Return rest elevations (low, high) before contact; for the printed formula the paper's range."""
+    check_rest_rule(rule)
     contact = steep_end(degree)
     return (-contact, math.pi / 2) if rule == "waterbomb" else (-math.pi / 2, contact)
 

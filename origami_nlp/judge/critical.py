@@ -40,6 +40,7 @@ from origami_nlp.judge.nearby import is_admissible
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import Row, closed_contacts
 from origami_nlp.solve.active import row_values as one_row_values
+from origami_nlp.state.arguments import check_flag, check_type, check_whole
 from origami_nlp.state.scene import Scene
 
 SAME = 1e-6
@@ -48,6 +49,10 @@ FIRM = 1e-7
 """Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
 MATCH = 1e-4
 """Minima of two lists that differ by less [rad] are one."""
+
+
+MOST_SAMPLES = 10_000_000
+"""Random states that memory bears."""
 
 
 def find_critical_points(
@@ -74,8 +79,14 @@ def find_critical_points(
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms or not full contact.
+        If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
     """
+    check_type("scene", scene, Scene)
+    if minima is not None:
+        check_type("minima", minima, MinimaResult)
+    check_whole("samples", samples, 1, MOST_SAMPLES)
+    check_whole("seed", seed, 0)
+    check_flag("all_links", all_links)
     strata = strata_of(scene, samples=samples, seed=seed)
     model = scene.model()
     doubts: list[str] = []

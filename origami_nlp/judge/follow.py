@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.judge.branch import null_space
 from origami_nlp.judge.classify import Classification, classify
-from origami_nlp.judge.linear import minimise
+from origami_nlp.judge.linear import nearest
 from origami_nlp.judge.nearby import is_admissible, project, search_spheres
 from origami_nlp.model.nlp import Model
 from origami_nlp.solve.active import CLOSED, Row, closed_contacts, row_values, same_gap
@@ -180,8 +180,7 @@ def _pull(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
     cost = z.T @ (local.gradient / root)
     if not len(a):
         return -(z @ cost) / root
-    lower = -np.maximum(gaps, 0.0)
-    y = minimise(cost, a, lower, np.full(len(a), np.inf), -10.0, 10.0, squares=True)
+    y = nearest(-cost, a, -np.maximum(gaps, 0.0))
     return np.zeros(n) if y is None else (z @ y) / root
 
 

@@ -1,61 +1,162 @@
-"""Small linear and convex quadratic programmes, solved by HiGHS through CasADi."""
+"""Nearest points of small polyhedra, and the extremes of their coordinates.
+
+The programmes of a few contacts are small and decide what a state is, so they are solved to rounding by finite
+methods: the active-set method of Lawson and Hanson (1974, chapter 23), and the list of all corners.  A solver of
+large linear programmes (HiGHS, through SciPy) takes over where there are too many corners to list; it
+stops at a tolerance of 1e-10, and SciPy's optimisers take longer to import than most scenes to solve.
+"""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any
+import itertools
+import math
 
-import casadi as ca
 import numpy as np
 
-MOST_ITERATIONS = 10_000
-"""Far more than programmes of a few contacts need."""
+MOST_CORNERS = 1000
+"""Choices of columns up to which corners are listed: about what a linear programme costs."""
+RANK = 1e-9
+"""Singular values below this, for rows of unit length, count as zero."""
 
 
-@lru_cache(maxsize=128)
-def _solver(n: int, m: int, quadratic: bool) -> ca.Function:
-    sparsity = {
-        "h": ca.Sparsity.diag(n) if quadratic else ca.Sparsity(n, n),
-        "a": ca.Sparsity.dense(m, n),
-    }
-    highs = {
-        "output_flag": False,
-        "primal_feasibility_tolerance": 1e-10,
-        "dual_feasibility_tolerance": 1e-10,
-        # without limits its active-set method can cycle for ever: seen where rows are nearly parallel
-        "simplex_iteration_limit": MOST_ITERATIONS,
-        "qp_iteration_limit": MOST_ITERATIONS,
-    }
-    options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "highs": highs}
-    return ca.conic("small", "highs", sparsity, options)
+def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Minimise |B mu - c| over mu >= 0 to rounding relative to the sizes of B [t, r] and c [t].
 
-
-def minimise(
-    cost: np.ndarray,
-    rows: np.ndarray,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    x_lower: np.ndarray | float,
-    x_upper: np.ndarray | float,
-    *,
-    squares: bool = False,
-) -> np.ndarray | None:
-    """Minimise cost . x (plus |x|^2 / 2 with `squares`) over lower <= rows x <= upper and bounds on
-    x.
-
-    Returns the minimiser [n], or None where there is none, or none was found in `MOST_ITERATIONS`.
+    The columns of B that carry a positive entry of the answer are independent.  A linear programme would only
+    balance the springs to a solver's tolerance, which hides whether a state is stationary.
     """
-    m, n = rows.shape
-    solver = _solver(n, m, squares)
-    out = solver(
-        h=ca.DM.eye(n) if squares else ca.DM(n, n),
-        g=cost,
-        a=rows,
-        lba=lower,
-        uba=upper,
-        lbx=x_lower,
-        ubx=x_upper,
-    )
-    if not solver.stats()["success"]:
+    r = b.shape[1]
+    largest, size = float(np.abs(b).max(initial=0.0)), float(np.abs(c).max(initial=0.0))
+    mu = np.zeros(r)
+    if largest == 0.0 or size == 0.0:
+        return mu
+    b, c = b / largest, c / size
+    free, barred = np.zeros(r, dtype=bool), np.zeros(r, dtype=bool)
+    for _ in range(10 * r + 10):
+        pull = b.T @ (c - b @ mu)
+        pull[free | barred] = -np.inf
+        new = int(pull.argmax())
+        if pull[new] <= 1e-14:
+            break
+        free[new] = True
+        while True:
+            trial = np.zeros(r)
+            trial[free] = np.linalg.lstsq(b[:, free], c, rcond=1e-12)[0]
+            blocked = free & (trial <= 0)
+            if not blocked.any():
+                mu = trial
+                break
+            share = mu[blocked] / np.maximum(mu[blocked] - trial[blocked], 1e-300)
+            mu = mu + float(share.min()) * (trial - mu)
+            mu[blocked & (mu <= 1e-14 * mu.max())] = 0.0
+            still = free & (mu > 0)
+            if (still == free).all():
+                still[np.flatnonzero(blocked)[int(share.argmin())]] = False
+            free = still
+        # a column that rounding alone let in is not tried again before another has changed something
+        barred = barred | (np.arange(r) == new) if not free[new] else np.zeros(r, dtype=bool)
+    return mu * (size / largest)
+
+
+def nearest_in_cone(point: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return the point of {y: rows y >= 0} nearest to `point` [n]: what the polar cone leaves of it (Moreau).
+
+    Of all directions d of the cone with |d| = 1 it has the largest product with `point`, which is its length.
+    """
+    return point + rows.T @ nonnegative_least_squares(rows.T, -point)
+
+
+def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarray | None:
+    """Return the point of {y: rows y >= lower} nearest to `point` [n]; None if rounding leaves none.
+
+    Least distance programming (Lawson and Hanson 1974, chapter 23).
+    """
+    missing = lower - rows @ point
+    size = float(missing.max(initial=0.0))
+    if size <= 0.0:
+        return point.copy()
+    e = np.vstack([rows.T, missing / size])
+    f = np.zeros(len(e))
+    f[-1] = 1.0
+    pressing = nonnegative_least_squares(e, f)
+    left = e @ pressing - f
+    if abs(left[-1]) <= 1e-12:
         return None
-    return np.asarray(out["x"]).ravel()
+    y = point - size * (left[:-1] / left[-1])
+    on = pressing > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
+    return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=1e-12)[0]
+
+
+def has_ray(b: np.ndarray, i: int) -> bool:
+    """Tell whether some d >= 0 has B d = 0 and d_i > 0: whether {mu >= 0: B mu = c} is unbounded along i."""
+    others = np.delete(b, i, axis=1)
+    left = others @ nonnegative_least_squares(others, -b[:, i]) + b[:, i]
+    return bool(np.abs(left).max(initial=0.0) <= RANK)
+
+
+def extremes(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> list[np.ndarray]:
+    """Return points of {mu >= 0: B mu = B inside} with the least of each entry, and the largest where bounded.
+
+    Parameters
+    ----------
+    b
+        Orthonormal rows, shape [t, r].
+    inside
+        A point of the set, shape [r]; it is among those returned.
+    bounded
+        Whether entry i is bounded above, shape [r].
+    """
+    t, r = b.shape
+    size = float(inside.max(initial=0.0))
+    if size == 0.0:  # a cone: its tip is the least, and nothing is bounded but by 0
+        return [inside]
+    if math.comb(r, t) <= MOST_CORNERS:
+        corners = np.vstack([inside / size, _corners(b, b @ inside / size)])
+    else:
+        corners = np.vstack([inside / size, _programme(b, b @ inside / size, bounded)])
+    chosen = {0, *corners.argmin(axis=0), *corners.argmax(axis=0)[bounded]}
+    return [size * corners[k] for k in sorted(map(int, chosen))]
+
+
+def _corners(b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """List the corners of {mu >= 0: B mu = c}: for each choice of t independent columns its one solution."""
+    t, r = b.shape
+    choices = np.array(list(itertools.combinations(range(r), t)), dtype=int)
+    u, s, vt = np.linalg.svd(b[:, choices].transpose(1, 0, 2))
+    good = s.min(axis=1, initial=1.0) > RANK
+    u, s, vt, choices = u[good], s[good], vt[good], choices[good]
+    part = np.einsum("kji,kj->ki", vt, np.einsum("kji,j->ki", u, c) / s)
+    mu = np.zeros((len(part), r))
+    np.put_along_axis(mu, choices, np.maximum(part, 0.0), axis=1)
+    missed = np.abs(mu @ b.T - c).max(axis=1, initial=0.0)
+    return mu[missed <= 1e-12 * np.maximum(1.0, mu.max(axis=1, initial=0.0))]
+
+
+def _programme(b: np.ndarray, c: np.ndarray, bounded: np.ndarray) -> np.ndarray:
+    """Find the least and largest of every entry over {mu >= 0: B mu = c} in one linear programme of many copies."""
+    from scipy import sparse
+    from scipy.optimize import linprog
+
+    r = b.shape[1]
+    costs = np.vstack([np.eye(r), -np.eye(r)[bounded]])
+    done = linprog(
+        costs.ravel(),
+        A_eq=sparse.kron(sparse.eye(len(costs)), b),
+        b_eq=np.tile(c, len(costs)),
+        bounds=(0.0, None),
+        method="highs",
+        options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
+    )
+    if done.x is None:
+        return np.zeros((0, r))  # the point that is known remains
+    return np.array([refined(b, c, mu) for mu in done.x.reshape(len(costs), r)])
+
+
+def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """Take a solver's solution to rounding by a least-squares correction of its positive entries."""
+    support = mu > 1e-8 * mu.max(initial=0.0)
+    better = np.where(support, mu, 0.0)
+    for _ in range(2):
+        better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=1e-12)[0]
+    improved = np.linalg.norm(b @ better - c) < np.linalg.norm(b @ mu - c)
+    return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)

@@ -6,7 +6,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,6 +22,14 @@ from origami_nlp.solve.polish import CLOSES
 from origami_nlp.solve.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.solve.starts import flat_foldings, rigid_states
 from origami_nlp.solve.stopping import enough, expected_undiscovered
+from origami_nlp.state.arguments import (
+    check_angles,
+    check_callback,
+    check_flag,
+    check_type,
+    check_whole,
+    shown,
+)
 from origami_nlp.state.scene import Scene
 
 FEWEST_STARTS = 128
@@ -131,10 +139,19 @@ def check_options(seed: object, max_starts: object, fewest_starts: object = FEWE
     OptionError
         With the name, the value and what it must be.
     """
-    wanted = (("seed", seed, 0), ("max_starts", max_starts, 1), ("fewest_starts", fewest_starts, 1))
-    for name, value, least in wanted:
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            raise OptionError(f"{name} = {value!r} must be a whole number, at least {least}")
+    check_whole("seed", seed, 0)
+    check_whole("max_starts", max_starts, 1)
+    check_whole("fewest_starts", fewest_starts, 1)
+
+
+def _check_guesses(guesses: object, degree: int) -> list[np.ndarray]:
+    if isinstance(guesses, str | bytes | dict) or not isinstance(guesses, Iterable):
+        raise OptionError(
+            f"guesses = {shown(guesses)} must be a list of states, [N] fold angles each"
+        )
+    return [
+        check_angles(f"guesses[{k}]", g, degree, one=True) for k, g in enumerate(guesses, start=1)
+    ]
 
 
 def find_minima(
@@ -168,10 +185,14 @@ def find_minima(
 
     Raises
     ------
-    OptionError
-        If `seed`, `max_starts` or `fewest_starts` is not a natural number.
+    OptionError, AngleError
+        If an argument is not what it must be.
     """
+    check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)
+    check_flag("full", full)
+    check_callback("progress", progress)
+    guesses = _check_guesses(guesses, scene.degree)
     begin = time.perf_counter()
     model = scene.model()
     record = Record()

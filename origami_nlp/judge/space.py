@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
 from origami_nlp.judge import space_topology as topology
 from origami_nlp.judge.space_cells import Cells, admissible_cells, check_thin
 from origami_nlp.judge.space_chain import Chain, chain_of
 from origami_nlp.judge.space_mesh import SEAM, MeshError, mesh_sheets
 from origami_nlp.model.chart import wedge_point
+from origami_nlp.state.arguments import check_type, check_whole
 from origami_nlp.state.scene import Scene
 
 SIZE = 64
@@ -225,9 +225,8 @@ def analyse_space(scene: Scene, size: int = SIZE) -> Space:
     MeshError
         If the mesh is too coarse to decide.
     """
-    low, high = SIZES
-    if isinstance(size, bool) or not isinstance(size, int) or not low <= size <= high:
-        raise OptionError(f"size = {size!r} must be a whole number from {low} to {high}")
+    check_type("scene", scene, Scene)
+    size = check_whole("size", size, *SIZES)
     chain = chain_of(scene)
     for attempt in ATTEMPTS:
         try:

@@ -28,6 +28,7 @@ import numpy as np
 from origami_nlp.closed_forms._cone import cone_fold_angles
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.state.angles import format_angle
+from origami_nlp.state.arguments import shown
 from origami_nlp.state.cone import (
     Flaps,
     check_degree,
@@ -65,8 +66,8 @@ def branch_end(degree: int, steep: Any, end: str = "contract") -> np.ndarray:
     OptionError
         If `end` is neither "contract" nor "contact".
     """
-    if end not in END_RULES:
-        raise OptionError(f"end = {end!r}: write {' or '.join(END_RULES)}")
+    if not isinstance(end, str) or end not in END_RULES:
+        raise OptionError(f"end = {shown(end)}: write {' or '.join(END_RULES)}")
     count = np.asarray(steep)
     lone = lone_end(degree) if end == "contact" else steep_end(degree)
     return np.select([count == 0, count == 1], [math.pi / 2, lone], steep_end(degree))

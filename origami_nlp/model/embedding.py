@@ -16,13 +16,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.errors import OptionError
 from origami_nlp.model import quaternion as quat
 from origami_nlp.model.layers import LayerProblem, layer_problem
 from origami_nlp.model.vectors import cross
+from origami_nlp.state.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.state.vertex import Vertex
 
 SNAP = 1e-8
 """Distance on the unit sphere below which two features are taken to touch [rad]."""
+
+
+LARGEST_TOLERANCE = 0.01
+"""Wider, and facets that stand apart would be ordered as if they touched [rad]."""
 
 
 @dataclass(frozen=True)
@@ -108,6 +114,16 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
+def _check_elements(elements: object) -> None:
+    if not isinstance(elements, tuple | list) or not all(
+        isinstance(e, tuple) and len(e) == 2 and isinstance(e[0], int) and isinstance(e[1], bool)
+        for e in elements
+    ):
+        raise OptionError(
+            f"elements = {shown(elements)} must be pairs (shift, mirrored) such as scene.group.elements"
+        )
+
+
 def examine(
     vertex: Vertex,
     fold_angles: np.ndarray,
@@ -119,8 +135,25 @@ def examine(
 
     With `elements` of a group (`Symmetry.elements`), which the fold angles have, touching layers must have an
     order with that symmetry as well: equal fold angles do not make a stack symmetric.
+
+    Parameters
+    ----------
+    fold_angles
+        Of one state, shape [N] [rad].
+    tolerance
+        Distance below which features touch [rad], 0 to 0.01.
+
+    Raises
+    ------
+    AngleError
+        If `fold_angles` are not N finite numbers.
+    OptionError
+        If another argument is not what it must be.
     """
-    phi = np.asarray(fold_angles, dtype=float)
+    check_type("vertex", vertex, Vertex)
+    phi = check_angles("fold_angles", fold_angles, vertex.degree, one=True)
+    check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
+    _check_elements(elements)
     creases, q = fold_vertex(vertex, phi)
     residual = float(np.linalg.norm(q[1:]))
 

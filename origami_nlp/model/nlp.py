@@ -12,6 +12,7 @@ import numpy as np
 from origami_nlp.model.contact import Gap
 from origami_nlp.model.enumerate import enumerate_gaps, facet_of_ray
 from origami_nlp.model.structure import Functions, Structure, compile_structure
+from origami_nlp.state.arguments import check_type
 from origami_nlp.state.scene import Scene
 
 
@@ -50,6 +51,7 @@ class Model:
     """
 
     def __init__(self, scene: Scene) -> None:
+        check_type("scene", scene, Scene)
         self.scene = scene
         group = scene.group
         gaps, pairs, self.left_out = enumerate_gaps(scene)

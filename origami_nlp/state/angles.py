@@ -13,6 +13,7 @@ from fractions import Fraction
 from numbers import Real
 
 from origami_nlp.errors import AngleError
+from origami_nlp.state.arguments import shown
 
 _NUMBER = r"(?:\d+\.?\d*(?:[eE][-+]?\d{1,3})?|\.\d+(?:[eE][-+]?\d{1,3})?)"
 _ANGLE = re.compile(
@@ -34,7 +35,10 @@ def parse_angle(value: object, field: str = "angle") -> float:
         If `value` is anything else, or is not finite; the message names `field`.
     """
     if isinstance(value, Real) and not isinstance(value, bool):
-        angle = float(value)
+        try:
+            angle = float(value)
+        except OverflowError:
+            angle = math.inf
     elif isinstance(value, str):
         match = _ANGLE.fullmatch(value) if len(value) <= _LONGEST else None
         if (
@@ -42,8 +46,8 @@ def parse_angle(value: object, field: str = "angle") -> float:
             or (match["factor"] is None and match["pi"] is None)
             or (match["times"] and match["pi"] is None)
         ):
-            shown = value if len(value) <= _LONGEST else value[:_LONGEST] + "..."
-            raise AngleError(f"{field} = {shown!r} is not an angle: {_HOW}")
+            cut = value if len(value) <= _LONGEST else value[:_LONGEST] + "..."
+            raise AngleError(f"{field} = {cut!r} is not an angle: {_HOW}")
         divisor = float(match["divisor"] or 1)
         if divisor == 0:
             raise AngleError(f"{field} = {value!r} divides by zero: {_HOW}")
@@ -51,9 +55,9 @@ def parse_angle(value: object, field: str = "angle") -> float:
         if match["sign"] == "-":
             angle = -angle
     else:
-        raise AngleError(f"{field} = {value!r} is not an angle: {_HOW}")
+        raise AngleError(f"{field} = {shown(value)} is not an angle: {_HOW}")
     if not math.isfinite(angle):
-        raise AngleError(f"{field} = {value!r} is not finite: {_HOW}")
+        raise AngleError(f"{field} = {shown(value)} is not finite: {_HOW}")
     return angle
 
 
@@ -71,7 +75,7 @@ def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[
     for i, value in enumerate(values, start=1):
         if degrees:
             if isinstance(value, bool) or not isinstance(value, Real):
-                raise AngleError(f"{field}[{i}] = {value!r} is not a number of degrees")
+                raise AngleError(f"{field}[{i}] = {shown(value)} is not a number of degrees")
             out.append(math.radians(parse_angle(value, f"{field}[{i}]")))
         else:
             out.append(parse_angle(value, f"{field}[{i}]"))

@@ -21,10 +21,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import gcd
+from numbers import Integral
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.state.arguments import shown
 
 LARGEST_DEGREE = 4000
 """Largest degree whose classes are enumerated: there are (N/2)^2 / 4 of them."""
@@ -43,12 +45,15 @@ def check_degree(degree: int, largest: int | None = None) -> int:
     OptionError
         Unless it is even and at least 6 (at degree 4 both partial fold angles are degenerate).
     """
-    if isinstance(degree, bool) or int(degree) != degree or degree < 6 or degree % 2:
+    whole = isinstance(degree, Integral) and not isinstance(degree, bool)
+    if not whole or degree < 6 or degree % 2:
         raise OptionError(
-            f"degree = {degree!r}: a cone has an even number of creases >= 6 (flaps of two facets)"
+            f"degree = {shown(degree)}: a cone has an even number of creases >= 6 (flaps of two facets)"
         )
     if largest is not None and degree > largest:
-        raise OptionError(f"degree = {degree}: this is done for degrees up to {largest} only")
+        raise OptionError(
+            f"degree = {shown(degree)}: this is done for degrees up to {largest} only"
+        )
     return int(degree)
 
 
@@ -90,7 +95,17 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
 
 
 def write_flaps(flaps: Sequence[int]) -> str:
-    """Write an assignment as letters V and M."""
+    """Write an assignment as letters V and M.
+
+    Raises
+    ------
+    OptionError
+        Unless `flaps` are +1 and -1.
+    """
+    if not isinstance(flaps, Sequence) or isinstance(flaps, str) or not {*flaps} <= {1, -1}:
+        raise OptionError(
+            f"flaps = {shown(flaps)} must be +1 (valley) or -1 (mountain), one a flap"
+        )
     return "".join("V" if f > 0 else "M" for f in flaps)
 
 

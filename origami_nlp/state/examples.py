@@ -6,6 +6,7 @@ import math
 
 from origami_nlp.errors import OptionError
 from origami_nlp.state.angles import format_angle, parse_angle
+from origami_nlp.state.arguments import check_number
 from origami_nlp.state.scene import Contact, Scene
 from origami_nlp.state.vertex import Vertex
 
@@ -41,7 +42,7 @@ def degree6(
     OptionError
         If `alpha` or `ratio` is out of range.
     """
-    a = _between(alpha, math.pi / 2, "pi/2")
+    a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
     rest = (m, v, v, m, v, v) if a <= math.pi / 3 + 1e-12 else (v, v, m, v, m, v)
@@ -63,7 +64,7 @@ def degree8(
 
     Parameters and errors are those of `degree6`.
     """
-    a = _between(alpha, math.pi / 2, "pi/2")
+    a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
     b = math.pi / 2 - a
     rest = (-math.pi / 2, math.pi / 2) * 4
     title = f"degree 8, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
@@ -88,11 +89,14 @@ def _between(alpha: float | str, upper: float, upper_text: str) -> float:
     return a
 
 
+def _positive(ratio: float) -> float:
+    value = check_number("ratio", ratio)
+    if value <= 0:
+        raise OptionError(f"ratio = {ratio!r} must be a positive number")
+    return value
+
+
 def _springs(rest: tuple[float, ...], ratio: float) -> tuple[float, ...]:
     """k_m = 0.025 sqrt(r_k) on creases with a mountain rest angle, k_v = 0.025 / sqrt(r_k) else."""
-    if isinstance(ratio, bool) or not isinstance(ratio, int | float):
-        raise OptionError(f"ratio = {ratio!r} must be a positive number")
-    if not (math.isfinite(ratio) and ratio > 0):
-        raise OptionError(f"ratio = {ratio!r} must be a positive number")
     root = math.sqrt(ratio)
     return tuple(STIFFNESS * root if phi < 0 else STIFFNESS / root for phi in rest)

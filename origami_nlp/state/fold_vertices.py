@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.state.arguments import check_number, check_type, check_whole, shown
 from origami_nlp.state.fold_file import FOLDS, NOISE, Frame
 from origami_nlp.state.scene import Contact, Scene
 from origami_nlp.state.vertex import Vertex
@@ -55,7 +56,14 @@ class FoldVertex:
 
 
 def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
-    """Return every interior vertex of `frame` at which two or more creases meet, and notes on its border."""
+    """Return every interior vertex of `frame` at which two or more creases meet, and notes on its border.
+
+    Raises
+    ------
+    OptionError
+        If `frame` is none of `read_fold`.
+    """
+    check_type("frame", frame, Frame)
     found, notes = _look(frame, turned=False)
     if (
         frame.folded
@@ -107,12 +115,16 @@ def scene_at(
     FoldFileError
         If the vertex is not there, or cannot be analysed.
     """
+    check_type("frame", frame, Frame)
+    check_whole("number", number, 0)
+    check_number("stiffness", stiffness)
+    check_number("rest_angle", rest_angle, 0.0, math.pi)
     vertices, _ = fold_vertices(frame)
     here = [v for v in vertices if v.number == number]
     if not here:
         some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
         raise FoldFileError(
-            f"--vertex {number} is no interior vertex with creases in frame {frame.number}: "
+            f"--vertex {shown(number)} is no interior vertex with creases in frame {frame.number}: "
             f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
         )
     v = here[0]

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 from origami_nlp.errors import OrigamiError
+from origami_nlp.state.arguments import check_path
 
 
 def read_limited(source: str | Path, largest: int, what: str, error: type[OrigamiError]) -> bytes:
@@ -17,7 +18,10 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
     ------
     error
         If it cannot be read, or is larger.
+    OptionError
+        If `source` is no path.
     """
+    check_path(f"source of the {what}", source)
     if str(source) == "-":
         raw = sys.stdin.buffer.read(largest + 1)
     else:

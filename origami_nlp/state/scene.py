@@ -11,6 +11,7 @@ import numpy as np
 
 from origami_nlp.errors import SceneError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.arguments import check_angles, shown
 from origami_nlp.state.relations import ROUNDING, Relations, find_relations
 from origami_nlp.state.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
 from origami_nlp.state.vertex import Vertex
@@ -22,6 +23,12 @@ Contact = Literal["full", "fold-limits", "none"]
 NARROWEST = 1e-7
 """Narrowest facet [rad] of a scene with full contact: its two creases must not count as touching."""
 
+LARGEST_RATIO = 1e8
+"""Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
+a line of states that only soft springs order, every point seems to balance, and a search never ends."""
+SMALLEST, LARGEST = 1e-300, 1e300
+"""Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -32,7 +39,7 @@ class Scene:
     vertex
         The crease pattern.
     stiffness
-        Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad].
+        Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad]; the largest at most 1e8 times the smallest.
     rest_angles
         Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or
         strings.
@@ -77,12 +84,13 @@ class Scene:
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
-            raise SceneError(f"vertex = {self.vertex!r} must be a Vertex")
+            raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
         stiffness = _numbers(self.stiffness, "stiffness", n)
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):
                 raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
+        _check_range(stiffness)
         rest = parse_angles(self.rest_angles, "rest_angles")
         _same_length(rest, "rest_angles", n)
         for i, a in enumerate(rest, start=1):
@@ -91,9 +99,9 @@ class Scene:
                     f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
                     "valley positive"
                 )
-        if self.contact not in get_args(Contact):
+        if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
-                f"contact = {self.contact!r} is unknown: use one of {', '.join(get_args(Contact))}"
+                f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
             )
         for i, a in enumerate(self.vertex.sector_angles, start=1):
             if self.contact == "full" and a < NARROWEST:
@@ -102,7 +110,7 @@ class Scene:
                     "facet is below the accuracy of contacts (1e-8); use contact = 'fold-limits', or merge its creases"
                 )
         if self.name is not None and not isinstance(self.name, str):
-            raise SceneError(f"name = {self.name!r} must be text")
+            raise SceneError(f"name = {shown(self.name)} must be text")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
@@ -113,10 +121,10 @@ class Scene:
                 object.__setattr__(self, "vertex", moved)
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
-            raise SceneError(f"symmetry_tolerance = {tolerance!r} must be a number [rad]")
+            raise SceneError(f"symmetry_tolerance = {shown(tolerance)} must be a number [rad]")
         if not TOLERANCE <= tolerance <= 0.1:
             raise SceneError(
-                f"symmetry_tolerance = {tolerance!r} must lie between 1e-9 and 0.1 rad"
+                f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
         wanted = self.symmetry, self.mirror, tolerance
         group = find_symmetry(self.vertex, stiffness, rest, *wanted)
@@ -156,8 +164,14 @@ class Scene:
         return self.vertex.degree
 
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy) of states [..., N]."""
-        phi = np.asarray(fold_angles, dtype=float)
+        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy) of states [..., N].
+
+        Raises
+        ------
+        AngleError
+            If `fold_angles` are not numbers [rad], N a state (NaN is allowed: its energy is NaN).
+        """
+        phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.rest_angles)
         energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
         return float(energy) if energy.ndim == 0 else energy
@@ -173,8 +187,25 @@ class Scene:
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.name}: " if self.name else ""
         return (
-            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{shown(self.vertex)},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
+        )
+
+
+def _check_range(stiffness: Sequence[float]) -> None:
+    """Complain about stiffnesses that cannot be computed with, or not together."""
+    soft, stiff = min(stiffness), max(stiffness)
+    i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
+    if soft < SMALLEST or stiff > LARGEST:
+        wrong, k = (i, soft) if soft < SMALLEST else (j, stiff)
+        raise SceneError(
+            f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
+        )
+    if stiff > LARGEST_RATIO * soft * (1 + 1e-9):
+        raise SceneError(
+            f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
+            f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
+            "the facets at the stiff crease"
         )
 
 
@@ -197,6 +228,9 @@ def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
     for i, v in enumerate(items, start=1):
         if isinstance(v, bool | str | bytes) or not np.isscalar(v):
             raise SceneError(f"{name}[{i}] = {v!r} is not a number")
-    numbers = tuple(float(v) for v in items)
+    try:
+        numbers = tuple(float(v) for v in items)
+    except OverflowError:
+        raise wrong from None
     _same_length(numbers, name, degree)
     return numbers

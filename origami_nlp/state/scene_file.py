@@ -13,6 +13,7 @@ from typing import Any
 
 from origami_nlp.errors import SceneFileError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.arguments import check_type, shown
 from origami_nlp.state.reading import read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.symmetry import TOLERANCE
@@ -43,6 +44,8 @@ def read_scene(source: str | Path) -> Scene:
 
 def parse_scene(text: str) -> Scene:
     """Read a scene from TOML text."""
+    if not isinstance(text, str):
+        raise SceneFileError(f"text = {shown(text)} must be the text of a scene file")
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
@@ -89,6 +92,7 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """Write a scene as plain tables; `scene_from_dict` gives the same scene back."""
+    check_type("scene", scene, Scene)
     model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
     if scene.mirror is not None:
         model["mirror"] = scene.mirror

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import SymmetryError
+from origami_nlp.state.arguments import shown
 from origami_nlp.state.vertex import Vertex
 
 Elements = tuple[tuple[int, bool], ...]
@@ -96,16 +97,18 @@ def find_symmetry(
     largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
     if kind == "C":
         if mirror is not None:
-            raise SymmetryError(f"mirror = {mirror!r} needs symmetry = 'D<n>', not {wanted!r}")
+            raise SymmetryError(
+                f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
+            )
         if len(shifts) % order:
             raise SymmetryError(
-                f"symmetry = {wanted!r} is not shared by geometry, stiffness and rest angles: "
+                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
                 f"the largest common group is {largest}"
             )
         return _period(vertex, order)
     if len(shifts) % order or not mirrors:
         raise SymmetryError(
-            f"symmetry = {wanted!r} is not shared by geometry, stiffness and rest angles: "
+            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
             f"the largest common group is {largest}"
         )
     return _wedge(vertex, order, mirrors, mirror, tolerance)
@@ -161,13 +164,11 @@ def averaged(values: Sequence[float], elements: Elements, *, facets: bool) -> tu
 
 
 def _parse(wanted: object) -> tuple[str, int]:
-    if wanted == "auto":
-        return "auto", 0
-    if wanted == "none":
-        return "C", 1
     match = re.fullmatch(r"([CD])([1-9]\d{0,5})", wanted) if isinstance(wanted, str) else None
+    if isinstance(wanted, str) and wanted in ("auto", "none"):
+        return {"auto": ("auto", 0), "none": ("C", 1)}[wanted]
     if match is None:
-        raise SymmetryError(f"symmetry = {wanted!r} is unknown: use none, auto, C<n> or D<n>")
+        raise SymmetryError(f"symmetry = {shown(wanted)} is unknown: use none, auto, C<n> or D<n>")
     return match[1], int(match[2])
 
 
@@ -186,7 +187,7 @@ def _wedge(
     step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
     if mirror is not None:
         if isinstance(mirror, bool) or not isinstance(mirror, int) or not 1 <= mirror <= n:
-            raise SymmetryError(f"mirror = {mirror!r} must be a crease number from 1 to {n}")
+            raise SymmetryError(f"mirror = {shown(mirror)} must be a crease number from 1 to {n}")
         start = 2 * (mirror - 1) % n
         if start not in mirrors:
             raise SymmetryError(f"mirror = {mirror}: no shared mirror runs through this crease")

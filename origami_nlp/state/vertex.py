@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.errors import VertexError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.arguments import shown
 
 SUM_TOLERANCE = 1e-9
 """Largest |sum of sector angles - 2 pi| [rad] that is taken for rounding and spread evenly."""
@@ -52,7 +53,7 @@ class Vertex:
                 f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
             )
         if not isinstance(self.flat, bool):
-            raise VertexError(f"flat = {self.flat!r} must be true or false")
+            raise VertexError(f"flat = {shown(self.flat)} must be true or false")
         for i, a in enumerate(angles, start=1):
             if a <= 0:
                 raise VertexError(f"sector_angles[{i}] = {a:.6g} must be positive")
@@ -97,7 +98,7 @@ class Vertex:
         """
         try:
             d = np.asarray(directions, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise VertexError("directions must be an [N, 2] array of numbers") from None
         if d.ndim != 2 or d.shape[1] != 2:
             raise VertexError(f"directions has shape {d.shape}, not [N, 2]")

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.errors import SweepError
+from origami_nlp.state.arguments import check_path
 from origami_nlp.sweep.load import KINDS, sweep_grid
 
 COLOURS = {
@@ -33,6 +34,8 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
     SweepError
         If the sweep has more than two dimensions.
     """
+    if path is not None:
+        check_path("path", path)
     grid = sweep_grid(folder)
     names = list(grid["axes"])
     shape = grid["count"].shape

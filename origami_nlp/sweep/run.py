@@ -14,7 +14,6 @@ from concurrent.futures import (
     BrokenExecutor,
     Executor,
     Future,
-    ProcessPoolExecutor,
     wait,
 )
 from dataclasses import dataclass
@@ -24,8 +23,10 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.state.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
+from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int, int], None]
 """Called with scenes finished, scenes in all, and minima found since the run began."""
@@ -113,27 +114,29 @@ def run_sweep(
     ------
     SweepError
         If the folder holds another sweep, or a worker died.
+    OptionError
+        If an argument is not what it must be.
 
     Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
     goes on from there.
     """
+    check_type("sweep", sweep, Sweep)
+    check_path("folder", folder)
+    if executor is not None:
+        check_type("executor", executor, Executor)
+    if workers is not None:
+        check_whole("workers", workers, 1)
+    check_callback("progress", progress)
     begin = time.perf_counter()
     own = executor is None
     with Store(folder, sweep) as store:
-        pool = _processes(workers) if executor is None else executor
+        pool = worker_pool(workers) if executor is None else executor
         try:
             ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress)
         finally:
             if own:
                 pool.shutdown(wait=False, cancel_futures=True)
         return SweepReport(store.counts(), ran, time.perf_counter() - begin, interrupted)
-
-
-def _processes(workers: int | None) -> ProcessPoolExecutor:
-    import multiprocessing
-
-    # a fresh interpreter per worker: CasADi's state does not survive a fork of a process with threads
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
 
 
 def _size(pool: Any) -> int:

@@ -43,6 +43,7 @@ import numpy as np
 from origami_nlp.errors import SweepError
 from origami_nlp.state import examples
 from origami_nlp.state.angles import parse_angle
+from origami_nlp.state.arguments import check_path, shown
 from origami_nlp.state.reading import read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.scene_file import scene_from_dict
@@ -151,10 +152,14 @@ def read_sweep(path: str | Path) -> Sweep:
 
 def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     """Make a sweep from the tables of a sweep file; `folder` is where a scene ``file`` is looked for."""
+    if not isinstance(data, Mapping):
+        raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
+    if folder is not None:
+        check_path("folder", folder)
     for key in data:
         if key not in ("scene", "axes", "search"):
             raise SweepError(f"unknown table [{key}]: a sweep has [scene], [[axes]], [search]")
-    base = _base(data.get("scene"), folder)
+    base = _base(data.get("scene"), None if folder is None else Path(folder))
     stated = data.get("axes")
     if (
         not isinstance(stated, list)

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from origami_nlp.errors import SweepError
+from origami_nlp.state.arguments import check_path
 from origami_nlp.sweep.spec import Sweep
 
 SCHEMA = "origami-nlp/sweep/1"
@@ -136,6 +137,7 @@ class Store:
 
 def read_table(folder: str | Path, table: str) -> tuple[list[str], list[tuple[Any, ...]]]:
     """Return column names and rows of a table of a store, in order (see the module)."""
+    check_path("folder", folder)
     path = Path(folder) / FILE
     if not path.is_file():
         raise SweepError(f"{str(folder)!r} holds no sweep: {FILE} is not there")

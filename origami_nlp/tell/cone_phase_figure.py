@@ -18,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from origami_nlp.judge.cone_phase import PhaseDiagram
 from origami_nlp.judge.cone_phase_curves import Boundary
 from origami_nlp.judge.cone_phase_energy import BranchClass, class_energy
+from origami_nlp.state.arguments import check_path, check_type
 from origami_nlp.tell.files import write_whole
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
@@ -248,7 +249,16 @@ def legend(axes: Any) -> None:
 
 
 def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw a phase diagram: numbers of branch minima, how many are at an end, and the boundaries."""
+    """Draw a phase diagram: numbers of branch minima, how many are at an end, and the boundaries.
+
+    Raises
+    ------
+    OptionError
+        If `diagram` is none, or `path` is no path.
+    """
+    check_type("diagram", diagram, PhaseDiagram)
+    if path is not None:
+        check_path("path", path)
     counts = diagram.map
     panels = 3 if diagram.contact else 2
     figure = Figure(figsize=(4.1 * panels, 4.3), layout="constrained", dpi=100)

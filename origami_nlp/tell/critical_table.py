@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import math
 from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from origami_nlp.tell.table import plain_text
 
 if TYPE_CHECKING:
     from origami_nlp.judge.critical_points import CriticalPoint, CriticalPoints
@@ -80,15 +81,16 @@ def point_lines(found: CriticalPoints, everything: bool = False) -> list[str]:
 
 def as_text(found: CriticalPoints) -> str:
     """Return the table and the Morse sum as plain text."""
-    out = io.StringIO()
-    console = Console(file=out, width=160, color_system=None)
-    console.print(points_table(found))
-    for line in point_lines(found):
-        console.print(Text(line))
-    console.print(f"Morse sum {found.morse_sum}")
-    for doubt in found.doubts:
-        console.print(f"doubt: {doubt}")
-    return out.getvalue()
+
+    def tell(console: Console) -> None:
+        console.print(points_table(found))
+        for line in point_lines(found):
+            console.print(Text(line))
+        console.print(f"Morse sum {found.morse_sum}")
+        for doubt in found.doubts:
+            console.print(f"doubt: {doubt}")
+
+    return plain_text(160, tell)
 
 
 def panel_row(found: CriticalPoints, euler_characteristic: int) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from origami_nlp.judge.boundary_lines import Boundary, trace_boundary, with_ener
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.judge.region import admissible_region
 from origami_nlp.judge.segments import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.state.arguments import check_type
 from origami_nlp.tell.landscape import Landscape, Place, landscape
 
 if TYPE_CHECKING:
@@ -92,8 +93,11 @@ def exact_landscape(
     Raises
     ------
     OptionError
-        If `size` is no number of cells.
+        If an argument is not what it must be.
     """
+    check_type("result", result, MinimaResult)
+    if boundary is not None:
+        check_type("boundary", boundary, Boundary)
     scene = result.scene
     chart = landscape(scene, size)
     places = tuple(chart.place(m.fold_angles) for m in result.minima) if chart.branches else ()

@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from origami_nlp.errors import OptionError
+from origami_nlp.judge.minima import MinimaResult
+from origami_nlp.state.arguments import check_path, check_type
 from origami_nlp.tell.drawing import draw_state
 from origami_nlp.tell.files import write_whole
 from origami_nlp.tell.landscape import Landscape, landscape
@@ -34,7 +36,7 @@ from origami_nlp.tell.landscape_axes import (
 from origami_nlp.tell.stability import count_words, verdict
 
 if TYPE_CHECKING:
-    from origami_nlp.judge.minima import MinimaResult, Minimum
+    from origami_nlp.judge.minima import Minimum
 
 CELL, CELL_TITLE = 2.35, 0.52
 """Side of a state's drawing, and the height of its title [in]."""
@@ -79,8 +81,11 @@ def draw_minima(
     Raises
     ------
     OptionError
-        If the ending of `path` names no known picture format.
+        If the ending of `path` names no known picture format, or an argument is not what it must be.
     """
+    check_type("result", result, MinimaResult)
+    if path is not None:
+        check_path("path", path)
     chart = landscape(result.scene, size)
     figure = _compose(result, chart)
     if path is not None:

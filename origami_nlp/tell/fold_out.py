@@ -22,6 +22,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.minima import MinimaResult, Minimum
 from origami_nlp.model.embedding import SNAP, fold_vertex
 from origami_nlp.model.layers import layer_problem, ordered
+from origami_nlp.state.arguments import check_path, check_type
 from origami_nlp.state.fold_file import REST_KEY, STIFFNESS_KEY
 from origami_nlp.state.scene import Scene
 from origami_nlp.tell.files import write_whole
@@ -76,7 +77,15 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
 
 
 def write_fold(result: MinimaResult, target: str | Path) -> None:
-    """Write `minima_to_fold` to a file, whole or not at all."""
+    """Write `minima_to_fold` to a file, whole or not at all.
+
+    Raises
+    ------
+    OptionError
+        If `result` is no result, or the file cannot be written.
+    """
+    check_type("result", result, MinimaResult)
+    check_path("target", target)
     write_whole(
         target, (json.dumps(minima_to_fold(result), indent=1, allow_nan=False) + "\n").encode()
     )

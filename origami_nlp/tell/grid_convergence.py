@@ -24,9 +24,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.judge.chart_grid import allowed, chart_limits
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.model.chart import chart_of, family_of
+from origami_nlp.state.arguments import check_type, check_whole, shown
 from origami_nlp.state.scene import Scene
 from origami_nlp.tell.grid_minima import grid_points
-from origami_nlp.tell.landscape import Landscape, landscape
+from origami_nlp.tell.landscape import LARGEST_SIZE, Landscape, landscape
 
 SIZES = (65, 129, 257, 513, 1025)
 REACH, STATE_REACH = 0.35, 1.0
@@ -162,7 +163,22 @@ class GridCount:
 def count_grid_minima(
     results: Iterable[MinimaResult], sizes: tuple[int, ...] = SIZES
 ) -> tuple[GridCount, ...]:
-    """Count grid minima of scenes; those with the same geometry share one grid of states."""
+    """Count grid minima of scenes; those with the same geometry share one grid of states.
+
+    Raises
+    ------
+    OptionError
+        If `results` is no list of results, or `sizes` no list of numbers of cells.
+    """
+    if isinstance(results, str) or not isinstance(results, Iterable):
+        raise OptionError(f"results = {shown(results)} must be a list of results of find_minima")
+    results = list(results)
+    for k, result in enumerate(results, start=1):
+        check_type(f"results[{k}]", result, MinimaResult)
+    if not isinstance(sizes, tuple | list):
+        raise OptionError(f"sizes = {shown(sizes)} must be a list of whole numbers")
+    for size in sizes:
+        check_whole("sizes", size, 8, LARGEST_SIZE)
     states: dict[tuple[object, int], Landscape] = {}
     out = []
     for result in results:

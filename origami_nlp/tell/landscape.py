@@ -22,6 +22,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.model.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.model.embedding import examine
+from origami_nlp.state.arguments import check_angles, check_type, check_whole
 from origami_nlp.state.scene import Scene
 
 
@@ -58,6 +59,10 @@ class Place:
     drawn: bool = True
 
 
+LARGEST_SIZE = 8192
+"""Cells along each coordinate; that many take about 5 GB."""
+
+
 @dataclass(frozen=True)
 class Landscape:
     """Energy over the coordinates of a scene.
@@ -83,15 +88,13 @@ class Landscape:
         Raises
         ------
         OptionError
-            If there is no landscape, or a wrong number of fold angles.
+            If there is no landscape.
+        AngleError
+            If `fold_angles` are not those of one state.
         """
-        phi = np.asarray(fold_angles, dtype=float)
         if self.kind == "none":
             raise OptionError(f"this scene has no landscape: {self.reason}")
-        if phi.shape != (self.scene.degree,):
-            raise OptionError(
-                f"fold_angles has shape {phi.shape}: give all {self.scene.degree} of one state"
-            )
+        phi = check_angles("fold_angles", fold_angles, self.scene.degree, one=True)
         if self.kind == "curve":
             place = _place_on_curve(self, phi)
         else:
@@ -105,15 +108,15 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     Parameters
     ----------
     size
-        Cells along each coordinate, >= 8 (for curves: along a full turn of a fold angle).
+        Cells along each coordinate, 8 to 8,192 (for curves: along a full turn of a fold angle).
 
     Raises
     ------
     OptionError
-        If `size` is no such number.
+        If `scene` is no scene, or `size` no such number.
     """
-    if isinstance(size, bool) or not isinstance(size, int) or size < 8:
-        raise OptionError(f"size = {size!r} must be a whole number, at least 8")
+    check_type("scene", scene, Scene)
+    size = check_whole("size", size, 8, LARGEST_SIZE)
     chart = chart_of(scene)
     if chart is not None:
         return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)

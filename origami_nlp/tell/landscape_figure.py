@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.boundary_lines import chart_points
 from origami_nlp.model.chart import Chart, chart_of
+from origami_nlp.state.arguments import check_type
 from origami_nlp.tell.exact_landscape import ExactLandscape
 from origami_nlp.tell.figure import plain
 from origami_nlp.tell.landscape_axes import angle_ticks, coordinate_label
@@ -41,8 +42,13 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     Raises
     ------
     OptionError
-        If the scene has no landscape over two coordinates.
+        If the scene has no landscape over two coordinates, or an argument is not what it must be.
     """
+    check_type("exact", exact, ExactLandscape)
+    if barriers is not None:
+        from origami_nlp.judge.barriers import Barriers  # only who has barriers has loaded them
+
+        check_type("barriers", barriers, Barriers)
     if exact.chart.kind != "area":
         why = exact.chart.reason or "one symmetric freedom only: `origami-nlp minima --figure`"
         raise OptionError(f"scene has no two-dimensional landscape: {why}")

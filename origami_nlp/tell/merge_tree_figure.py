@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from origami_nlp.judge.barriers import Barriers, Join
+from origami_nlp.state.arguments import check_type
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,7 +84,17 @@ def draw_merge_trees(
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
-    """Draw the merge tree of one scene; return the colours of its leaves."""
+    """Draw the merge tree of one scene; return the colours of its leaves.
+
+    Raises
+    ------
+    OptionError
+        If `ax` are no axes of matplotlib, or `barriers` none of `find_barriers`.
+    """
+    from matplotlib.axes import Axes
+
+    check_type("ax", ax, Axes)
+    check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
     colours = set()

@@ -6,10 +6,9 @@ searches, boundaries and pictures are spread over processes.
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +26,7 @@ from origami_nlp.tell.exact_landscape import ExactLandscape, exact_landscape
 from origami_nlp.tell.json_file import result_from_dict, result_to_dict
 from origami_nlp.tell.landscape_axes import angle_ticks, coordinate_label
 from origami_nlp.tell.landscape_panel import PanelStyle, draw_panel, legend_of, write_counts
+from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int], None]
 """Called as progress(tasks done, tasks in all)."""
@@ -104,8 +104,7 @@ def find_panels(
             panels.append(_panel(data, boundaries[k % columns], size))
             finished()
         return panels
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(count, mp_context=context) as pool:
+    with worker_pool(count) as pool:
         # longest first: the boundaries, then the searches; a panel as soon as both are there
         traced = [_submit(pool, finished, trace_boundary, scene) for scene in scenes[:columns]]
         searched = [_submit(pool, finished, _search, scene, seed) for scene in scenes]
@@ -120,7 +119,7 @@ def find_panels(
 
 
 def _submit(
-    pool: ProcessPoolExecutor, finished: Callable[[Any], None], what: Any, *arguments: Any
+    pool: Executor, finished: Callable[[Any], None], what: Any, *arguments: Any
 ) -> Future[Any]:
     future = pool.submit(what, *arguments)
     future.add_done_callback(finished)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,10 +165,17 @@ def print_result(result: MinimaResult, console: Console) -> None:
 
 def as_text(result: MinimaResult) -> str:
     """Return the table and the record of the search as plain text."""
-    console = Console(file=io.StringIO(), width=110, color_system=None)
-    print_result(result, console)
-    assert isinstance(console.file, io.StringIO)
-    return console.file.getvalue().rstrip()
+    return plain_text(110, lambda console: print_result(result, console)).rstrip()
+
+
+def plain_text(width: int, tell: Callable[[Console], None]) -> str:
+    """Return what `tell` prints as plain text, `width` columns wide.
+
+    In Jupyter a console would display instead of writing to its file.
+    """
+    text = io.StringIO()
+    tell(Console(file=text, width=width, color_system=None, force_jupyter=False))
+    return text.getvalue()
 
 
 SUMMARY_HEADS = (

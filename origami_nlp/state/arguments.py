@@ -1,0 +1,121 @@
+"""Arguments of public functions: what is wrong gets one line with its name, its value and the fix."""
+
+from __future__ import annotations
+
+import math
+import os
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import AngleError, OptionError
+
+_MAKERS = {
+    "Scene": "a Scene (read_scene reads one from a file)",
+    "Vertex": "a Vertex (such as scene.vertex)",
+    "MinimaResult": "a MinimaResult: what find_minima(scene) returns",
+    "Barriers": "a Barriers: what find_barriers(scene) returns",
+    "ExactLandscape": "an ExactLandscape: what exact_landscape(result) returns",
+    "PhaseDiagram": "a PhaseDiagram: what phase_diagram(degree) returns",
+    "Boundary": "a Boundary: what trace_boundary(scene) returns",
+    "Frame": "a Frame: one of those that read_fold(file) returns",
+    "Sweep": "a Sweep: what read_sweep(file) returns",
+    "Executor": "an executor of concurrent.futures, or None",
+    "Axes": "Axes of matplotlib",
+}
+
+
+def shown(value: object) -> str:
+    """Return `repr(value)` on one short line."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # a repr of the user's, or an integer of too many digits
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def check_type(name: str, value: object, kind: type) -> None:
+    """Complain unless `value` is a `kind`.
+
+    Raises
+    ------
+    OptionError
+        This and all checks of this module, with the name, the value and what it must be.
+    """
+    if not isinstance(value, kind):
+        raise OptionError(f"{name} = {shown(value)} must be {_MAKERS[kind.__name__]}")
+
+
+def check_whole(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """Return a whole number from `least` to `most`."""
+    whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not whole or value < least or (most is not None and value > most):
+        span = f", at least {least}" if most is None else f" from {least} to {most:,}"
+        raise OptionError(f"{name} = {shown(value)} must be a whole number{span}")
+    return int(value)
+
+
+def check_number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+    """Return a finite number from `low` to `high`."""
+    try:
+        number = (
+            math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
+        )
+    except OverflowError:
+        number = math.inf
+    if not (math.isfinite(number) and low <= number <= high):
+        span = {
+            (True, True): f" from {low:g} to {high:g}",
+            (True, False): f", at least {low:g}",
+            (False, True): f", at most {high:g}",
+            (False, False): "",
+        }[math.isfinite(low), math.isfinite(high)]
+        raise OptionError(f"{name} = {shown(value)} must be a finite number{span}")
+    return number
+
+
+def check_flag(name: str, value: object) -> None:
+    """Complain unless `value` is true or false."""
+    if not isinstance(value, bool | np.bool_):
+        raise OptionError(f"{name} = {shown(value)} must be True or False")
+
+
+def check_callback(name: str, value: object) -> None:
+    """Complain unless `value` is a function, or None."""
+    if value is not None and not callable(value):
+        raise OptionError(f"{name} = {shown(value)} must be a function to call, or None")
+
+
+def check_path(name: str, value: Any) -> None:
+    """Complain unless `value` names a file or folder; a number would be taken for an open file."""
+    if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
+        raise OptionError(f"{name} = {shown(value)} must be a path: text or a pathlib.Path")
+    if "\0" in os.fspath(value):
+        raise OptionError(f"{name} = {shown(value)} holds a NUL character: no path does")
+
+
+def check_angles(
+    name: str, value: Any, degree: int, *, one: bool = False, finite: bool = True
+) -> np.ndarray:
+    """Return the fold angles of states [..., degree], or of just `one`, as an array [rad].
+
+    Raises
+    ------
+    AngleError
+        If they are no numbers, of another number of creases, or (with `finite`) not all finite.
+    """
+    try:
+        phi = np.asarray(value, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise AngleError(f"{name} = {shown(value)} must be numbers [rad], one a crease") from None
+    if phi.ndim == 0 or phi.shape[-1] != degree or (one and phi.ndim > 1):
+        raise AngleError(
+            f"{name} has shape {phi.shape}: give all {degree} fold angles, one a crease"
+            + (", of one state" if one else "")
+        )
+    if finite and not np.isfinite(phi).all():
+        where = tuple(np.argwhere(~np.isfinite(phi))[0].tolist())
+        place = "".join(f"[{k + 1}]" for k in where)
+        raise AngleError(f"{name}{place} = {phi[where]} is not finite: fold angles are radians")
+    return phi

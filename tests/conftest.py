@@ -1,0 +1,28 @@
+"""Property tests draw the same examples every time, and fresh ones with the long studies.
+
+`pytest` is derandomised: it says the same on every machine.  `pytest -m slow` also repeats every
+property test with random examples; what fails there is kept as an `@example` of its test.
+"""
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("fixed", derandomize=True)
+settings.register_profile("random", print_blob=True)
+
+
+def _long(config):
+    return config.option.markexpr == "slow"
+
+
+def pytest_configure(config):
+    if not config.option.hypothesis_profile:
+        settings.load_profile("random" if _long(config) else "fixed")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    if _long(config):
+        for item in items:
+            if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+                item.add_marker(pytest.mark.slow)

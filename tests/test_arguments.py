@@ -1,0 +1,217 @@
+"""Every wrong argument of a public function gets one line with its name: never a traceback of ours, never silence."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import origami_nlp as o
+from origami_nlp.bench.run import read_bench
+from origami_nlp.judge.barriers import find_barriers
+from origami_nlp.judge.cone_full_space import cone_full_space
+from origami_nlp.judge.cone_limits import limits
+from origami_nlp.judge.cone_minima import branch_minima
+from origami_nlp.judge.cone_phase import phase_diagram
+from origami_nlp.judge.cone_phase_curves import phase_boundaries
+from origami_nlp.judge.critical import find_critical_points
+from origami_nlp.judge.space import analyse_space
+from origami_nlp.state.cone import write_flaps
+from origami_nlp.state.fold_file import read_fold
+from origami_nlp.state.fold_vertices import fold_vertices, scene_at
+from origami_nlp.sweep.figure import draw_sweep
+from origami_nlp.sweep.load import load_states, load_sweep
+from origami_nlp.sweep.run import run_sweep
+from origami_nlp.sweep.spec import parse_sweep, read_sweep
+from origami_nlp.tell.cone_phase_figure import draw_phase
+from origami_nlp.tell.exact_landscape import exact_landscape
+from origami_nlp.tell.fold_out import write_fold
+from origami_nlp.tell.grid_convergence import count_grid_minima
+from origami_nlp.tell.landscape import landscape
+from origami_nlp.tell.landscape_figure import draw_landscape
+from origami_nlp.tell.merge_tree_figure import merge_tree_axes
+
+SCENE = o.examples.degree6("pi/4")
+N = SCENE.degree
+NOTHING = (
+    "text",
+    b"bytes",
+    math.nan,
+    math.inf,
+    -1,
+    1.5,
+    10**400,
+    object(),
+    np.zeros((2, 2)),
+    {"a": 1},
+    ["a"],
+)
+"""Wrong for every argument but those that say otherwise below."""
+
+
+def but(*right):
+    """`NOTHING` without numbers that are right."""
+    return tuple(v for v in NOTHING if not (isinstance(v, int | float) and v in right))
+
+
+LISTS = (None, 7, True, *NOTHING)
+SCENES = (None, 0, True, [], "scene.toml", Path("scene.toml"), *NOTHING)
+WHOLES = (None, 0.5, True, [], *NOTHING)
+SEEDS = (None, 0.5, True, [], *but(10**400))
+NUMBERS = (None, True, [], [1.0], *but(1.5))
+FLAGS = (None, 0, 1, [], *NOTHING)
+CALLS = (0, True, [], *NOTHING)
+PATHS = (0, 1, True, [], "nul\0", *NOTHING[1:])
+NAMES = (None, 0, True, [], *NOTHING)
+STATES = (
+    *(None, 0, True, [], [0.0] * (N - 1), [0.0] * (N + 1), np.zeros((2, N))),
+    *([math.nan] + [0.0] * (N - 1), [0.0] * (N - 1) + [math.inf], ["a"] * N),
+    *NOTHING,
+)
+ANGLES = (None, True, [], *but(1.5, -1))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Arguments that are right, by name; each case takes those it needs."""
+    folder = tmp_path_factory.mktemp("arguments")
+    result = o.find_minima(SCENE, max_starts=4, fewest_starts=4)
+    pattern = {
+        "vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
+        "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
+        "edges_assignment": ["V", "M", "V", "V", "B", "B", "B", "B"],
+    }
+    (folder / "p.fold").write_text(json.dumps(pattern))
+    return {
+        "vertex": SCENE.vertex,
+        "scene": SCENE,
+        "result": result,
+        "fold_angles": np.array(result.minima[0].fold_angles),
+        "folder": folder / "sweep",
+        "target": folder / "out.fold",
+        "frame": read_fold(folder / "p.fold")[0],
+        "ax": Figure().subplots(),
+    }
+
+
+def case(function, name, wrong, *needs, **fixed):
+    where = f"{function.__module__.removeprefix('origami_nlp.')}.{function.__name__}"
+    return pytest.param(function, name, wrong, needs, fixed, id=f"{where}-{name}")
+
+
+SPRINGS = {"stiffness": SCENE.stiffness, "rest_angles": SCENE.rest_angles}
+CONE = {"degree": 6, "ratio": 1.0}
+SMALL_MAP = {"degree": 6, "size": 4}
+CASES = [
+    case(o.Vertex, "sector_angles", LISTS),
+    case(o.Vertex, "flat", FLAGS, sector_angles=("pi/2",) * 4),
+    case(o.Vertex.from_degrees, "sector_angles", LISTS),
+    case(o.Vertex.from_directions, "directions", LISTS),
+    case(o.Scene, "vertex", SCENES, **SPRINGS),
+    case(o.Scene, "stiffness", (*LISTS, [10**400] * N), "vertex", rest_angles=(0,) * N),
+    case(o.Scene, "rest_angles", LISTS, "vertex", stiffness=(1,) * N),
+    case(o.Scene, "symmetry", NAMES, "vertex", **SPRINGS),
+    case(o.Scene, "contact", NAMES, "vertex", **SPRINGS),
+    case(o.Scene, "mirror", (True, [], *NOTHING), "vertex", symmetry="D1", **SPRINGS),
+    case(o.Scene, "name", (0, True, [], *NOTHING[1:]), "vertex", **SPRINGS),
+    case(o.Scene, "symmetry_tolerance", (None, True, [], *NOTHING), "vertex", **SPRINGS),
+    case(SCENE.energy, "fold_angles", (None, 0, [], [0.0] * (N - 1), ["a"] * N, *NOTHING)),
+    case(o.Model, "scene", SCENES),
+    case(o.find_minima, "scene", SCENES),
+    case(o.find_minima, "seed", SEEDS, "scene"),
+    case(o.find_minima, "max_starts", (0, *SEEDS), "scene"),
+    case(o.find_minima, "fewest_starts", (0, *SEEDS), "scene"),
+    case(o.find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
+    case(o.find_minima, "full", FLAGS, "scene"),
+    case(o.find_minima, "progress", CALLS, "scene"),
+    case(o.draw_minima, "result", (SCENE, *SCENES)),
+    case(o.draw_minima, "path", PATHS, "result"),
+    case(o.draw_minima, "size", (7, *WHOLES), "result"),
+    case(o.examine, "vertex", SCENES, "fold_angles"),
+    case(o.examine, "fold_angles", STATES, "vertex"),
+    case(o.examine, "tolerance", (None, True, [], 0.02, *NOTHING), "vertex", "fold_angles"),
+    case(o.examine, "elements", (None, 0, True, [1], [(1, 1)], *NOTHING), "vertex", "fold_angles"),
+    *(case(f, "alpha", ANGLES) for f in (o.examples.degree6, o.examples.degree8)),
+    *(case(f, "ratio", (0, *NUMBERS)) for f in (o.examples.degree6, o.examples.degree8)),
+    *(case(f, "symmetry", NAMES) for f in (o.examples.degree6, o.examples.degree8)),
+    *(case(f, "contact", NAMES) for f in (o.examples.degree6, o.examples.degree8)),
+    case(o.format_scene, "scene", SCENES),
+    case(o.parse_scene, "text", (None, 0, True, [], *NOTHING[1:])),
+    *(case(f, "source", PATHS) for f in (o.read_scene, read_fold, read_bench)),
+    case(find_barriers, "scene", SCENES),
+    case(find_barriers, "result", (SCENE, *SCENES[1:]), "scene"),
+    case(find_barriers, "full", FLAGS, "scene", "result"),
+    case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS), "scene", "result"),
+    case(find_barriers, "seed", SEEDS, "scene", "result"),
+    case(analyse_space, "scene", SCENES),
+    case(analyse_space, "size", (7, 1026, *WHOLES), "scene"),
+    case(find_critical_points, "scene", SCENES),
+    case(find_critical_points, "minima", (SCENE, *SCENES[1:]), "scene"),
+    case(find_critical_points, "samples", (0, *WHOLES), "scene"),
+    case(find_critical_points, "seed", SEEDS, "scene"),
+    case(find_critical_points, "all_links", FLAGS, "scene"),
+    case(landscape, "scene", SCENES),
+    case(landscape, "size", (7, 10_000, *WHOLES), "scene"),
+    case(landscape(SCENE, 8).place, "fold_angles", STATES),
+    case(exact_landscape, "result", (SCENE, *SCENES)),
+    case(exact_landscape, "size", (7, 10_000, *WHOLES), "result"),
+    case(exact_landscape, "boundary", SCENES[1:], "result"),
+    case(draw_landscape, "exact", (SCENE, *SCENES)),
+    case(merge_tree_axes, "ax", SCENES, barriers=None),
+    case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),
+    case(count_grid_minima, "results", (*LISTS, [SCENE])),
+    case(count_grid_minima, "sizes", (None, 65, [7], *NOTHING), results=[]),
+    case(branch_minima, "degree", (5, 7, *WHOLES), ratio=1.0, elevation=0.5),
+    case(branch_minima, "ratio", (0, *NUMBERS), degree=6, elevation=0.5),
+    case(branch_minima, "elevation", (4, *NUMBERS[:-4]), **CONE),
+    case(branch_minima, "rest", NAMES, elevation=0.5, **CONE),
+    case(branch_minima, "depth", (1, *NUMBERS), elevation=0.5, **CONE),
+    case(branch_minima, "end", NAMES, elevation=0.5, **CONE),
+    case(cone_full_space, "degree", (5, *WHOLES), ratio=1.0, rest_elevation=0.5),
+    case(cone_full_space, "ratio", (0, *NUMBERS), degree=6, rest_elevation=0.5),
+    case(cone_full_space, "progress", CALLS, rest_elevation=0.5, **CONE),
+    case(phase_diagram, "degree", (5, 202, *WHOLES), size=4),
+    case(phase_diagram, "size", (1, 10_000, *WHOLES), degree=6),
+    case(phase_diagram, "ratios", (*LISTS, (1, 0.1), (0, 1), (1, 2, 3)), **SMALL_MAP),
+    case(phase_diagram, "rest_elevations", (*LISTS[1:], (1, 0.1), (-9, 9)), **SMALL_MAP),
+    case(phase_diagram, "depth", (1, *NUMBERS), **SMALL_MAP),
+    case(phase_diagram, "rest", NAMES, **SMALL_MAP),
+    case(phase_diagram, "end", NAMES, **SMALL_MAP),
+    case(phase_diagram, "contact", FLAGS, **SMALL_MAP),
+    case(phase_diagram, "progress", CALLS, **SMALL_MAP),
+    case(phase_boundaries, "degree", (5, *WHOLES)),
+    case(phase_boundaries, "lines", (1, *WHOLES), degree=6),
+    case(draw_phase, "diagram", SCENES),
+    case(write_flaps, "flaps", (*LISTS, "VVM", (1, 0))),
+    case(limits, "elevation", (0, 1, *NUMBERS)),
+    case(limits, "ratio", (0, *NUMBERS)),
+    case(fold_vertices, "frame", SCENES),
+    case(scene_at, "frame", SCENES, number=0),
+    case(scene_at, "number", WHOLES, "frame"),
+    case(scene_at, "symmetry", NAMES, "frame", number=0),
+    case(scene_at, "contact", NAMES, "frame", number=0),
+    case(scene_at, "stiffness", (0, *NUMBERS), "frame", number=0),
+    case(scene_at, "rest_angle", (4, *NUMBERS), "frame", number=0),
+    case(write_fold, "result", (SCENE, *SCENES), "target"),
+    case(write_fold, "target", (None, *PATHS), "result"),
+    case(run_sweep, "sweep", SCENES, "folder"),
+    *(case(f, "folder", (None, *PATHS)) for f in (load_states, load_sweep, draw_sweep)),
+    case(
+        parse_sweep, "data", (None, 0, True, [], *(v for v in NOTHING if not isinstance(v, dict)))
+    ),
+    case(read_sweep, "path", (None, *PATHS)),
+]
+
+
+@pytest.mark.parametrize(("function", "name", "wrong", "needs", "fixed"), CASES)
+def test_a_wrong_argument_is_named(made, function, name, wrong, needs, fixed):
+    right = {key: made[key] for key in needs} | fixed
+    word = {"path": "path|sweep", "number": "number|vertex"}.get(name, name)
+    for value in wrong:
+        with pytest.raises(o.OrigamiError) as raised:
+            function(**right, **{name: value})
+        message = str(raised.value)
+        assert "\n" not in message and len(message) < 400
+        assert any(w in message for w in word.split("|")), (value, message)

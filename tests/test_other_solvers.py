@@ -1,0 +1,41 @@
+"""Other packages that carry solvers of their own may be imported before or after ours."""
+
+import importlib.util
+import subprocess
+import sys
+
+import pytest
+
+OURS = """
+import origami_nlp
+states = origami_nlp.find_minima(
+    origami_nlp.examples.degree6("pi/3"), fewest_starts=16, max_starts=16
+).minima
+"""
+PROGRAMME = """
+import numpy as np
+from origami_nlp.judge import linear
+from origami_nlp.judge.multipliers import find_multipliers
+linear.MOST_CORNERS = 0  # SciPy's HiGHS as well
+assert abs(find_multipliers(np.ones((1, 3)), np.array([2.0])).upper - 2).max() < 1e-9
+"""
+HIGHSPY = """
+import highspy
+solver = highspy.Highs()
+solver.setOptionValue("output_flag", False)
+x = solver.addVariable(lb=1.0, ub=2.0, obj=1.0)
+solver.run()
+assert solver.getInfo().objective_function_value == 1.0
+"""
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("highspy") is None, reason="highspy (extra test) is not installed"
+)
+@pytest.mark.parametrize("order", [(HIGHSPY, OURS, PROGRAMME), (OURS, PROGRAMME, HIGHSPY)])
+def test_highspy_before_and_after(order):
+    """Two builds of HiGHS in one process crashed as long as ours came with CasADi."""
+    code = "\n".join([*order, "print(len(states))"])
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert int(done.stdout) > 0
