@@ -29,16 +29,16 @@ def vertices(
     json: JsonFile = None,
 ) -> None:
     """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
-    from rich.console import Console
     from rich.table import Table
 
     from origami_nlp.tell.files import check_writable
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
     frames = read_fold(fold)
     wanted = frames if frame is None else (choose_frame(frames, frame),)
-    console = Console(stderr=json == "-")
+    console = screen(json)
     everything = []
     for one in wanted:
         found, notes = fold_vertices(one)

@@ -156,7 +156,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     title = data.get("frame_title", data.get("file_title", ""))
     return Frame(
         number,
-        title if isinstance(title, str) else "",
+        title.encode(errors="replace").decode() if isinstance(title, str) else "",
         coords,
         folded,
         pairs[keep],

@@ -12,6 +12,7 @@ import numpy as np
 from origami_nlp.errors import SceneError
 from origami_nlp.state.angles import format_angle, parse_angles
 from origami_nlp.state.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
+from origami_nlp.state.text import is_unicode, printable
 from origami_nlp.state.vertex import Vertex
 
 if TYPE_CHECKING:
@@ -97,6 +98,8 @@ class Scene:
                 )
         if self.name is not None and not isinstance(self.name, str):
             raise SceneError(f"name = {self.name!r} must be text")
+        if self.name is not None and not is_unicode(self.name):
+            raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
         tolerance = self.symmetry_tolerance
@@ -131,6 +134,11 @@ class Scene:
         object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
 
     @property
+    def label(self) -> str:
+        """The name as it may be shown (`printable`), empty where there is none."""
+        return printable(self.name or "")
+
+    @property
     def degree(self) -> int:
         """Number of creases N."""
         return self.vertex.degree
@@ -151,7 +159,7 @@ class Scene:
     def __repr__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
-        title = f"{self.name}: " if self.name else ""
+        title = f"{self.label}: " if self.label else ""
         return (
             f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"

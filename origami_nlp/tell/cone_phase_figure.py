@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from origami_nlp.judge.cone_phase import PhaseDiagram
 from origami_nlp.judge.cone_phase_curves import Boundary
 from origami_nlp.judge.cone_phase_energy import BranchClass, class_energy
-from origami_nlp.tell.files import write_whole
+from origami_nlp.tell.files import save_figure
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {
@@ -286,12 +284,5 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
         fontsize=10,
     )
     if path is not None:
-        save(figure, path)
+        save_figure(figure, path, 200)
     return figure
-
-
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Save a figure whole or not at all."""
-    content = io.BytesIO()
-    figure.savefig(content, format=Path(path).suffix.lstrip(".").lower(), dpi=200)
-    write_whole(path, content.getvalue())

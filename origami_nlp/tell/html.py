@@ -46,7 +46,7 @@ def as_html(result: MinimaResult, *, picture: bool = True) -> str:
 def _headline(result: MinimaResult) -> str:
     scene, count = result.scene, len(result.minima)
     states = "1 stable state" if count == 1 else f"{count or 'no'} stable states"
-    who = scene.name or repr(scene.vertex)
+    who = scene.label or repr(scene.vertex)
     return f"{who}: {states}, symmetry {scene.group.name}, contact {scene.contact}"
 
 

@@ -47,7 +47,7 @@ def minima_table(result: MinimaResult) -> Table:
     scene = result.scene
     count = len(result.minima)
     title = (
-        f"{scene.name or scene.vertex!r}\n{count} stable state{'s' * (count != 1)}, "
+        f"{scene.label or scene.vertex!r}\n{count} stable state{'s' * (count != 1)}, "
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     table = Table(title=Text(title), title_justify="left")
@@ -171,7 +171,7 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
 
 def short_name(r: MinimaResult) -> str:
     """Return a scene's name without the words that all rows of a table share."""
-    name = r.scene.name or repr(r.scene.vertex)
+    name = r.scene.label or repr(r.scene.vertex)
     return name.replace("alpha_1 = ", "").replace("r_k = ", "").replace("degree ", "N = ")
 
 
