@@ -77,7 +77,7 @@ def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[
     found = []
     for v in range(len(frame.coords)):
         if v in ring.interior:
-            vertex = _analyse(frame, v, *ring.around(v))
+            vertex = _analyse(frame, v, *ring.around(v), ring.edge[v])
             if vertex is not None:
                 found.append(vertex)
     return tuple(found), ring.notes
@@ -147,20 +147,20 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
 
 
 class _Rings:
-    """Which vertices are interior, and the edges and facets around each, counter-clockwise."""
+    """Which vertices are interior, and the edges and facets around each, counter-clockwise.
+
+    edge[v], next[v]: of each neighbour of vertex v the edge to it, and the neighbour after it.
+    """
 
     def __init__(self, frame: Frame, turned: bool = False) -> None:
         self.frame = frame
         self.turned = turned
-        self.edge = {}
-        neighbours: list[list[int]] = [[] for _ in frame.coords]
+        self.edge: list[dict[int, int]] = [{} for _ in frame.coords]
         for e, (a, b) in enumerate(frame.edges.tolist()):
-            self.edge[a, b] = self.edge[b, a] = e
-            neighbours[a].append(b)
-            neighbours[b].append(a)
+            self.edge[a][b] = self.edge[b][a] = e
         self.notes: tuple[str, ...] = ()
-        self.next: dict[tuple[int, int], int] = {}
-        border = self._by_faces() if frame.folded else self._by_azimuth(neighbours)
+        self.next: list[dict[int, int]] = [{} for _ in frame.coords]
+        border = self._by_faces() if frame.folded else self._by_azimuth()
         cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
         drawn = sorted(e for e in border - cut)
         if drawn:
@@ -171,42 +171,48 @@ class _Rings:
                 f"edges {shown} lie on the border but are drawn as folds: read as borders",
             )
         outside = {int(v) for e in border | cut for v in frame.edges[e]}
-        self.interior = {v for v, n in enumerate(neighbours) if n and v not in outside}
+        self.interior = {v for v, n in enumerate(self.edge) if n and v not in outside}
 
     def around(self, v: int) -> tuple[list[int], str]:
         """Return the neighbours of v counter-clockwise, and why they do not close up (or '')."""
-        start = min(b for a, b in self.next if a == v) if any(a == v for a, _ in self.next) else -1
-        if start < 0:
+        after = self.next[v]
+        if not after:
             return [], "no face of the file touches it: a folded form needs faces_vertices"
-        ring, here = [start], self.next[v, start]
+        start = min(after)
+        ring, here = {start: None}, after[start]  # a dictionary keeps their order
         while here != start:
-            if here in ring or (v, here) not in self.next:
-                return ring, "the faces around it do not close up"
-            ring.append(here)
-            here = self.next[v, here]
-        return ring, ""
+            if here in ring or here not in after:
+                return list(ring), "the faces around it do not close up"
+            ring[here] = None
+            here = after[here]
+        return list(ring), ""
 
-    def _by_azimuth(self, neighbours: list[list[int]]) -> set[int]:
+    def _by_azimuth(self) -> set[int]:
         """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
-        xy = self.frame.coords
-        for v, others in enumerate(neighbours):
-            d = xy[others] - xy[v]
-            order = [others[k] for k in np.argsort(np.arctan2(d[:, 1], d[:, 0]), kind="stable")]
-            for a, b in zip(order, order[1:] + order[:1], strict=True):
-                self.next[v, a] = b
+        xy = self.frame.coords[:, :2]
+        tail = np.repeat(np.arange(len(xy)), [len(near) for near in self.edge])
+        head = np.array([b for near in self.edge for b in near], dtype=int)
+        d = xy[head] - xy[tail]
+        turn = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))  # stable: by vertex, then azimuth
+        order, begin = head[turn].tolist(), 0
+        for v, near in enumerate(self.edge):
+            others = order[begin : begin + len(near)]
+            self.next[v] = dict(zip(others, others[1:] + others[:1], strict=True))
+            begin += len(near)
         # walk around every face, keeping it on the left; the outer face of a piece has a negative area
+        before = [{b: a for a, b in after.items()} for after in self.next]
         border: set[int] = set()
-        unseen = dict.fromkeys((a, b) for a in range(len(neighbours)) for b in neighbours[a])
-        before = {(v, b): a for (v, a), b in self.next.items()}
-        while unseen:
-            a, b = walk = next(iter(unseen))
-            area, sides = 0.0, []
-            while walk in unseen:
-                del unseen[walk]
+        seen: set[tuple[int, int]] = set()
+        area_of = (xy[tail, 0] * xy[head, 1] - xy[head, 0] * xy[tail, 1]).tolist()
+        swept = dict(zip(zip(tail.tolist(), head.tolist(), strict=True), area_of, strict=True))
+        for first in swept:
+            walk, area, sides = first, 0.0, []
+            while walk not in seen:
+                seen.add(walk)
                 a, b = walk
-                area += xy[a, 0] * xy[b, 1] - xy[b, 0] * xy[a, 1]
-                sides.append(self.edge[a, b])
-                walk = (b, before[b, a])
+                area += swept[walk]
+                sides.append(self.edge[a][b])
+                walk = (b, before[b][a])
             if area <= 0:
                 border |= set(sides)
         return border
@@ -219,10 +225,10 @@ class _Rings:
             n = len(face)
             for i, v in enumerate(face):
                 after, before = face[(i + 1) % n], face[i - 1]
-                twisted |= (v, after) in self.next
-                self.next[v, after] = before
-                if (v, after) in self.edge:
-                    sides[self.edge[v, after]] += 1
+                twisted |= after in self.next[v]
+                self.next[v][after] = before
+                if after in self.edge[v]:
+                    sides[self.edge[v][after]] += 1
                 else:
                     missing.add((v, after))
         if missing:
@@ -247,7 +253,8 @@ class _Rings:
                 f = queue.pop()
                 along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
                 for a, b in along:
-                    for g in at[frozenset((a, b))]:
+                    # once crossed, all that share a side are done
+                    for g in at.pop(frozenset((a, b)), ()):
                         if g in done:
                             continue
                         done.add(g)
@@ -260,9 +267,10 @@ class _Rings:
         return faces
 
 
-def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex | None:
-    """Measure the vertex whose neighbours `ring` follow each other counter-clockwise."""
-    edge = {int(w): e for e, pair in enumerate(frame.edges) for w in pair if v in pair and w != v}
+def _analyse(
+    frame: Frame, v: int, ring: list[int], broken: str, edge: dict[int, int]
+) -> FoldVertex | None:
+    """Measure the vertex whose neighbours `ring`, by edges `edge`, follow each other counter-clockwise."""
     letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
     creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
     if not creases:
@@ -282,14 +290,12 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         if len(ring) == 1:
             sectors = np.array([2 * math.pi])
     # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
-    sprung = ~np.isnan(frame.stiffness) | ~np.isnan(frame.rest_angles)
-    keep = [
-        k for k, w in enumerate(ring) if w in creases and (letters[w] != "F" or sprung[edge[w]])
-    ]
+    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
+    keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
         if len(keep) < 3 or merged.max() >= math.pi - 1e-9:
-            keep = [k for k, w in enumerate(ring) if w in creases]
+            keep = folds
             merged = _merge(sectors, keep)
             notes.append(
                 "F edges are kept as creases: without them a facet would span 180 degrees or more"
@@ -331,6 +337,10 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         reason,
         tuple(notes),
     )
+
+
+def _is_sprung(frame: Frame, edge: int) -> bool:
+    return not (np.isnan(frame.stiffness[edge]) and np.isnan(frame.rest_angles[edge]))
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from origami_nlp.model.nlp import Model
 
 Contact = Literal["full", "fold-limits", "none"]
+MOST_CREASES = 1_000
+"""Of a scene; `model` then takes seconds."""
+MOST_PAIRED = 400
+"""Creases of a scene with full contact, 80,000 pairs of facets; `model` then takes seconds."""
 NARROWEST = 1e-7
 """Narrowest facet [rad] of a scene with full contact: its two creases must not count as touching."""
 
@@ -74,6 +78,15 @@ class Scene:
         if not isinstance(self.vertex, Vertex):
             raise SceneError(f"vertex = {self.vertex!r} must be a Vertex")
         n = self.vertex.degree
+        if n > MOST_CREASES:
+            raise SceneError(
+                f"vertex has {n} creases: at most {MOST_CREASES}, since its symmetries are looked for in N^2 steps"
+            )
+        if n > MOST_PAIRED and self.contact == "full":
+            raise SceneError(
+                f"vertex has {n} creases: with contact = 'full', which keeps every two facets apart, at most "
+                f"{MOST_PAIRED}; use contact = 'fold-limits'"
+            )
         stiffness = _numbers(self.stiffness, "stiffness", n)
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):

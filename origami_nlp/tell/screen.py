@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Sequence
 from typing import Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -17,6 +17,8 @@ WIDE = 1_000_000
 """Columns of a file or a pipe, which has no edge at which to cut."""
 PAGE = 120
 """Columns of running text, where what is printed is as wide as it may be."""
+MOST_BOXED = 500
+"""Rows of a table with lines around its cells."""
 
 
 class Screen(Console):
@@ -42,6 +44,32 @@ class Screen(Console):
             text, style, control = segment
             shown = text if control else printable(text, lines=True)
             yield segment if shown == text else Segment(shown, style)
+
+    def print_rows(
+        self,
+        title: str,
+        heads: Sequence[str],
+        rows: Sequence[Sequence[str]],
+        left: Container[str] = (),
+    ) -> None:
+        """Print a table; `left`: heads of the columns of words.  Long tables are plain lines, 20 times as fast."""
+        if len(rows) <= MOST_BOXED:
+            table = Table(title=title, title_justify="left")
+            for head in heads:
+                table.add_column(head, justify="left" if head in left else "right")
+            for row in rows:
+                table.add_row(*row)
+            self.print(table)
+            return
+        lines = [heads, *rows]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        print(printable(title), file=self.file)
+        for line in lines:
+            cells = (
+                cell.ljust(width) if head in left else cell.rjust(width)
+                for head, cell, width in zip(heads, line, widths, strict=True)
+            )
+            print(printable("  ".join(cells).rstrip()), file=self.file)
 
     def _fit(self, table: Table, width: int) -> None:
         """Let cells of `table` fold: words longer than their column, and numbers only if nothing else gives."""
