@@ -70,6 +70,14 @@ def minima(
             help="FOLD file: size for M and V creases without an angle [deg] (default 180)."
         ),
     ] = None,
+    rest_angles: Annotated[
+        str | None,
+        typer.Option(
+            metavar="file|measured",
+            help="FOLD file: a folded form rests at the angles that the file states, or at those it is folded at "
+            "(default: file where it states them).",
+        ),
+    ] = None,
 ) -> None:
     """Find every stable state of SCENE, classify it, and show it."""
     check_figure(figure)
@@ -80,6 +88,7 @@ def minima(
         "contact": contact,
         "stiffness": stiffness,
         "rest_angle": rest_angle,
+        "rest_angles": rest_angles,
     }
     stated = _read(scene, {key: value for key, value in options.items() if value is not None})
     from origami_nlp.judge.minima import check_options, find_minima

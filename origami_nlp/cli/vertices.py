@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -67,22 +68,31 @@ def vertices(
 def read_fold_scene(
     source: str | Path, vertex: int | None, frame: int | None, **options: Any
 ) -> Scene:
-    """Read one vertex of a FOLD file as a scene; its only vertex that can be analysed by default."""
+    """Read one vertex of a FOLD file as a scene; its only vertex that can be analysed by default.
+
+    What is odd in the file, and what was assumed, goes to standard error.  options: as `scene_at` takes them.
+    """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
+    found, notes = fold_vertices(chosen)
     if vertex is None:
-        good = [v.number for v in fold_vertices(chosen)[0] if not v.reason]
+        good = [v.number for v in found if not v.reason]
         if len(good) != 1:
+            some = (
+                f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
+                if good
+                else ""
+            )
+            why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
-                f"--vertex is needed: {len(good)} interior vertices can be analysed"
-                + (
-                    f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
-                    if good
-                    else ""
-                )
-                + "; origami-nlp vertices lists them"
+                f"--vertex is needed: {len(good)} interior vertices can be analysed{some}; "
+                f"origami-nlp vertices lists them{why}"
             )
         vertex = good[0]
-    return scene_at(chosen, vertex, **options)
+    scene = scene_at(chosen, vertex, **options)
+    here = next(v for v in found if v.number == vertex)
+    for note in (*chosen.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
+        print(f"note: {note}", file=sys.stderr)
+    return scene
 
 
 def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
@@ -110,6 +120,7 @@ def _to_dict(
                 "assignment": v.assignment,
                 "sector_angles": [None if math.isnan(a) else a for a in v.sector_angles],
                 "fold_angles": [None if math.isnan(a) else a for a in v.fold_angles],
+                "file_angles": [None if math.isnan(a) else a for a in v.file_angles],
                 "kawasaki": v.kawasaki if v.kawasaki is None or math.isfinite(v.kawasaki) else None,
                 "maekawa": v.maekawa,
                 "folds_flat": folds,

@@ -167,9 +167,13 @@ def _check_total(frames: list[dict[str, Any]]) -> None:
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
     notes: list[str] = []
+    legacy = []
     for old, new in _LEGACY.items():
-        if old in data and new not in data:
+        if old in data and new in data:
+            notes.append(f"{old}: left out, since {new} is given too")
+        elif old in data:
             data[new] = data[old]
+            legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
     count = len(coords)
@@ -177,7 +181,9 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     pairs = _edges(data.get("edges_vertices"), faces, count, notes)
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
-    angles = np.radians(_numbers(data.get("edges_foldAngle"), "edges_foldAngle", m))
+    angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
+    if not _in_radians(angles, "edges_foldAngles" in legacy, notes):
+        angles = np.radians(angles)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     for key, values, good, what in (
@@ -369,12 +375,29 @@ def _compare(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
     ]
     if wrong:
         notes.append(
-            f"edges {_listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
+            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
             "the angle is used"
         )
 
 
-def _listed(items: list[int], most: int = 8) -> str:
+def _in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
+    """Tell whether fold angles are radians.  FOLD says degrees, under both names; under the old one programs wrote
+    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make."""
+    largest = float(np.nanmax(np.abs(angles), initial=0.0))
+    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
+        notes.append(
+            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
+        )
+        return True
+    if abs(largest - math.pi) < 1e-3:
+        notes.append(
+            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
+        )
+    return False
+
+
+def listed(items: list[int], most: int = 8) -> str:
+    """Write the first numbers, and how many there are."""
     shown = ", ".join(str(i) for i in items[:most])
     return shown + (f", ... ({len(items)})" if len(items) > most else "")
 
@@ -392,7 +415,8 @@ def _flattened(
     if folded:
         return coords, True
     normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
-    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))]).reshape(-1, 2)
+    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
+    sides = sides.reshape(-1, 2)
     area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
     up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
     if (
