@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 import math
 from pathlib import Path
 from typing import Any
 
 from origami_nlp.bench.digest import Row, Spread, rows
 from origami_nlp.bench.methods_ours import OURS
-from origami_nlp.tell.files import write_whole
+from origami_nlp.tell.files import save_figure
 
 STYLES = {  # Okabe and Ito's colours, told apart by marker too
     OURS: ("#000000", "*", 13),
@@ -62,9 +61,7 @@ def draw_bench(data: dict[str, Any], target: Path) -> None:
     )
     _hessians(axes[1][0], data)
     _scaling(axes[1][1], data)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=target.suffix.lower().lstrip("."), dpi=150)
-    write_whole(target, buffer.getvalue())
+    save_figure(figure, target, 150)
 
 
 def _work_precision(ax: Any, found: list[Row], title: str) -> None:

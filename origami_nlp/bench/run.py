@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import platform
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -261,9 +260,6 @@ def machine() -> dict[str, Any]:
 def write_bench(data: dict[str, Any], target: str | os.PathLike[str]) -> None:
     """Write a run as JSON, whole or not at all, or to standard output for ``"-"``; numbers with six digits."""
     text = json.dumps(_shorter(data), separators=(",", ":"), allow_nan=False) + "\n"
-    if str(target) == "-":
-        sys.stdout.write(text)
-        return
     write_whole(target, text.encode())
 
 

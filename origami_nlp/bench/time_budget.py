@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.state.scene import Scene
+from origami_nlp.tell.files import save_figure
 from origami_nlp.tell.table import rows_markdown, rows_table
 
 STAGES = (
@@ -240,4 +241,4 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
         fontsize=8,
         frameon=False,
     )
-    figure.savefig(target, dpi=150)
+    save_figure(figure, target, 150)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
+from typing import NoReturn
 
 import typer
 
 from origami_nlp.cli.audit import audit
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
-from origami_nlp.cli.cone import cone
+from origami_nlp.cli.cone import cone, first_line
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
 from origami_nlp.cli.demo import demo
@@ -26,11 +29,13 @@ from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.verify import verify
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
+from origami_nlp.state.text import printable
 
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # rich takes "[rad]" for markup and drops it
     help="Energy minima of an origami vertex: found, classified, and which are stable states.",
 )
 for command in (
@@ -53,14 +58,40 @@ for command in (
     reproduce,
     bench,
 ):
-    app.command(command.__name__)(command)
-app.add_typer(cone, name="cone")
+    app.command(command.__name__, short_help=first_line(command))(command)
+app.add_typer(cone, name="cone", short_help=str(cone.info.help))
 
 
 def main() -> None:
-    """Run the command line; bad input ends with one line and exit code 2."""
+    """Run the command line; bad input, and output that nobody takes, end with one line and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
+            stream.reconfigure(errors="backslashreplace")
     try:
-        app()
+        try:
+            app()
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()  # a full disk shows here, where it can still be said
     except OrigamiError as error:
-        print(f"origami-nlp: {error}", file=sys.stderr)
-        sys.exit(2)
+        _stop(str(error))
+    except BrokenPipeError:  # the reader, head say, has had enough
+        _close_stdout()
+        sys.exit(1)
+    except OSError as error:
+        _close_stdout()
+        where = repr(error.filename) if error.filename else "input or output"
+        _stop(f"{where}: {error.strerror or error}")
+
+
+def _stop(line: str) -> NoReturn:
+    print(f"origami-nlp: {printable(line)}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _close_stdout() -> None:
+    """Let Python not try again at its end what cannot be written now."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import JsonFile, Seed
+from origami_nlp.cli.progress import progress
 from origami_nlp.state.published import read_candidates
 
 
@@ -23,36 +24,19 @@ def audit(
     ] = None,
 ) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
     from origami_nlp.judge.audit import audit_candidates
     from origami_nlp.judge.minima import check_options
     from origami_nlp.tell.audit_table import as_markdown, audit_to_dict, summary_table
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_options(seed, 1)
-    check_writable(json, "--json")
-    check_writable(markdown, "--markdown")
+    check_outputs(("--json", json), ("--markdown", markdown))
     candidates = read_candidates(file)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("audit", total=len(candidates))
-        panels = audit_candidates(
-            candidates,
-            seed=seed,
-            progress=lambda done, _, panel: bar.update(task, completed=done, description=panel),
-        )
-    console = Console(stderr=json == "-")
-    if not console.is_terminal:
-        console = Console(stderr=json == "-", width=200)
-    console.print(summary_table(panels))
+    with progress("audit", len(candidates)) as report:
+        panels = audit_candidates(candidates, seed=seed, progress=report)
+    screen(json, markdown).print(summary_table(panels))
     if json:
         write_json(audit_to_dict(panels), json)
     if markdown:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure, progress_bar
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 from origami_nlp.state.scene_file import read_scene
 
@@ -33,8 +34,6 @@ def barriers(
     ] = None,
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it."""
-    from rich.console import Console
-
     check_figure(figure)
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
@@ -42,22 +41,22 @@ def barriers(
     from origami_nlp.judge.minima import check_options, find_minima
     from origami_nlp.state import examples
     from origami_nlp.tell.barriers_table import barriers_to_dict, markdown_rows, print_barriers
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
     from origami_nlp.tell.json_file import write_json
     from origami_nlp.tell.merge_tree_figure import draw_merge_trees
+    from origami_nlp.tell.screen import screen
 
     check_options(seed, 1)
-    for target, option in ((json, "--json"), (figure, "--figure"), (markdown, "--markdown")):
-        check_writable(target, option)
+    check_outputs(("--json", json), ("--figure", figure), ("--markdown", markdown))
     stated = examples.panels() if panels else [read_scene(scene or "-")]
     for one in stated:
         check_freedoms(one)
-    console = Console(stderr=json == "-")
+    console = screen(json, markdown)
     found = []
     for one in stated:
-        with progress_bar(one.name or str(scene)) as report:
+        with progress_bar(one.label or str(scene)) as report:
             result = find_minima(one, seed=seed, full=full, progress=report)
-        with console.status("passes between the minima") if console.is_terminal else _quiet():
+        with progress(f"{one.label or scene}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
         print_barriers(found[-1], console)
     documents = [barriers_to_dict(b) for b in found]
@@ -71,9 +70,3 @@ def barriers(
     if figure:
         draw_merge_trees(found, figure)
         console.print(f"figure written to {figure}")
-
-
-def _quiet():  # type: ignore[no-untyped-def]
-    from contextlib import nullcontext
-
-    return nullcontext()

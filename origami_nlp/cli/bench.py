@@ -11,6 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 
 Markdown = Annotated[
@@ -38,13 +39,11 @@ def bench(
     Set OMP_NUM_THREADS=1 for steady numbers: seconds are processor time of one thread.
     """
     from origami_nlp.judge.minima import check_options
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_outputs
 
     check_options(seed, 1)
     check_figure(figure)
-    check_writable(json, "--json")
-    check_writable(figure, "--figure")
-    check_writable(markdown, "--markdown")
+    check_outputs(("--json", json), ("--figure", figure), ("--markdown", markdown))
     if profile and (quick or hard):
         raise OptionError(f"--profile does not go with {'--hard' if hard else '--quick'}: give one")
     job = _profile if profile else _hard if hard else _speed
@@ -55,17 +54,17 @@ def _speed(
     quick: bool, json: str | None, figure: Path | None, markdown: Path | None, seed: int
 ) -> None:
     """Run all methods, show the headline and the targets, and write what was asked for."""
-    from rich.console import Console
     from rich.markdown import Markdown as Rendered
 
     from origami_nlp.bench.report import in_short
     from origami_nlp.bench.report import markdown as as_markdown
     from origami_nlp.bench.run import run_bench, write_bench
     from origami_nlp.tell.files import write_whole
+    from origami_nlp.tell.screen import PAGE, screen
 
     with _status() as tell:
         data = run_bench(quick=quick, seed=seed, tell=tell)
-    Console(stderr=json == "-").print(Rendered(in_short(data)))
+    screen(json, markdown).print(Rendered(in_short(data)), width=PAGE)
     if json:
         write_bench(data, json)
     if figure:
@@ -85,19 +84,18 @@ def _profile(
     """Search every panel of the paper once, with stopwatches (`origami_nlp.bench.time_budget`)."""
     from dataclasses import asdict
 
-    from rich.console import Console
-
     from origami_nlp.bench import time_budget
     from origami_nlp.state.examples import panels
     from origami_nlp.tell.files import write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     budgets = []
     with _status() as tell:
         for scene in panels():
-            tell(scene.name or "")
+            tell(scene.label)
             budgets.append(time_budget.measure(scene, seed))
-    Console(stderr=json == "-").print(time_budget.table(budgets))
+    screen(json, markdown).print(time_budget.table(budgets))
     if json:
         panels_data = [{**asdict(b), "total": b.total} for b in budgets]
         write_json({"schema": "origami-nlp/time-budget/1", "panels": panels_data}, json)
@@ -109,15 +107,9 @@ def _profile(
 
 @contextmanager
 def _status() -> Iterator[Callable[[str], Any]]:
-    """Show what is being measured (on stderr, on terminals only)."""
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda text: None
-        return
-    with console.status("starting") as status:
-        yield status.update
+    """Show what is being measured."""
+    with progress("bench") as report:
+        yield lambda text: report(text=text)
 
 
 def _hard(
@@ -127,8 +119,6 @@ def _hard(
 
     Exit code 1 if any of them fails.
     """
-    from rich.console import Console
-
     if figure is not None or quick:
         option = "--figure" if figure is not None else "--quick"
         raise OptionError(
@@ -137,10 +127,11 @@ def _hard(
     from origami_nlp.bench.hard import run_hard
     from origami_nlp.tell.files import write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     with _status() as tell:
         report = run_hard(lambda name, outcome: tell(f"{name}: {outcome.setting}"))
-    Console(stderr=json == "-").print(report.table())
+    screen(json, markdown).print(report.table())
     if json:
         write_json(report.to_dict(), json)
     if markdown:

@@ -22,20 +22,19 @@ def branch(
     json: JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from rich.console import Console
-
     from origami_nlp.model.cone import ConeBranch
     from origami_nlp.state.angles import parse_angle
     from origami_nlp.state.cone import parse_flaps
     from origami_nlp.tell.cone_json import branch_to_dict, write_lines
     from origami_nlp.tell.cone_table import print_branch
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, is_stdout
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
     nu = parse_angle(elevation, "--elevation")
     state = ConeBranch(parse_flaps(flaps), -1 if nu < 0 else 1, end)
     data = branch_to_dict(state, nu)  # complains past the end, before anything is written
-    if json != "-":
-        print_branch(state, nu, Console())
+    if not is_stdout(json):
+        print_branch(state, nu, screen())
     if json:
         write_lines(data, json)

@@ -37,19 +37,18 @@ def count(
     json: JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from rich.console import Console
-
     from origami_nlp.judge.cone_minima import branch_minima
     from origami_nlp.state.angles import parse_angle
     from origami_nlp.tell.cone_json import count_to_dict, write_lines
     from origami_nlp.tell.cone_table import print_count
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, is_stdout
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
     found = branch_minima(
         degree, ratio, parse_angle(elevation, "--elevation"), rest=rest, depth=depth, end=end
     )
-    if json != "-":
-        print_count(found, Console())
+    if not is_stdout(json):
+        print_count(found, screen())
     if json:
         write_lines(count_to_dict(found), json)

@@ -22,17 +22,16 @@ def foldings(
     json: JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
-    from rich.console import Console
-
     from origami_nlp.state.cone import LARGEST_LISTED, check_degree
     from origami_nlp.tell.cone_json import foldings_to_dict, write_lines
     from origami_nlp.tell.cone_table import print_foldings
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, is_stdout
+    from origami_nlp.tell.screen import screen
 
     check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
     check_writable(json, "--json")
     shown = degree <= 16 if listed is None else listed
-    if json != "-":
-        print_foldings(degree, Console(), shown)
+    if not is_stdout(json):
+        print_foldings(degree, screen(), shown)
     if json:
         write_lines(foldings_to_dict(degree, shown), json)

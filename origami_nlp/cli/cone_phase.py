@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -11,23 +9,12 @@ import typer
 
 from origami_nlp.cli.cone_count import Degree, EndRule, RestRule
 from origami_nlp.cli.minima import FigureFile, JsonFile, check_figure
+from origami_nlp.cli.progress import progress
 
 CsvFile = Annotated[
     Path | None, typer.Option("--csv", metavar="FILE", help="Write the map as CSV.")
 ]
 Ratio = Annotated[float, typer.Option(help="Stiffness ratio r_k = k_even/k_odd.")]
-
-
-@contextmanager
-def steps(title: str, total: int) -> Iterator[Callable[[float], None]]:
-    """Show how much of a long job is done (on stderr, in a terminal only)."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(title, total=total)
-        yield lambda done: bar.update(task, completed=done)
 
 
 def phase(
@@ -46,20 +33,17 @@ def phase(
     ] = False,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
-    from rich.console import Console
-
     from origami_nlp.judge.cone_phase import check_size, phase_diagram
     from origami_nlp.tell.cone_phase_file import diagram_to_dict, map_as_csv
     from origami_nlp.tell.cone_phase_table import print_diagram
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, is_stdout, write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_figure(figure)
     check_size(size)
-    check_writable(figure, "--figure")
-    check_writable(csv, "--csv")
-    check_writable(json, "--json")
-    with steps(f"cone of degree {degree}", size) as report:
+    check_outputs(("--figure", figure), ("--csv", csv), ("--json", json))
+    with progress(f"cone of degree {degree}", size) as report:
         diagram = phase_diagram(
             degree,
             size=size,
@@ -69,8 +53,8 @@ def phase(
             contact=not without_contact,
             progress=report,
         )
-    if json != "-":
-        print_diagram(diagram, Console())
+    if not is_stdout(json):
+        print_diagram(diagram, screen())
     if csv:
         write_whole(csv, map_as_csv(diagram).encode())
     if json:
@@ -89,26 +73,24 @@ def fractions(
     json: JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
-    from rich.console import Console
-
     from origami_nlp.judge.cone_phase import check_size
     from origami_nlp.judge.cone_phase_printed import STATEMENTS, check_statements
     from origami_nlp.tell import cone_phase_table as table
     from origami_nlp.tell.cone_phase_file import findings_to_dict
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, is_stdout, write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.table import rows_markdown
 
     check_size(size)
-    check_writable(markdown, "--markdown")
-    check_writable(json, "--json")
-    with steps("printed numbers", len(STATEMENTS)) as report:
-        findings = check_statements(size, progress=lambda done, _: report(done))
+    check_outputs(("--markdown", markdown), ("--json", json))
+    with progress("printed numbers", len(STATEMENTS)) as report:
+        findings = check_statements(size, progress=report)
     rows = [table.finding_row(f) for f in findings]
-    if json != "-":
+    if not is_stdout(json):
         title = "numbers printed in section 5; what occurs there (share of the printed one)"
         short = [table.short_row(f) for f in findings]
-        Console().print(table.folding_table(table.SHORT_HEADS, short, title, (1, 3)))
+        screen().print(table.folding_table(table.SHORT_HEADS, short, title, (1, 3)))
     if markdown:
         write_whole(markdown, rows_markdown(table.FINDING_HEADS, rows).encode())
     if json:
@@ -126,28 +108,27 @@ def full(
     json: JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from rich.console import Console
-
     from origami_nlp.judge.cone_full_space import cone_full_space
     from origami_nlp.state.angles import parse_angle
     from origami_nlp.tell.cone_phase_file import full_space_to_dict
     from origami_nlp.tell.cone_phase_table import print_full_space
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, is_stdout
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
     at = parse_angle(elevation, "--elevation")
-    with steps("branch minima", 1) as report:
+    with progress("branch minima") as report:
         found = cone_full_space(
             degree,
             ratio,
             at,
             rest=rest,
             end=end,
-            progress=lambda done, total: report(done / total),
+            progress=report,
         )
-    if json != "-":
-        print_full_space(found, Console())
+    if not is_stdout(json):
+        print_full_space(found, screen())
     if json:
         write_json(full_space_to_dict(found), json)
 
@@ -158,19 +139,18 @@ def limits(
     json: JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from rich.console import Console
-
     from origami_nlp.judge.cone_limits import limits as measure
     from origami_nlp.state.angles import parse_angle
     from origami_nlp.tell.cone_phase_file import limits_to_dict
     from origami_nlp.tell.cone_phase_table import LIMIT_HEADS, folding_table, limit_row
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, is_stdout
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
     found = measure(parse_angle(elevation, "--elevation"), ratio)
-    if json != "-":
-        Console().print(
+    if not is_stdout(json):
+        screen().print(
             folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p")
         )
     if json:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import Seed
+from origami_nlp.cli.progress import progress
 
 DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
 QUICK = (6, 8, 10, 12, 100, 1000)
@@ -22,26 +23,25 @@ def speed(
     ] = None,
 ) -> None:
     """Measure the time of an exact count against N, beside brute force, each with its error."""
-    from rich.console import Console
     from rich.markdown import Markdown
 
     from origami_nlp.judge.cone_speed import MAP_DEGREES, measure
     from origami_nlp.judge.minima import check_options
     from origami_nlp.tell.cone_speed_table import as_markdown
     from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.screen import PAGE, screen
 
     check_options(seed, points)
     check_writable(markdown, "--markdown")
-    console = Console()
-    with Console(stderr=True).status("measuring") as status:
+    with progress("measuring") as report:
         rows = measure(
             QUICK if quick else DEGREES,
             points,
             seed,
             maps=(12,) if quick else MAP_DEGREES,
-            progress=lambda degree: status.update(f"degree {degree} done"),
+            progress=lambda degree: report(text=f"degree {degree} done"),
         )
     text = as_markdown(rows)
-    console.print(Markdown(text))
+    screen(markdown).print(Markdown(text), width=PAGE)
     if markdown:
         write_whole(markdown, text.encode())

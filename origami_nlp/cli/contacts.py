@@ -30,20 +30,18 @@ def contacts(
     max_starts: Annotated[int, typer.Option(help="Cap on random starts.")] = 1000,
 ) -> None:
     """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
-    from rich.console import Console
-
     stated = read_scene(scene)
     from origami_nlp.judge.minima import check_options, find_minima
     from origami_nlp.judge.pinned import report_contacts
     from origami_nlp.tell import contact_report
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_options(seed, max_starts)
-    for option, target in (("--json", json), ("--markdown", markdown), ("--html", html)):
-        check_writable(target, option)
-    console = Console(stderr=json == "-")
-    with progress_bar(stated.name or scene) as progress:
+    check_outputs(("--json", json), ("--markdown", markdown), ("--html", html))
+    console = screen(json, markdown, html)
+    with progress_bar(stated.label or scene) as progress:
         result = find_minima(stated, seed=seed, max_starts=max_starts, progress=progress)
     report = report_contacts(result, state=state, segments=segments)
     contact_report.print_contacts(report, console)

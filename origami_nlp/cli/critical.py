@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import JsonFile, Seed, progress_bar
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 from origami_nlp.state.scene_file import read_scene
 
@@ -32,7 +33,6 @@ def critical(
     ] = None,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
-    from rich.console import Console
     from rich.text import Text
 
     from origami_nlp.judge.critical import compare_minima, find_critical_points
@@ -40,27 +40,31 @@ def critical(
     from origami_nlp.judge.space import analyse_space
     from origami_nlp.state.examples import panels
     from origami_nlp.tell.critical_table import PANEL_HEADS, panel_row, point_lines, points_table
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.table import rows_markdown, rows_table
 
     check_options(seed, 1)
-    check_writable(json, "--json")
-    check_writable(markdown, "--markdown")
+    check_outputs(("--json", json), ("--markdown", markdown))
     if json == "-" and scene is None:
         raise OptionError("--json = '-': give a SCENE, or a file name for the panels")
     scenes = panels() if scene is None else [read_scene(scene)]
-    console = Console(stderr=json == "-")
+    console = screen(json, markdown)
     rows, data = [], []
     euler: dict[object, int] = {}
-    for stated in scenes:
-        with progress_bar(stated.name or str(scene)) as report:
+    for number, stated in enumerate(scenes):
+        name = stated.label or str(scene)
+        with progress("critical points", len(scenes)) as report:
+            report(number, text=name)
             found = find_critical_points(stated, seed=seed)
             if search:
-                minima = find_minima(stated, seed=seed, progress=report)
+                with progress_bar(name) as searching:
+                    minima = find_minima(stated, seed=seed, progress=searching)
                 found = compare_minima(found, minima)
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
+                report(text=f"{name}: space")
                 euler[shape] = analyse_space(stated).euler_characteristic
         verdict = found.verdict(euler[shape])
         rows.append(panel_row(found, verdict.euler_characteristic))
@@ -78,7 +82,7 @@ def critical(
                 console.print(Text(line))
             console.print(verdict.text)
         elif console.is_terminal:
-            console.print(f"{stated.name}: {verdict.text}")
+            console.print(f"{stated.label}: {verdict.text}")
     if scene is None:
         console.print(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
     if markdown:

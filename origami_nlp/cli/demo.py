@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from origami_nlp.errors import OptionError
 from origami_nlp.state import examples
 
 if TYPE_CHECKING:
@@ -15,15 +14,19 @@ if TYPE_CHECKING:
 
 
 def search_panels(seed: int, full: bool = False) -> list[MinimaResult]:
-    """Find the minima of all 18 panels of the paper's two landscape figures, with a progress bar each."""
+    """Find the minima of all 18 panels of the paper's two landscape figures."""
     from origami_nlp.cli.minima import progress_bar
+    from origami_nlp.cli.progress import progress
     from origami_nlp.judge.minima import check_options, find_minima
 
     check_options(seed, 1)
-    results = []
-    for scene in examples.panels():
-        with progress_bar(scene.name or "") as report:
-            results.append(find_minima(scene, seed=seed, full=full, progress=report))
+    results: list[MinimaResult] = []
+    scenes = examples.panels()
+    with progress("panels", len(scenes)) as done:
+        for scene in scenes:
+            with progress_bar(scene.label) as report:
+                results.append(find_minima(scene, seed=seed, full=full, progress=report))
+            done(len(results))
     return results
 
 
@@ -32,17 +35,17 @@ def demo(
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
-    from rich.console import Console
-
     from origami_nlp.tell.figure import draw_minima
+    from origami_nlp.tell.files import check_outputs, make_folder
     from origami_nlp.tell.json_file import result_to_dict, write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.table import DEMO_HEADS, demo_rows, print_result, rows_table
 
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OptionError(f"--out = {str(out)!r}: {error.strerror}") from None
-    console = Console()
+    out = make_folder(out, "--out")
+    check_outputs(
+        *(("--out", out / name) for name in ("minima.json", "degree6.png", "degree8.png"))
+    )
+    console = screen()
     results = search_panels(seed, full=True)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]

@@ -17,13 +17,13 @@ def grid(
     seed: Seed = 0,
 ) -> None:
     """List the grid-local minima of SCENE's landscape and follow each downhill to an exact minimum."""
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
     from origami_nlp.judge.minima import check_options, find_minima
     from origami_nlp.tell.grid_minima import follow_grid_minima
     from origami_nlp.tell.landscape import landscape
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.table import minima_table
 
     stated = read_scene(scene)
@@ -34,8 +34,8 @@ def grid(
     if chart.kind != "area":
         why = chart.reason or "it has one symmetric freedom only"
         raise OptionError(f"scene has no two-dimensional chart: {why}")
-    console = Console()
-    with progress_bar(stated.name or scene) as report:
+    console = screen()
+    with progress_bar(stated.label or scene) as report:
         result = find_minima(stated, seed=seed, progress=report)
     console.print(minima_table(result))
     points = follow_grid_minima(result, size)

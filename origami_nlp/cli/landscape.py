@@ -15,7 +15,7 @@ from origami_nlp.cli.minima import (
     check_figure,
     progress_bar,
 )
-from origami_nlp.cli.reproduce import save_figure
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 from origami_nlp.state.scene_file import read_scene
 
@@ -43,11 +43,10 @@ def landscape(
     seed: Seed = 0,
 ) -> None:
     """Map the energy landscape of SCENE: exact boundaries, minima, space, critical points and passes."""
-    from rich.console import Console
-
     from origami_nlp.judge.minima import check_options, find_minima
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_outputs, save_figure
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_figure(figure)
     check_npz(npz)
@@ -55,8 +54,7 @@ def landscape(
     check_options(seed, 1)
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
-    for target, option in ((figure, "--figure"), (npz, "--npz"), (json, "--json")):
-        check_writable(target, option)
+    check_outputs(("--figure", figure), ("--npz", npz), ("--json", json))
     from origami_nlp.model.chart import chart_of
     from origami_nlp.tell.exact_landscape import exact_landscape
 
@@ -69,10 +67,10 @@ def landscape(
         raise OptionError(
             f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
         )
-    console = Console(stderr=json == "-")
-    with progress_bar(stated.name or scene) as report:
+    console = screen(json)
+    with progress_bar(stated.label or scene) as report:
         result = find_minima(stated, seed=seed, full=True, progress=report)
-    with console.status("boundary"):
+    with progress("boundary"):
         exact = exact_landscape(result, size)
     _tell(console, exact)
     barriers = None
@@ -83,7 +81,7 @@ def landscape(
         from origami_nlp.judge.space import analyse_space
         from origami_nlp.tell.landscape_json import landscape_to_dict
 
-        with console.status("space and critical points"):
+        with progress("space and critical points"):
             space = analyse_space(stated)
             critical = find_critical_points(stated, result, seed=seed)
         console.print(critical.verdict(space.euler_characteristic).text, highlight=False)
@@ -95,7 +93,7 @@ def landscape(
     if figure:
         from origami_nlp.tell.landscape_figure import draw_landscape
 
-        save_figure(draw_landscape(exact, barriers), figure)
+        save_figure(draw_landscape(exact, barriers), figure, 200)
         console.print(f"figure written to {figure}")
 
 
@@ -124,7 +122,7 @@ def _tell(console: Console, exact: ExactLandscape) -> None:
     from rich.text import Text
 
     names = [name.split(" (")[0] for name in exact.chart.coordinates]
-    table = Table(title=exact.result.scene.name, title_justify="left")
+    table = Table(title=exact.result.scene.label, title_justify="left")
     for head in ("#", "energy [J]", *names, "kind", "full space"):
         left = head in ("kind", "full space")
         table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
@@ -159,7 +157,7 @@ def _tell(console: Console, exact: ExactLandscape) -> None:
 def _barriers(console: Console, exact: ExactLandscape, seed: int) -> Barriers:
     from origami_nlp.judge.barriers import find_barriers
 
-    with console.status("passes between minima"):
+    with progress("passes between minima"):
         barriers = find_barriers(exact.result.scene, exact.result, seed=seed)
     for step in barriers.passes:
         console.print(

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.scene_file import read_scene
@@ -68,10 +70,16 @@ def minima(
             help="FOLD file: size for M and V creases without an angle [deg] (default 180)."
         ),
     ] = None,
+    rest_angles: Annotated[
+        str | None,
+        typer.Option(
+            metavar="file|measured",
+            help="FOLD file: a folded form rests at the angles that the file states, or at those it is folded at "
+            "(default: file where it states them).",
+        ),
+    ] = None,
 ) -> None:
     """Find the energy minima of SCENE that have its symmetry; --full says which are stable states."""
-    from rich.console import Console
-
     check_figure(figure)
     options = {
         "vertex": vertex,
@@ -80,24 +88,23 @@ def minima(
         "contact": contact,
         "stiffness": stiffness,
         "rest_angle": rest_angle,
+        "rest_angles": rest_angles,
     }
     stated = _read(scene, {key: value for key, value in options.items() if value is not None})
     from origami_nlp.judge.minima import check_options, find_minima
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_outputs
     from origami_nlp.tell.json_file import result_to_dict, write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.table import print_result
 
     check_options(seed, max_starts)
-    check_writable(json, "--json")
-    check_writable(figure, "--figure")
-    check_writable(fold, "--fold")
-    check_writable(mesh, "--mesh")
+    check_outputs(("--json", json), ("--figure", figure), ("--fold", fold), ("--mesh", mesh))
     if mesh:
         from origami_nlp.tell.fold_out import check_mesh
 
         check_mesh(mesh)
-    console = Console(stderr=json == "-")
-    with progress_bar(stated.name or scene) as report:
+    console = screen(json, fold)
+    with progress_bar(stated.label or scene) as report:
         result = find_minima(stated, seed=seed, max_starts=max_starts, full=full, progress=report)
     print_result(result, console)
     if json:
@@ -149,26 +156,12 @@ def check_figure(figure: Path | None) -> None:
 
 
 @contextmanager
-def progress_bar(title: str):  # type: ignore[no-untyped-def]
+def progress_bar(title: str) -> Iterator[Callable[[int, int, float], None]]:
     """Show starts, minima and expected undiscovered answers while a search runs (on stderr)."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed} starts, {task.fields[found]} minima"),
-        TextColumn("expected undiscovered {task.fields[missing]}"),
-        TimeElapsedColumn(),
-    )
-    console = Console(stderr=True)
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task(title, total=None, found=0, missing="-")
+    with progress(title) as tell:
 
         def report(starts: int, found: int, missing: float) -> None:
-            shown = "-" if missing == float("inf") else f"{missing:.2f}"
-            bar.update(task, completed=starts, found=found, missing=shown)
+            shown = "-" if math.isinf(missing) else f"{missing:.2f}"
+            tell(text=f"{starts} starts, {found} minima, expected undiscovered {shown}")
 
         yield report

@@ -8,6 +8,7 @@ from origami_nlp.state.scene_file import read_scene
 
 def model(scene: SceneFile) -> None:
     """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
+    from origami_nlp.tell.screen import screen
+
     stated = read_scene(scene)
-    print(stated)
-    print(stated.model())
+    screen().print(f"{stated!r}\n{stated.model()}", highlight=False, soft_wrap=True)

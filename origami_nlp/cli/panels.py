@@ -22,14 +22,12 @@ def panels(
     json: JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from rich.console import Console
-
     from origami_nlp.tell import table
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
     from origami_nlp.tell.json_file import result_to_dict, write_json
+    from origami_nlp.tell.screen import screen
 
-    check_writable(markdown, "--markdown")
-    check_writable(json, "--json")
+    check_outputs(("--markdown", markdown), ("--json", json))
     results = search_panels(seed, full)
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
@@ -37,7 +35,7 @@ def panels(
         totals = [str(sum(int(row[k]) for row in rows)) for k in range(1, 5)]
         rows.append(("total", *totals, ""))
     title = f"all panels of the paper, {sum(r.search.seconds for r in results):.1f} s in total"
-    Console(stderr=json == "-").print(table.rows_table(heads, rows, title))
+    screen(json, markdown).print(table.rows_table(heads, rows, title))
     if markdown:
         write_whole(markdown, table.rows_markdown(heads, rows).encode())
     if json:

@@ -6,8 +6,7 @@ such a function, import what it needs inside it, and add a line to the dictionar
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from origami_nlp.cli.minima import FigureFile, Seed, check_figure
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Request:
 def _sheet(request: Request) -> Figure:
     from origami_nlp.tell.sheet import draw_sheet, find_panels, sheet_table
 
-    with _progress(request.name) as report:
+    with progress(request.name) as report:
         panels = find_panels(request.name, seed=request.seed, progress=report)
     request.console.print(sheet_table(panels))
     return draw_sheet(request.name, panels)
@@ -59,7 +59,7 @@ def _grid_convergence(request: Request) -> Figure:
     results: list[MinimaResult] = []
     errors: list[GridErrors] = []
     counts: dict[str, tuple[GridCount, ...]] = {}
-    with _progress(request.name) as report:
+    with progress(request.name) as report:
         for number, scene in enumerate(scenes):
             results.append(find_minima(scene, seed=request.seed))
             errors += grid_errors(results[-1], seed=request.seed)
@@ -70,18 +70,6 @@ def _grid_convergence(request: Request) -> Figure:
             report(len(scenes) + len(counts), len(scenes) + 2)
     print_convergence(errors, counts, request.console)
     return draw_grid_convergence(tuple(errors), counts)
-
-
-@contextmanager
-def _progress(title: str) -> Iterator[Callable[[int, int], None]]:
-    """Show how many parts of the work are done (on stderr)."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(title, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def _cones(request: Request) -> Figure:
@@ -118,10 +106,9 @@ def reproduce(
     seed: Seed = 0,
 ) -> None:
     """Draw a figure of the paper anew, from exact states and boundaries."""
-    from rich.console import Console
-
     from origami_nlp.judge.minima import check_options
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_outputs, make_folder, save_figure
+    from origami_nlp.tell.screen import screen
 
     if name not in FIGURES:
         raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")
@@ -129,27 +116,11 @@ def reproduce(
     check_figure(figure)
     targets = [figure] if figure else []
     if out is not None or figure is None:
-        folder = out or Path(".")
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OptionError(f"--out = {str(out)!r}: {error.strerror}") from None
+        folder = make_folder(out or Path("."), "--out")
         targets += [folder / f"{name}.{ending}" for ending in ENDINGS]
-    for target in targets:
-        check_writable(target, "--figure" if target == figure else "--out")
-    console = Console()
+    check_outputs(*(("--figure" if target == figure else "--out", target) for target in targets))
+    console = screen()
     drawn = FIGURES[name](Request(name, seed, console))
     for target in targets:
-        save_figure(drawn, target)
+        save_figure(drawn, target, 200)
     console.print("written: " + ", ".join(map(str, targets)))
-
-
-def save_figure(figure: Figure, target: Path) -> None:
-    """Save a drawn figure, whole or not at all."""
-    import io
-
-    from origami_nlp.tell.files import write_whole
-
-    content = io.BytesIO()
-    figure.savefig(content, format=target.suffix.lstrip(".").lower(), dpi=200)
-    write_whole(target, content.getvalue())

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import FigureFile, JsonFile, SceneFile, check_figure
+from origami_nlp.cli.progress import progress
 from origami_nlp.state.scene_file import read_scene
 
 
@@ -17,19 +18,17 @@ def space(
     figure: FigureFile = None,
 ) -> None:
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
-    from rich.console import Console
-
     check_figure(figure)
     stated = read_scene(scene)
     from origami_nlp.judge.space import analyse_space
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_outputs
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.space_table import print_space
 
-    check_writable(json, "--json")
-    check_writable(figure, "--figure")
-    console = Console(stderr=json == "-")
-    with Console(stderr=True).status(f"{stated.name or scene}: mesh, walls, layers"):
+    check_outputs(("--json", json), ("--figure", figure))
+    console = screen(json)
+    with progress(f"{stated.label or scene}: mesh, walls, layers"):
         found = analyse_space(stated, size)
     print_space(found, console)
     if json:

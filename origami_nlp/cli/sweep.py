@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from origami_nlp.cli.minima import FigureFile, check_figure
+from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError, SweepError
 
 
@@ -27,22 +28,26 @@ def sweep(
     figure: FigureFile = None,
 ) -> None:
     """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
-    from rich.console import Console
-
     from origami_nlp.sweep.run import run_sweep
     from origami_nlp.sweep.spec import read_sweep
-    from origami_nlp.tell.files import check_writable
+    from origami_nlp.tell.files import check_writable, make_folder
+    from origami_nlp.tell.screen import screen
 
     check_figure(figure)
     check_writable(figure, "--figure")
     if workers is not None and workers < 1:
         raise OptionError(f"--workers = {workers} must be at least 1")
-    if out.exists() and not out.is_dir():
-        raise OptionError(f"--out = {str(out)!r} is a file: give a folder")
     stated = read_sweep(spec)
-    console = Console()
-    with _executor(dask) as executor, _bar(Path(spec).name, stated.count) as report:
-        done = run_sweep(stated, out, executor=executor, workers=workers, progress=report)
+    make_folder(out, "--out")
+    console = screen()
+    with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+        done = run_sweep(
+            stated,
+            out,
+            executor=executor,
+            workers=workers,
+            progress=lambda done, total, states: report(done, total, f"{states} states"),
+        )
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
     console.print(
         f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s"
@@ -82,29 +87,3 @@ def _executor(address: str | None):  # type: ignore[no-untyped-def]
         yield pool
     finally:
         client.close()
-
-
-@contextmanager
-def _bar(title: str, count: int):  # type: ignore[no-untyped-def]
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed} of {task.total} scenes, {task.fields[states]} states"),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    console = Console(stderr=True)
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task(title, total=count, states=0)
-        yield lambda finished, total, states: bar.update(task, completed=finished, states=states)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import JsonFile, Seed
+from origami_nlp.cli.progress import progress
 
 
 def transitions(
@@ -17,25 +18,21 @@ def transitions(
     json: JsonFile = None,
 ) -> None:
     """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
     from origami_nlp.judge.space_transitions import find_transitions
     from origami_nlp.tell.files import check_writable
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
     from origami_nlp.tell.space_table import print_transitions
 
     check_writable(json, "--json")
-    console = Console(stderr=json == "-")
-    screen = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as bar:
-        task = bar.add_task(family, total=1.0)
-
-        def report(what: str, done: float) -> None:
-            bar.update(task, description=f"{family}: {what}", completed=done)
-
-        sweep = find_transitions(family, samples=samples, size=size, seed=seed, report=report)
-    print_transitions(sweep, console)
+    with progress(family, 1.0) as tell:
+        sweep = find_transitions(
+            family,
+            samples=samples,
+            size=size,
+            seed=seed,
+            report=lambda what, done: tell(done, text=what),
+        )
+    print_transitions(sweep, screen(json))
     if json:
         write_json(sweep.to_dict(), json)

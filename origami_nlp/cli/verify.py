@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from origami_nlp.cli.progress import progress
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -31,20 +33,15 @@ def verify(
     number).  Exit code 0: every claim is decided (proved, or its corrected
     statement proved); 1: some claim is not; 2: an option has a value it cannot take.
     """
-    from rich.console import Console
-
-    from origami_nlp.tell.files import check_writable, write_whole
+    from origami_nlp.tell.files import check_outputs, write_whole
+    from origami_nlp.tell.screen import screen
     from symbolic import report
     from symbolic.catalogue import claim_by_id, claims
 
-    for option, path in (("--json", json), ("--markdown", markdown), ("--latex", latex)):
-        check_writable(path, option)
+    check_outputs(("--json", json), ("--markdown", markdown), ("--latex", latex))
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)
-    results = _run(chosen, console)
-    _print(results, console)
+    results = _run(chosen)
+    _print(results, screen(json, markdown, latex))
     for path, text in (
         (json, report.as_json),
         (markdown, report.as_markdown),
@@ -56,49 +53,41 @@ def verify(
         raise typer.Exit(1)
 
 
-def _run(chosen: Sequence[Claim], console: Console) -> list[Result]:
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
+def _run(chosen: Sequence[Claim]) -> list[Result]:
     from symbolic.catalogue import decide_all
 
-    columns = (
-        TextColumn("deciding"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[last]}"),
-    )
-    quiet = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
-        task = bar.add_task("claims", total=len(chosen), last="")
-        return decide_all(chosen, progress=lambda claim: bar.update(task, advance=1, last=claim.id))
+    done: list[str] = []
+    with progress("deciding", len(chosen)) as report:
+
+        def tell(claim: Claim) -> None:
+            done.append(claim.id)
+            report(len(done), text=claim.id)
+
+        return decide_all(chosen, progress=tell)
 
 
 def _print(results: Sequence[Result], console: Console) -> None:
-    from rich.markup import escape
     from rich.table import Table
+    from rich.text import Text
 
     from symbolic.left_out import LEFT_OUT
     from symbolic.report import summary, tally_text
 
-    table = Table(box=None, pad_edge=False, expand=True)
+    table = Table(box=None, pad_edge=False)
     for name in ("claim", "verdict", "what", "method", "s"):
-        # the id, the verdict and the time are never cut; the two texts share what is left
-        free = name in ("what", "method")
+        # the two texts share what the id, the verdict and the time leave, and wrap
         table.add_column(
             name,
-            no_wrap=True,
-            overflow="ellipsis",
+            no_wrap=name not in ("what", "method"),
             justify="right" if name == "s" else "left",
-            ratio={"what": 3, "method": 2}.get(name),
-            min_width=None if free else max(len(name), *(len(_cell(r, name)) for r in results)),
         )
     for r in results:
         colour = COLOURS[r.verdict.verdict]
         table.add_row(
             _cell(r, "claim"),
-            f"[{colour}]{_cell(r, 'verdict')}[/]",
-            escape(r.claim.title),
-            escape(r.verdict.method),
+            Text(_cell(r, "verdict"), style=colour),
+            r.claim.title,
+            r.verdict.method,
             _cell(r, "s"),
         )
     console.print(table)

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
 
 from origami_nlp.cli.minima import JsonFile
-from origami_nlp.errors import FoldFileError, OptionError
+from origami_nlp.errors import OptionError
+from origami_nlp.model.flat_fold import folds_flat
 from origami_nlp.state.fold_file import Frame, read_fold
 from origami_nlp.state.fold_vertices import FoldVertex, fold_vertices, scene_at
 from origami_nlp.state.scene import Scene
 
 SCHEMA = "origami-nlp/vertices/1"
-FLAT = 1e-4
-"""Gaps [rad] that noise in coordinates may leave in a flat folding."""
+HEADS = (
+    "vertex",
+    "degree",
+    "assignment",
+    "sector angles [deg]",
+    "Kawasaki [deg]",
+    "Maekawa",
+    "folds flat",
+    "analysis",
+)
 FrameNumber = Annotated[
     int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
 ]
@@ -29,79 +38,61 @@ def vertices(
     json: JsonFile = None,
 ) -> None:
     """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
-    from rich.console import Console
-    from rich.table import Table
-
     from origami_nlp.tell.files import check_writable
     from origami_nlp.tell.json_file import write_json
+    from origami_nlp.tell.screen import screen
 
     check_writable(json, "--json")
-    frames = read_fold(fold)
-    wanted = frames if frame is None else (choose_frame(frames, frame),)
-    console = Console(stderr=json == "-")
+    frames = read_fold(fold, frame)
+    console = screen(json)
     everything = []
-    for one in wanted:
+    for one in frames:
         found, notes = fold_vertices(one)
         flat = [folds_flat(v) for v in found]
         everything.append(_to_dict(one, found, flat, notes))
         kind = "folded form" if one.folded else "crease pattern"
         title = f"frame {one.number} ({kind}){': ' + one.title if one.title else ''}"
-        table = Table(
-            title=f"{title}: {len(found)} interior vertices with creases", title_justify="left"
+        title += f": {len(found)} interior vertices with creases"
+        rows = [_row(v, folds) for v, folds in zip(found, flat, strict=True)]
+        console.print_rows(
+            title, HEADS, rows, left=("assignment", "sector angles [deg]", "analysis")
         )
-        for head in (
-            "vertex",
-            "degree",
-            "assignment",
-            "sector angles [deg]",
-            "Kawasaki [deg]",
-            "Maekawa",
-            "folds flat",
-        ):
-            table.add_column(head, justify="left" if head.startswith(("ass", "sec")) else "right")
-        table.add_column("analysis")
-        for v, folds in zip(found, flat, strict=True):
-            table.add_row(*_row(v, folds))
-        console.print(table)
-        for note in (*one.notes, *notes):
-            console.print(f"note: {note}", highlight=False)
-        for v in found:
-            for note in v.notes:
-                console.print(f"vertex {v.number}: {note}", highlight=False)
+        said = [f"note: {note}" for note in (*one.notes, *notes)]
+        said += [f"vertex {v.number}: {note}" for v in found for note in v.notes]
+        if said:
+            console.print("\n".join(said), highlight=False)
     if json:
         write_json({"schema": SCHEMA, "frames": everything}, json)
-
-
-def choose_frame(frames: tuple[Frame, ...], number: int | None) -> Frame:
-    """Return a frame by its number in the file; the first one with geometry by default."""
-    if number is None:
-        return frames[0]
-    for frame in frames:
-        if frame.number == number:
-            return frame
-    there = ", ".join(str(f.number) for f in frames[:12])
-    raise FoldFileError(f"--frame {number} is no frame with geometry: there is {there}")
 
 
 def read_fold_scene(
     source: str | Path, vertex: int | None, frame: int | None, **options: Any
 ) -> Scene:
-    """Read one vertex of a FOLD file as a scene; its only vertex that can be analysed by default."""
-    chosen = choose_frame(read_fold(source), frame)
+    """Read one vertex of a FOLD file as a scene; its only vertex that can be analysed by default.
+
+    What is odd in the file, and what was assumed, goes to standard error.  options: as `scene_at` takes them.
+    """
+    (chosen,) = read_fold(source, "first" if frame is None else frame)
+    found, notes = fold_vertices(chosen)
     if vertex is None:
-        good = [v.number for v in fold_vertices(chosen)[0] if not v.reason]
+        good = [v.number for v in found if not v.reason]
         if len(good) != 1:
+            some = (
+                f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
+                if good
+                else ""
+            )
+            why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
-                f"--vertex is needed: {len(good)} interior vertices can be analysed"
-                + (
-                    f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
-                    if good
-                    else ""
-                )
-                + "; origami-nlp vertices lists them"
+                f"--vertex is needed: {len(good)} interior vertices can be analysed{some}; "
+                f"origami-nlp vertices lists them{why}"
             )
         vertex = good[0]
-    return scene_at(chosen, vertex, **options)
+    scene = scene_at(chosen, vertex, **options)
+    here = next(v for v in found if v.number == vertex)
+    for note in (*chosen.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
+        print(f"note: {note}", file=sys.stderr)
+    return scene
 
 
 def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
@@ -111,17 +102,6 @@ def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
     flat = {True: "yes", False: "no", None: "-"}[folds]
     first = (str(v.number), str(v.degree), v.assignment, angles)
     return (*first, kawasaki, maekawa, flat, v.reason or "yes")
-
-
-def folds_flat(v: FoldVertex) -> bool | None:
-    """Tell whether the vertex folds flat with its mountains and valleys; None where that is not stated."""
-    if v.reason or v.maekawa is None:
-        return None
-    from origami_nlp.model.embedding import examine
-    from origami_nlp.state.fold_vertices import make_vertex
-
-    phi = np.array([math.pi if letter == "V" else -math.pi for letter in v.assignment])
-    return examine(make_vertex(v.sector_angles), phi, tolerance=FLAT).admissible
 
 
 def _to_dict(
@@ -140,6 +120,7 @@ def _to_dict(
                 "assignment": v.assignment,
                 "sector_angles": [None if math.isnan(a) else a for a in v.sector_angles],
                 "fold_angles": [None if math.isnan(a) else a for a in v.fold_angles],
+                "file_angles": [None if math.isnan(a) else a for a in v.file_angles],
                 "kawasaki": v.kawasaki if v.kawasaki is None or math.isfinite(v.kawasaki) else None,
                 "maekawa": v.maekawa,
                 "folds_flat": folds,

@@ -215,7 +215,7 @@ class Model:
             if group.kind == "D"
             else f"scalar of q Q(e3, 2 pi/{group.order}) = cos(pi/{group.order}), q = folds of a period",
         )
-        lines.append(f"Model of {self.scene.name or self.scene.vertex!r}, symmetry {group.name}")
+        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}")
         lines.append(f"  variables     {self.size}: fold angles")
         for v in range(self.size):
             creases = ", ".join(str(c) for c in self.creases_of(v))

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from origami_nlp.state.reading import read_limited
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
+MOST_ELEMENTS = 2_000_000
+"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
 NOISE = 1e-4
 """Relative size of deviations from a plane, or of angle sums from 2 pi [rad], taken for noise in coordinates."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
@@ -29,6 +31,19 @@ REST_KEY = "edges_origaminlp:restAngle"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
+_READ = (
+    "vertices_coords",
+    "edges_vertices",
+    "faces_vertices",
+    "edges_assignment",
+    "edges_foldAngle",
+    *_LEGACY,
+    STIFFNESS_KEY,
+    REST_KEY,
+    "frame_classes",
+    "frame_title",
+    "file_title",
+)
 
 
 @dataclass(frozen=True)
@@ -61,18 +76,20 @@ class Frame:
     notes: tuple[str, ...] = ()
 
 
-def read_fold(source: str | Path) -> tuple[Frame, ...]:
+def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
     """Read every frame of a FOLD file that has geometry, or of standard input for ``"-"``.
+
+    frame: read only this one, numbered as in `Frame`, or the first with geometry.  Others are not looked at.
 
     Raises
     ------
     FoldFileError
-        If the file cannot be read, is no JSON, or an array is not what FOLD says it is.
+        If the file cannot be read, is no JSON, an array is not what FOLD says it is, or there is no such frame.
     """
-    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError))
+    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError), frame)
 
 
-def parse_fold(text: str | bytes) -> tuple[Frame, ...]:
+def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
     """Read every frame with geometry from the text of a FOLD file (see `read_fold`)."""
 
     def refuse(constant: str) -> float:
@@ -92,42 +109,71 @@ def parse_fold(text: str | bytes) -> tuple[Frame, ...]:
             "FOLD file must be a JSON object with vertices_coords, edges_vertices, ..."
         )
     raw = [data, *_list(data.get("file_frames", []), "file_frames")]
-    frames = []
-    for number, frame in enumerate(raw):
-        if not isinstance(frame, Mapping):
+    for number, one in enumerate(raw):
+        if not isinstance(one, Mapping):
             raise FoldFileError(f"file_frames[{number - 1}] must be an object")
-        full = _inherited(raw, number)
-        if "vertices_coords" in full:
-            frames.append(_frame(full, number))
-    if not frames:
+    full = _inherited(raw)
+    there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
+    if not there:
         raise FoldFileError("FOLD file has no frame with vertices_coords: no geometry to analyse")
-    return tuple(frames)
+    if frame is not None:
+        wanted = there[:1] if frame == "first" else [frame] if frame in there else []
+        if not wanted:
+            some = ", ".join(map(str, there[:12])) + (", ..." if len(there) > 12 else "")
+            raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
+    else:
+        wanted = there
+        _check_total([full[number] for number in there])
+    return tuple(_frame(full[number], number) for number in wanted)
 
 
-def _inherited(raw: list[Any], number: int) -> dict[str, Any]:
-    """Return the keys of a frame with those of its parents."""
-    chain = [number]
-    while chain[-1] and raw[chain[-1]].get("frame_inherit") is True:
-        parent = raw[chain[-1]].get("frame_parent", 0)
-        if not _is_index(parent, len(raw)) or parent in chain:
-            raise FoldFileError(
-                f"file_frames[{chain[-1] - 1}].frame_parent = {_short(parent)} must be another frame, "
-                f"0 to {len(raw) - 1}"
-            )
-        if not isinstance(raw[parent], Mapping):
-            raise FoldFileError(f"file_frames[{parent - 1}] must be an object")
-        chain.append(parent)
-    full: dict[str, Any] = {}
-    for k in reversed(chain):
-        full |= {key: v for key, v in raw[k].items() if key != "file_frames"}
-    return full
+def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
+    """Return the keys of every frame with those of its parents, as far as they are read."""
+    full: list[dict[str, Any] | None] = [None] * len(raw)
+    for number in range(len(raw)):
+        chain = {}  # from a frame up to one whose keys are known
+        here: int | None = number
+        while here is not None and full[here] is None:
+            parent = None
+            if here and raw[here].get("frame_inherit") is True:
+                parent = raw[here].get("frame_parent", 0)
+                if not _is_index(parent, len(raw)) or parent in chain or parent == here:
+                    raise FoldFileError(
+                        f"file_frames[{here - 1}].frame_parent = {_short(parent)} must be another frame, "
+                        f"0 to {len(raw) - 1}"
+                    )
+            chain[here] = parent
+            here = parent
+        for one, parent in reversed(chain.items()):
+            own = {key: raw[one][key] for key in _READ if key in raw[one]}
+            full[one] = {**(full[parent] or {}), **own} if parent is not None else own
+    return [keys or {} for keys in full]
+
+
+def _check_total(frames: list[dict[str, Any]]) -> None:
+    """Refuse frames that inherit so much that a small file becomes a day of work."""
+    total = sum(
+        len(keys[key])
+        for keys in frames
+        for key in ("vertices_coords", "edges_vertices")
+        if isinstance(keys.get(key), list)
+    )
+    if len(frames) > 1 and total > MOST_ELEMENTS:
+        raise FoldFileError(
+            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
+            f"{MOST_ELEMENTS}: choose one with --frame"
+        )
 
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
     notes: list[str] = []
+    legacy = []
     for old, new in _LEGACY.items():
-        if old in data and new not in data:
+        if old in data and new in data:
+            notes.append(f"{old}: left out, since {new} is given too")
+        elif old in data:
             data[new] = data[old]
+            legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
     count = len(coords)
@@ -135,7 +181,9 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     pairs = _edges(data.get("edges_vertices"), faces, count, notes)
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
-    angles = np.radians(_numbers(data.get("edges_foldAngle"), "edges_foldAngle", m))
+    angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
+    if not _in_radians(angles, "edges_foldAngles" in legacy, notes):
+        angles = np.radians(angles)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     for key, values, good, what in (
@@ -148,6 +196,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             shown = values[wrong[0]] if key == STIFFNESS_KEY else math.degrees(values[wrong[0]])
             raise FoldFileError(f"{key}[{wrong[0]}] = {shown:.6g} must be {what}, or null")
     keep, conflicts = _once(pairs, letters, angles, notes)
+    place = {int(e): k for k, e in enumerate(keep)}
     _compare(letters, angles, notes)
     classes = data.get("frame_classes", [])
     folded = isinstance(classes, list) and "foldedForm" in classes
@@ -156,7 +205,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     title = data.get("frame_title", data.get("file_title", ""))
     return Frame(
         number,
-        title if isinstance(title, str) else "",
+        title.encode(errors="replace").decode() if isinstance(title, str) else "",
         coords,
         folded,
         pairs[keep],
@@ -166,7 +215,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         rest[keep],
         stiffness[keep],
         faces,
-        frozenset(int(np.flatnonzero(keep == k)[0]) for k in conflicts),
+        frozenset(place[k] for k in conflicts),
         tuple(notes),
     )
 
@@ -326,12 +375,29 @@ def _compare(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
     ]
     if wrong:
         notes.append(
-            f"edges {_listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
+            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
             "the angle is used"
         )
 
 
-def _listed(items: list[int], most: int = 8) -> str:
+def _in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
+    """Tell whether fold angles are radians.  FOLD says degrees, under both names; under the old one programs wrote
+    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make."""
+    largest = float(np.nanmax(np.abs(angles), initial=0.0))
+    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
+        notes.append(
+            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
+        )
+        return True
+    if abs(largest - math.pi) < 1e-3:
+        notes.append(
+            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
+        )
+    return False
+
+
+def listed(items: list[int], most: int = 8) -> str:
+    """Write the first numbers, and how many there are."""
     shown = ", ".join(str(i) for i in items[:most])
     return shown + (f", ... ({len(items)})" if len(items) > most else "")
 
@@ -349,10 +415,9 @@ def _flattened(
     if folded:
         return coords, True
     normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
-    area = sum(
-        (np.cross(coords[f[i - 1]], coords[f[i]]) for f in faces for i in range(len(f))),
-        np.zeros(3),
-    )
+    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
+    sides = sides.reshape(-1, 2)
+    area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
     up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
     if (
         normal @ up < 0

@@ -10,17 +10,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.state.arguments import check_number, check_type, check_whole, shown
 from origami_nlp.state.fold_file import FOLDS, NOISE, Frame
+from origami_nlp.state.fold_rings import Rings
 from origami_nlp.state.scene import Contact, Scene
 from origami_nlp.state.vertex import Vertex
 
 CLOSED = 1e-6
 """Folded facets whose normals are opposite to this [rad] are shut: the file says to which side."""
+APART = math.radians(1.0)
+"""Measured and stated fold angles [rad] that differ by more are worth a word."""
 NOISY = 1e-4
 """Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
 
@@ -32,7 +36,8 @@ class FoldVertex:
     number: in the file, from 0.
     edges: numbers in the file of its creases, counter-clockwise.
     sector_angles: [N] [rad], from crease to crease.  assignment: a letter a crease.
-    fold_angles: [N] [rad] of a folded form, or the targets of a crease pattern; NaN where not given.
+    fold_angles: [N] [rad] measured on a folded form, or `file_angles` of a crease pattern.
+    file_angles: [N] [rad] edges_foldAngle of the file: targets, or the folded state; NaN where not given.
     kawasaki: |alternating sum of the sector angles| [rad], None for an odd degree.
     maekawa: |mountains - valleys| - 2, None unless every crease is one or the other.
     reason: why it cannot be analysed; empty if it can.
@@ -44,6 +49,7 @@ class FoldVertex:
     sector_angles: tuple[float, ...]
     assignment: str
     fold_angles: tuple[float, ...]
+    file_angles: tuple[float, ...]
     kawasaki: float | None
     maekawa: int | None
     reason: str
@@ -69,9 +75,11 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
         frame.folded
     ):  # which side valleys open to is a matter of how the faces run; the assignments decide
         votes = sum(
-            {"M": -1, "V": 1}.get(letter, 0) * math.copysign(1.0, angle)
+            {"M": -1, "V": 1}.get(letter, _sign(stated)) * math.copysign(1.0, angle)
             for v in found
-            for letter, angle in zip(v.assignment, v.fold_angles, strict=True)
+            for letter, angle, stated in zip(
+                v.assignment, v.fold_angles, v.file_angles, strict=True
+            )
             if CLOSED < abs(angle) < math.pi
         )
         if votes < 0:
@@ -81,11 +89,11 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
 
 
 def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
-    ring = _Rings(frame, turned)
+    ring = Rings(frame, turned)
     found = []
     for v in range(len(frame.coords)):
         if v in ring.interior:
-            vertex = _analyse(frame, v, *ring.around(v))
+            vertex = _analyse(frame, v, *ring.around(v), ring.edge[v])
             if vertex is not None:
                 found.append(vertex)
     return tuple(found), ring.notes
@@ -99,6 +107,7 @@ def scene_at(
     contact: Contact = "full",
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
+    rest_angles: Literal["file", "measured"] | None = None,
 ) -> Scene:
     """Make a scene of interior vertex `number` (from 0, as in the file).
 
@@ -109,23 +118,34 @@ def scene_at(
     rest_angle
         Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
         fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
+    rest_angles
+        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
+        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
+        file has none.
 
     Raises
     ------
     FoldFileError
-        If the vertex is not there, or cannot be analysed.
+        If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
     """
     check_type("frame", frame, Frame)
     check_whole("number", number, 0)
     check_number("stiffness", stiffness)
     check_number("rest_angle", rest_angle, 0.0, math.pi)
-    vertices, _ = fold_vertices(frame)
+    if rest_angles not in (None, "file", "measured"):
+        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
+    if rest_angles == "measured" and not frame.folded:
+        raise FoldFileError(
+            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
+        )
+    vertices, notes = fold_vertices(frame)
     here = [v for v in vertices if v.number == number]
     if not here:
         some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
         raise FoldFileError(
             f"--vertex {shown(number)} is no interior vertex with creases in frame {frame.number}: "
             f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
+            + ("" if vertices else "".join(f"; {note}" for note in notes))
         )
     v = here[0]
     if v.reason:
@@ -134,8 +154,15 @@ def scene_at(
     at = [position[e] for e in v.edges]
     k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
     sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
-    rest = np.where(np.isnan(v.fold_angles), sign * rest_angle, v.fold_angles)
-    rest = np.where(np.isnan(frame.rest_angles[at]), rest, frame.rest_angles[at])
+    measured, letters = v.fold_angles, sign * rest_angle
+    choices = {
+        "file": (frame.rest_angles[at], v.file_angles, letters),
+        "measured": (measured,),
+        None: (frame.rest_angles[at], v.file_angles, measured, letters),
+    }
+    rest = np.full(v.degree, math.nan)
+    for choice in choices[rest_angles]:
+        rest = np.where(np.isnan(rest), choice, rest)
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -155,126 +182,17 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
     return Vertex(tuple(a * (2 * math.pi / total) for a in sectors))
 
 
-# ---------------------------------------------------------------- around a vertex
+def _sign(angle: float) -> float:
+    return 0.0 if math.isnan(angle) or angle == 0 else math.copysign(1.0, angle)
 
 
-class _Rings:
-    """Which vertices are interior, and the edges and facets around each, counter-clockwise."""
-
-    def __init__(self, frame: Frame, turned: bool = False) -> None:
-        self.frame = frame
-        self.turned = turned
-        self.edge = {}
-        neighbours: list[list[int]] = [[] for _ in frame.coords]
-        for e, (a, b) in enumerate(frame.edges.tolist()):
-            self.edge[a, b] = self.edge[b, a] = e
-            neighbours[a].append(b)
-            neighbours[b].append(a)
-        self.notes: tuple[str, ...] = ()
-        self.next: dict[tuple[int, int], int] = {}
-        border = self._by_faces() if frame.folded else self._by_azimuth(neighbours)
-        cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
-        drawn = sorted(e for e in border - cut)
-        if drawn:
-            numbers = [int(frame.numbers[e]) for e in drawn]
-            shown = ", ".join(map(str, numbers[:8])) + (", ..." if len(numbers) > 8 else "")
-            self.notes = (
-                *self.notes,
-                f"edges {shown} lie on the border but are drawn as folds: read as borders",
-            )
-        outside = {int(v) for e in border | cut for v in frame.edges[e]}
-        self.interior = {v for v, n in enumerate(neighbours) if n and v not in outside}
-
-    def around(self, v: int) -> tuple[list[int], str]:
-        """Return the neighbours of v counter-clockwise, and why they do not close up (or '')."""
-        start = min(b for a, b in self.next if a == v) if any(a == v for a, _ in self.next) else -1
-        if start < 0:
-            return [], "no face of the file touches it: a folded form needs faces_vertices"
-        ring, here = [start], self.next[v, start]
-        while here != start:
-            if here in ring or (v, here) not in self.next:
-                return ring, "the faces around it do not close up"
-            ring.append(here)
-            here = self.next[v, here]
-        return ring, ""
-
-    def _by_azimuth(self, neighbours: list[list[int]]) -> set[int]:
-        """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
-        xy = self.frame.coords
-        for v, others in enumerate(neighbours):
-            d = xy[others] - xy[v]
-            order = [others[k] for k in np.argsort(np.arctan2(d[:, 1], d[:, 0]), kind="stable")]
-            for a, b in zip(order, order[1:] + order[:1], strict=True):
-                self.next[v, a] = b
-        # walk around every face, keeping it on the left; the outer face of a piece has a negative area
-        border: set[int] = set()
-        unseen = dict.fromkeys((a, b) for a in range(len(neighbours)) for b in neighbours[a])
-        before = {(v, b): a for (v, a), b in self.next.items()}
-        while unseen:
-            a, b = walk = next(iter(unseen))
-            area, sides = 0.0, []
-            while walk in unseen:
-                del unseen[walk]
-                a, b = walk
-                area += xy[a, 0] * xy[b, 1] - xy[b, 0] * xy[a, 1]
-                sides.append(self.edge[a, b])
-                walk = (b, before[b, a])
-            if area <= 0:
-                border |= set(sides)
-        return border
-
-    def _by_faces(self) -> set[int]:
-        """Order by faces; edges with one face only are the border."""
-        sides = np.zeros(len(self.frame.edges), dtype=int)
-        missing, twisted = set(), False
-        for face in self._oriented():
-            n = len(face)
-            for i, v in enumerate(face):
-                after, before = face[(i + 1) % n], face[i - 1]
-                twisted |= (v, after) in self.next
-                self.next[v, after] = before
-                if (v, after) in self.edge:
-                    sides[self.edge[v, after]] += 1
-                else:
-                    missing.add((v, after))
-        if missing:
-            self.notes = (*self.notes, f"{len(missing)} sides of faces are no edges of the file")
-        if twisted:
-            self.notes = (*self.notes, "some faces overlap at a vertex or cannot be oriented alike")
-        return set(np.flatnonzero(sides < 2).tolist())
-
-    def _oriented(self) -> list[tuple[int, ...]]:
-        """Turn faces so that neighbours run along a common side in opposite directions."""
-        faces = [f[::-1] if self.turned else f for f in self.frame.faces]
-        at: dict[frozenset[int], list[int]] = {}
-        for f, face in enumerate(faces):
-            for i in range(len(face)):
-                at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
-        done: set[int] = set()
-        against = 0
-        for seed in range(len(faces)):
-            queue = [seed] if seed not in done else []
-            done.add(seed)
-            while queue:
-                f = queue.pop()
-                along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
-                for a, b in along:
-                    for g in at[frozenset((a, b))]:
-                        if g in done:
-                            continue
-                        done.add(g)
-                        queue.append(g)
-                        if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
-                            faces[g] = faces[g][::-1]
-                            against += 1
-        if against:
-            self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
-        return faces
+# ---------------------------------------------------------------- one vertex
 
 
-def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex | None:
-    """Measure the vertex whose neighbours `ring` follow each other counter-clockwise."""
-    edge = {int(w): e for e, pair in enumerate(frame.edges) for w in pair if v in pair and w != v}
+def _analyse(
+    frame: Frame, v: int, ring: list[int], broken: str, edge: dict[int, int]
+) -> FoldVertex | None:
+    """Measure the vertex whose neighbours `ring`, by edges `edge`, follow each other counter-clockwise."""
     letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
     creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
     if not creases:
@@ -294,14 +212,12 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         if len(ring) == 1:
             sectors = np.array([2 * math.pi])
     # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
-    sprung = ~np.isnan(frame.stiffness) | ~np.isnan(frame.rest_angles)
-    keep = [
-        k for k, w in enumerate(ring) if w in creases and (letters[w] != "F" or sprung[edge[w]])
-    ]
+    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
+    keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
         if len(keep) < 3 or merged.max() >= math.pi - 1e-9:
-            keep = [k for k, w in enumerate(ring) if w in creases]
+            keep = folds
             merged = _merge(sectors, keep)
             notes.append(
                 "F edges are kept as creases: without them a facet would span 180 degrees or more"
@@ -312,11 +228,12 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         notes.append("facets joined by J edges are one facet")
     names = [ring[k] for k in keep]
     at = [edge[w] for w in names]
-    phi = frame.fold_angles[at].copy()
+    phi = stated = frame.fold_angles[at]
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
         if unsure:
             notes.append("a shut crease without assignment or fold angle: taken for a valley")
+        notes += _compare(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
     if not reason:
         try:
@@ -338,11 +255,16 @@ def _analyse(frame: Frame, v: int, ring: list[int], broken: str) -> FoldVertex |
         tuple(merged.tolist()),
         signs,
         tuple(phi.tolist()),
+        tuple(stated.tolist()),
         alternating,
         maekawa,
         reason,
         tuple(notes),
     )
+
+
+def _is_sprung(frame: Frame, edge: int) -> bool:
+    return not (np.isnan(frame.stiffness[edge]) and np.isnan(frame.rest_angles[edge]))
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
@@ -372,7 +294,31 @@ def _refused(
     at = [edge[w] for w in creases]
     nan = (math.nan,) * len(at)
     signs = "".join(frame.assignment[e] for e in at)
-    return FoldVertex(v, tuple(int(frame.numbers[e]) for e in at), nan, signs, nan, None, None, why)
+    stated = tuple(frame.fold_angles[at].tolist())
+    return FoldVertex(
+        v, tuple(int(frame.numbers[e]) for e in at), nan, signs, nan, stated, None, None, why
+    )
+
+
+def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
+    """Say where the angles of a folded form are not those that its file states."""
+    stated = frame.fold_angles[at]
+    apart = np.nan_to_num(np.abs(phi - stated))
+    if apart.max() > APART:
+        k = int(apart.argmax())
+        return [
+            f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
+            f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
+            "file): rest angles are those of the file, or with --rest-angles measured the others"
+        ]
+    letters = {frame.assignment[e] for e in at}
+    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
+    if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
+        return [
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-angles file those of M "
+            "and V"
+        ]
+    return []
 
 
 def _measured(

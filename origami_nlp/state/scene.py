@@ -14,12 +14,17 @@ from origami_nlp.state.angles import format_angle, parse_angles
 from origami_nlp.state.arguments import check_angles, shown
 from origami_nlp.state.relations import ROUNDING, Relations, find_relations
 from origami_nlp.state.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
+from origami_nlp.state.text import is_unicode, printable
 from origami_nlp.state.vertex import Vertex
 
 if TYPE_CHECKING:
     from origami_nlp.model.nlp import Model
 
 Contact = Literal["full", "fold-limits", "none"]
+MOST_CREASES = 1_000
+"""Of a scene; `model` then takes seconds."""
+MOST_PAIRED = 400
+"""Creases of a scene with full contact, 80,000 pairs of facets; `model` then takes seconds."""
 NARROWEST = 1e-7
 """Narrowest facet [rad] of a scene with full contact: its two creases must not count as touching."""
 
@@ -86,6 +91,15 @@ class Scene:
         if not isinstance(self.vertex, Vertex):
             raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
+        if n > MOST_CREASES:
+            raise SceneError(
+                f"vertex has {n} creases: at most {MOST_CREASES}, since its symmetries are looked for in N^2 steps"
+            )
+        if n > MOST_PAIRED and self.contact == "full":
+            raise SceneError(
+                f"vertex has {n} creases: with contact = 'full', which keeps every two facets apart, at most "
+                f"{MOST_PAIRED}; use contact = 'fold-limits'"
+            )
         stiffness = _numbers(self.stiffness, "stiffness", n)
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):
@@ -111,6 +125,8 @@ class Scene:
                 )
         if self.name is not None and not isinstance(self.name, str):
             raise SceneError(f"name = {shown(self.name)} must be text")
+        if self.name is not None and not is_unicode(self.name):
+            raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
@@ -159,6 +175,11 @@ class Scene:
         object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
 
     @property
+    def label(self) -> str:
+        """The name as it may be shown (`printable`), empty where there is none."""
+        return printable(self.name or "")
+
+    @property
     def degree(self) -> int:
         """Number of creases N."""
         return self.vertex.degree
@@ -185,7 +206,7 @@ class Scene:
     def __repr__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
-        title = f"{self.name}: " if self.name else ""
+        title = f"{self.label}: " if self.label else ""
         return (
             f"Scene({title}{shown(self.vertex)},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"

@@ -6,7 +6,6 @@ The file is data: text angles go through `state.angles.parse_angle`, nothing is 
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 from origami_nlp.errors import SceneFileError
 from origami_nlp.state.angles import format_angle, parse_angles
 from origami_nlp.state.arguments import check_type, shown
-from origami_nlp.state.reading import read_limited
+from origami_nlp.state.reading import parse_toml, read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.symmetry import TOLERANCE
 from origami_nlp.state.vertex import Vertex
@@ -46,11 +45,7 @@ def parse_scene(text: str) -> Scene:
     """Read a scene from TOML text."""
     if not isinstance(text, str):
         raise SceneFileError(f"text = {shown(text)} must be the text of a scene file")
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneFileError(f"scene is not valid TOML: {str(error).splitlines()[0]}") from None
-    return scene_from_dict(data)
+    return scene_from_dict(parse_toml(text, "scene", SceneFileError))
 
 
 def scene_from_dict(data: Mapping[str, Any]) -> Scene:

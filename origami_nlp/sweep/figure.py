@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from origami_nlp.errors import SweepError
 from origami_nlp.state.arguments import check_path
 from origami_nlp.sweep.load import KINDS, sweep_grid
+from origami_nlp.tell.files import save_figure
 
 COLOURS = {
     "interior": "#0072b2",
@@ -46,7 +47,7 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
     with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
         figure = _curve(grid, names[0]) if len(shape) == 1 else _maps(grid, names)
     if path is not None:
-        figure.savefig(Path(path), dpi=200)
+        save_figure(figure, path, 200)
     return figure
 
 

@@ -32,7 +32,6 @@ import copy
 import json
 import math
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,7 +43,7 @@ from origami_nlp.errors import SweepError
 from origami_nlp.state import examples
 from origami_nlp.state.angles import parse_angle
 from origami_nlp.state.arguments import check_path, shown
-from origami_nlp.state.reading import read_limited
+from origami_nlp.state.reading import parse_toml, read_limited
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.scene_file import scene_from_dict
 
@@ -144,9 +143,9 @@ def read_sweep(path: str | Path) -> Sweep:
     """
     raw = read_limited(path, _LARGEST, "sweep", SweepError)
     try:
-        data = tomllib.loads(raw.decode())
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SweepError(f"sweep is not valid TOML: {str(error).splitlines()[0]}") from None
+        data = parse_toml(raw.decode(), "sweep", SweepError)
+    except UnicodeDecodeError as error:
+        raise SweepError(f"sweep {str(path)!r} is not UTF-8 text: {error.reason}") from None
     return parse_sweep(data, Path(path).parent)
 
 
@@ -206,14 +205,13 @@ def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
     if len(data) > 1 or not isinstance(data["file"], str):
         raise SweepError('[scene] with file = "..." takes nothing else')
     path = (folder or Path()) / data["file"]
+    what = f"scene file {data['file']!r}"
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return parse_toml(path.read_text(encoding="utf-8"), what, SweepError)
     except OSError as error:
-        raise SweepError(f"scene file {data['file']!r} cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SweepError(
-            f"scene file {data['file']!r} is not valid TOML: {str(error).splitlines()[0]}"
-        ) from None
+        raise SweepError(f"{what} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise SweepError(f"{what} is not UTF-8 text: {error.reason}") from None
 
 
 def _axis(stated: Mapping[str, Any], number: int, base: dict[str, Any]) -> Axis:

@@ -70,7 +70,7 @@ def print_barriers(barriers: Barriers, console: Console) -> None:
     """Print the table of passes and the lines on the full space."""
     from rich.table import Table
 
-    table = Table(title=f"lowest passes of '{barriers.scene.name}'", title_justify="left")
+    table = Table(title=f"lowest passes of '{barriers.scene.label}'", title_justify="left")
     for k, head in enumerate(HEADS):
         table.add_column(head, justify="right" if k < 5 else "left", no_wrap=k < 6)
     for row in rows(barriers):
@@ -131,7 +131,7 @@ def barriers_to_dict(barriers: Barriers) -> dict[str, Any]:
 
 def markdown_rows(barriers: Barriers) -> list[str]:
     """Return Markdown table rows, one a pair: scene, pair, minima, pass, kind, where, full space."""
-    name = (barriers.scene.name or "").replace("degree ", "N = ").replace(" alpha_1 =", "")
+    name = barriers.scene.label.replace("degree ", "N = ").replace(" alpha_1 =", "")
     name = name.replace(" r_k =", "").replace("*", r"\*")
     full = {(f.from_state, f.to_state): f for f in barriers.full}
     minima = barriers.result.minima

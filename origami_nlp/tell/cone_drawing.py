@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,7 +14,7 @@ from origami_nlp.model.cone import ConeBranch, direction_name
 from origami_nlp.state.angles import format_angle
 from origami_nlp.state.cone import necklaces, write_flaps
 from origami_nlp.tell.drawing import MOUNTAIN, VALLEY, draw_state
-from origami_nlp.tell.files import write_whole
+from origami_nlp.tell.files import save_figure
 
 CELL, TITLE, NOTE = 2.1, 0.62, 0.5
 """Side of a drawing, height of its title, and of the note below [in]."""
@@ -98,7 +96,5 @@ def _sheet(
     figure.text(0.1 / width, 0.1 / height, "valley creases", color=VALLEY, fontsize=8)
     figure.text(1.05 / width, 0.1 / height, "mountain creases", color=MOUNTAIN, fontsize=8)
     if path is not None:
-        content = io.BytesIO()
-        figure.savefig(content, format=Path(path).suffix.lstrip(".").lower(), dpi=150)
-        write_whole(path, content.getvalue())
+        save_figure(figure, path, 150)
     return figure

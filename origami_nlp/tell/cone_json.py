@@ -9,7 +9,6 @@ Integers beyond 2^53, which JSON readers round, are strings; ``branches`` always
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -147,7 +146,4 @@ def write_lines(data: dict[str, Any], target: str | Path) -> None:
             body = json.dumps(value, allow_nan=False)
         parts.append(f"  {json.dumps(key)}: {body}")
     text = "{\n" + ",\n".join(parts) + "\n}\n"
-    if str(target) == "-":
-        sys.stdout.write(text)
-    else:
-        write_whole(target, text.encode())
+    write_whole(target, text.encode())

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import math
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,7 @@ from origami_nlp.judge.cone_phase import PhaseDiagram
 from origami_nlp.judge.cone_phase_curves import Boundary
 from origami_nlp.judge.cone_phase_energy import BranchClass, class_energy
 from origami_nlp.state.arguments import check_path, check_type
-from origami_nlp.tell.files import write_whole
+from origami_nlp.tell.files import save_figure
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {
@@ -296,7 +294,7 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
         fontsize=10,
     )
     if path is not None:
-        save(figure, path)
+        save_figure(figure, path, 200)
     return figure
 
 
@@ -305,10 +303,3 @@ def end_words(rule: str) -> str:
     return (
         "of these pinned by contact" if rule == "contact" else "of these at an end (contact or cut)"
     )
-
-
-def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Save a figure whole or not at all."""
-    content = io.BytesIO()
-    figure.savefig(content, format=Path(path).suffix.lstrip(".").lower(), dpi=200)
-    write_whole(path, content.getvalue())

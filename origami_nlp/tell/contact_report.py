@@ -39,7 +39,7 @@ CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
 def headline(report: ContactReport) -> str:
     """Say in a line which scene it is and how many of its states are in contact."""
     scene, count = report.result.scene, len(report.states)
-    who = scene.name or repr(scene.vertex)
+    who = scene.label or repr(scene.vertex)
     return (
         f"{who}: {count} of {len(report.result.minima)} minima reported, each with closed "
         f"contacts; symmetry {scene.group.name}, contact {scene.contact}"

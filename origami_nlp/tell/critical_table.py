@@ -43,7 +43,7 @@ def points_table(found: CriticalPoints, everything: bool = False) -> Table:
     """Return one row a critical point; those that are not essential only on request."""
     shown = shown_points(found, everything)
     hidden = len(found.points) - len(shown)
-    title = found.scene.name or repr(found.scene.vertex)
+    title = found.scene.label or repr(found.scene.vertex)
     title += f"\n{len(shown)} critical points"
     title += f" ({hidden} more are not essential)" if hidden else ""
     table = Table(title=Text(title), title_justify="left")
@@ -105,7 +105,7 @@ def panel_row(found: CriticalPoints, euler_characteristic: int) -> tuple[str, ..
     ]
     sums += [sum(p.contribution for p in group) for group in (flat, singular)]
     verdict = found.verdict(euler_characteristic)
-    name = (scene.name or "").replace("degree ", "N = ").replace("alpha_1 = ", "")
+    name = scene.label.replace("degree ", "N = ").replace("alpha_1 = ", "")
     same = "-"
     if found.comparison is not None:
         lists = found.comparison

@@ -6,21 +6,18 @@ a crowded one.  Uses matplotlib's object interface only: no global state, any ba
 
 from __future__ import annotations
 
-import io
 import math
 import os
 import textwrap
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from origami_nlp.errors import OptionError
 from origami_nlp.judge.minima import MinimaResult
 from origami_nlp.state.arguments import check_path, check_type
 from origami_nlp.tell.drawing import draw_state
-from origami_nlp.tell.files import write_whole
+from origami_nlp.tell.files import save_figure
 from origami_nlp.tell.landscape import Landscape, landscape
 from origami_nlp.tell.landscape_axes import (
     UNIT,
@@ -89,16 +86,7 @@ def draw_minima(
     chart = landscape(result.scene, size)
     figure = _compose(result, chart)
     if path is not None:
-        ending = Path(path).suffix.lstrip(".").lower()
-        known = figure.canvas.get_supported_filetypes()
-        if ending not in known:
-            raise OptionError(
-                f"figure = {os.fspath(path)!r} must end in a picture format: "
-                + ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
-            )
-        content = io.BytesIO()
-        figure.savefig(content, format=ending)
-        write_whole(path, content.getvalue())
+        save_figure(figure, path)
     return figure
 
 
@@ -231,7 +219,7 @@ def _fill_panels(
 
 def _title(result: MinimaResult) -> str:
     scene = result.scene
-    who = scene.name or f"degree {scene.degree}"
+    who = scene.label or f"degree {scene.degree}"
     subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     group = f"{scene.group.kind}{subscript}"
     symmetry = "" if scene.group.is_trivial else f"symmetry {group}, "

@@ -1,43 +1,227 @@
-"""Files are written whole or not at all, and complained about before long work starts."""
+"""One way out for every file: whole or not at all, and complained about before long work starts.
+
+A regular file is written beside its place and moved there, through symbolic links to what they point at, with
+the mode that it had (or that the umask gives a new one).  Devices, pipes, process substitutions and names of
+open descriptors such as /dev/stdout cannot be replaced: they are written straight.
+"""
 
 from __future__ import annotations
 
+import io
 import os
-import tempfile
+import secrets
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OrigamiError
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def write_whole(target: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file by way of a temporary one beside it, so that no reader sees half of it."""
-    check_writable(target, "file")
-    path = Path(target)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+Target = str | os.PathLike[str]
 
 
-def check_writable(target: str | os.PathLike[str] | None, option: str) -> None:
-    """Complain early, before long work, about a file that could not be written.
+def write_whole(target: Target, content: bytes) -> None:
+    """Write a file so that no reader ever sees half of it; ``"-"`` is standard output.
 
     Raises
     ------
     OptionError
-        If the folder does not exist or the target is a folder.
+        If it cannot be written; what was there before is untouched, unless it is no regular file.
     """
-    if target is None or str(target) == "-":
+    check_writable(target, "file")
+    with _named(target, "file"):
+        if os.fspath(target) == "-":
+            _to_stdout(content)
+        elif (descriptor := _descriptor(target)) is not None:
+            sys.stdout.flush()  # what was said before comes before
+            with open(descriptor, "wb", closefd=False) as file:
+                file.write(content)
+        elif _is_replaceable(_status(target)):
+            _replace(os.path.realpath(target), content)
+        else:
+            with open(target, "wb") as file:
+                file.write(content)
+
+
+def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] = "figure") -> None:
+    """Write a matplotlib figure by `write_whole`, in the format that its name ends in.
+
+    dpi: dots an inch; by default those that the figure was made with.
+
+    Raises
+    ------
+    OptionError
+        If the ending names no picture format, or the file cannot be written.
+    """
+    ending = Path(target).suffix.lower().lstrip(".")
+    known = figure.canvas.get_supported_filetypes()
+    if ending not in known:
+        raise OptionError(
+            f"figure = {_shown(target)} must end in a picture format: "
+            + ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
+        )
+    content = io.BytesIO()
+    figure.savefig(content, format=ending, dpi=dpi)
+    write_whole(target, content.getvalue())
+
+
+def is_stdout(target: Target | None) -> bool:
+    """Tell whether a target is standard output: ``"-"``, /dev/stdout, or another name of descriptor 1."""
+    return target is not None and (os.fspath(target) == "-" or _descriptor(target) == 1)
+
+
+def check_writable(target: Target | None, option: str) -> None:
+    """Complain early, before long work, about a file that could not be written.
+
+    Where a file will be made, one is made and taken away again: permissions, read-only and virtual file
+    systems are the system's to judge.  That the disk fills up later, nobody can know.
+
+    Raises
+    ------
+    OptionError
+        If the target is a folder, its folder does not exist, or nothing can be written there.
+    """
+    if target is None or os.fspath(target) == "-":
         return
-    path = Path(target)
-    if path.is_dir():
-        raise OptionError(f"{option} = {str(target)!r} is a folder: give a file name")
-    if not path.parent.is_dir():
-        raise OptionError(f"{option} = {str(target)!r}: folder {str(path.parent)!r} does not exist")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise OptionError(f"{option} = {str(target)!r}: no permission to write there")
+    with _named(target, option):
+        descriptor = _descriptor(target)
+        if descriptor is not None:
+            os.fstat(descriptor)
+            return
+        there = _status(target)
+        if not os.path.basename(target) or (there and stat.S_ISDIR(there.st_mode)):
+            raise OptionError(f"{option} = {_shown(target)} is a folder: give a file name")
+        folder = os.path.dirname(os.path.realpath(target))
+        if not there and not os.path.isdir(folder):
+            raise OptionError(
+                f"{option} = {_shown(target)}: folder {_shown(folder)} does not exist"
+            )
+        if not os.access(target if there else folder, os.W_OK):
+            raise OptionError(f"{option} = {_shown(target)}: no permission to write there")
+        if _is_replaceable(there):
+            probe = _temporary(folder)
+            open(probe, "xb").close()
+            os.unlink(probe)
+
+
+def check_outputs(*named: tuple[str, Target | None]) -> None:
+    """Check every (option, target) as `check_writable` does, and that no two are one file.
+
+    Raises
+    ------
+    OptionError
+        If one cannot be written, or would overwrite another.
+    """
+    seen: dict[str, str] = {}
+    for option, target in named:
+        check_writable(target, option)
+        if target is None or is_stdout(target) or not _is_replaceable(_status(target)):
+            continue
+        place = os.path.realpath(target)
+        if place in seen:
+            raise OptionError(
+                f"{option} = {_shown(target)} is the file of {seen[place]} too: give it another name"
+            )
+        seen[place] = option
+
+
+def make_folder(folder: Target, option: str) -> Path:
+    """Make a folder where there is none, with those above it.
+
+    Raises
+    ------
+    OptionError
+        If it cannot be made.
+    """
+    with _named(folder, option):
+        os.makedirs(folder, exist_ok=True)
+    return Path(folder)
+
+
+@contextmanager
+def _named(target: Target, option: str) -> Iterator[None]:
+    """Turn every complaint of the system into one line that names the option and its value."""
+    try:
+        yield
+    except OrigamiError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a name with a null character in it
+        why = getattr(error, "strerror", None) or str(error)
+        raise OptionError(f"{option} = {_shown(target)} cannot be written: {why}") from None
+
+
+def _shown(target: Target) -> str:
+    text = repr(os.fspath(target))
+    return text if len(text) <= 120 else f"{text[:60]}...{text[-57:]}"
+
+
+def _status(target: Target) -> os.stat_result | None:
+    """Return what the system knows of a file, links followed; None where there is none yet."""
+    try:
+        return os.stat(target)
+    except FileNotFoundError:
+        return None
+
+
+def _is_replaceable(there: os.stat_result | None) -> bool:
+    return there is None or stat.S_ISREG(there.st_mode)
+
+
+def _descriptor(target: Target) -> int | None:
+    """Return the number of our open file that a name stands for: /dev/stdout, /dev/fd/N, /proc/self/fd/N.
+
+    Also where it is a regular file (output redirected to one): opened anew it would be written from its start,
+    over what is there.
+    """
+    path = os.path.abspath(target)
+    for _ in range(40):  # as many links as the system follows
+        folder, name = os.path.split(path)
+        here = os.path.realpath(folder)
+        if name.isdigit() and here in ("/dev/fd", f"/proc/{os.getpid()}/fd"):
+            return int(name)
+        try:
+            path = os.path.join(here, os.readlink(path))
+        except OSError:
+            return None
+    return None
+
+
+def _temporary(folder: str) -> str:
+    # short: the name of the file itself may be as long as the system allows
+    return os.path.join(folder, f".{secrets.token_hex(8)}.part")
+
+
+def _replace(path: str, content: bytes) -> None:
+    """Write a file beside `path` and move it there; the mode stays, or is what the umask says."""
+    there = _status(path)
+    temporary = _temporary(os.path.dirname(path))
+    try:
+        with open(temporary, "xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if there is not None:
+            if hasattr(os, "chown"):
+                with suppress(PermissionError):  # only root may give files away
+                    os.chown(temporary, there.st_uid, there.st_gid)
+            os.chmod(temporary, stat.S_IMODE(there.st_mode))
+        os.replace(temporary, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(temporary)
+        raise
+
+
+def _to_stdout(content: bytes) -> None:
+    sys.stdout.flush()
+    buffer = getattr(sys.stdout, "buffer", None)  # notebooks have none
+    if buffer is None:
+        sys.stdout.write(content.decode())
+    else:
+        buffer.write(content)
+    sys.stdout.flush()

@@ -125,7 +125,7 @@ def grid_errors(
                 state = float(np.abs(phi[j] - exact).max())
                 errors[:, i, k] = energy[j] - minimum.energy, away[j], state
         family = bool(family_of(scene, exact))
-        name, dimension = scene.name or "", minimum.local_dimension
+        name, dimension = scene.label, minimum.local_dimension
         out.append(
             GridErrors(name, number, minimum.kind, dimension, family, cells.max(axis=1), *errors)
         )
@@ -204,7 +204,7 @@ def count_grid_minima(
                 ]
                 if away and min(away) <= REACH:
                     nearest.add(int(np.argmin(away)))
-            out.append(GridCount(scene.name or "", size, len(at), len(result.minima), len(nearest)))
+            out.append(GridCount(scene.label, size, len(at), len(result.minima), len(nearest)))
     return tuple(out)
 
 

@@ -47,7 +47,7 @@ def as_html(result: MinimaResult, *, picture: bool = True) -> str:
 
 def _headline(result: MinimaResult) -> str:
     scene = result.scene
-    who = scene.name or repr(scene.vertex)
+    who = scene.label or repr(scene.vertex)
     return (
         f"{who}: {count_words(result, 'no')}, symmetry {scene.group.name}, contact {scene.contact}"
     )

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -185,9 +184,6 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
 def write_json(data: Any, target: str | Path) -> None:
     """Write JSON to a file, whole or not at all, or to standard output for ``"-"``."""
     text = json.dumps(data, indent=2, allow_nan=False) + "\n"
-    if str(target) == "-":
-        sys.stdout.write(text)
-        return
     write_whole(target, text.encode())
 
 

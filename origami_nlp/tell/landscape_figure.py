@@ -156,7 +156,7 @@ def _on(chart: Chart, path: np.ndarray, group: list[int]) -> np.ndarray:
 def _title(exact: ExactLandscape) -> str:
     scene = exact.result.scene
     count = len(exact.result.minima)
-    who = scene.name or f"degree {scene.degree}"
+    who = scene.label or f"degree {scene.degree}"
     return plain(f"{who}: energy landscape, {count} symmetric minim{'um' if count == 1 else 'a'}")
 
 

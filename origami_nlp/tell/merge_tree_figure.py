@@ -36,14 +36,12 @@ def draw_merge_trees(
     several: list[Barriers], target: str | PathLike[str], columns: int = 3
 ) -> None:
     """Write the merge trees of several scenes, row by row, to one file."""
-    import io
-    from pathlib import Path
 
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    from origami_nlp.tell.files import write_whole
+    from origami_nlp.tell.files import save_figure
 
     columns = min(columns, len(several))
     rows = math.ceil(len(several) / columns)
@@ -77,10 +75,7 @@ def draw_merge_trees(
         ncols=min(len(handles), 2 * columns),
         fontsize=8,
     )
-    out = io.BytesIO()
-    suffix = Path(target).suffix.lower().lstrip(".")
-    figure.savefig(out, format=suffix, dpi=200)
-    write_whole(target, out.getvalue())
+    save_figure(figure, target, 200)
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
@@ -146,7 +141,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
-    title = (barriers.scene.name or "").replace("alpha_1", r"$\alpha_1$").replace("r_k", "$r_k$")
+    title = barriers.scene.label.replace("alpha_1", r"$\alpha_1$").replace("r_k", "$r_k$")
     ax.set_title(title.replace("pi", r"$\pi$").replace("*", ""), fontsize=8.5)
     return colours
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.errors import OptionError
 from origami_nlp.judge.segments import SegmentReport
+from origami_nlp.tell.files import save_figure
 
 RED, LINE, BAND = "#c1121f", "#26323f", "#f0d9b5"
 MOST_CURVES = 8
@@ -36,7 +35,7 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     columns = max(1, len(shown))
     width = 1.4 + 3.1 * columns
     figure = Figure(figsize=(width, 8.6), dpi=110, facecolor="white")
-    name = report.scene.name or f"degree {report.scene.degree}"
+    name = report.scene.label or f"degree {report.scene.degree}"
     count = len(report.segments)
     title = f"{name}: {count or 'no'} metastable segment{'s' * (count != 1)}"
     if count:
@@ -53,10 +52,7 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
             _column(axes[:, column], report, k, first=column == 0)
         figure.tight_layout(rect=(0, 0, 1, 0.96))
     if path is not None:
-        ending = Path(path).suffix.lstrip(".").lower()
-        if ending not in figure.canvas.get_supported_filetypes():
-            raise OptionError(f"figure = {os.fspath(path)!r} must end in .png, .pdf or .svg")
-        figure.savefig(path, format=ending)
+        save_figure(figure, path)
     return figure
 
 

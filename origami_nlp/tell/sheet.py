@@ -228,7 +228,7 @@ def sheet_table(panels: list[ExactLandscape]) -> Table:
     for panel in panels:
         lines = panel.boundary.lines if panel.boundary else ()
         length = sum(part.length for part in panel.metastable)
-        name = panel.result.scene.name or ""
+        name = panel.result.scene.label
         for long, short in (("degree ", "N = "), ("alpha_1 = ", ""), ("r_k = ", "")):
             name = name.replace(long, short)
         table.add_row(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from origami_nlp.errors import OptionError
 from origami_nlp.judge.space import Space, SpaceMesh
 from origami_nlp.judge.space_topology import edges_of, surface_pieces
 from origami_nlp.model.chart import crease_number
+from origami_nlp.tell.files import save_figure
 
 LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
 """Fill of the pieces of surface (light versions of a colour-blind-safe set)."""
@@ -40,10 +39,6 @@ def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figu
         If the ending of `path` names no known picture format.
     """
     figure = Figure(figsize=(11.2, 5.7), dpi=120, facecolor="white")
-    if path is not None:
-        ending = Path(path).suffix.lstrip(".").lower()
-        if ending not in figure.canvas.get_supported_filetypes():
-            raise OptionError(f"figure = {os.fspath(path)!r} must end in .png, .pdf or .svg")
     mesh = space.mesh
     colour = _lobe_colours(mesh)
     flat = figure.add_axes((0.065, 0.2, 0.39, 0.66))
@@ -53,7 +48,7 @@ def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figu
     figure.suptitle(_title(space), fontsize=11, y=0.965)
     _legend(figure, space, colour, used)
     if path is not None:
-        figure.savefig(path, format=ending)
+        save_figure(figure, path)
     return figure
 
 
@@ -172,7 +167,7 @@ def _sub(number: int) -> str:
 
 
 def _title(space: Space) -> str:
-    name = space.scene.name or f"degree {space.scene.degree}"
+    name = space.scene.label or f"degree {space.scene.degree}"
     name = name.split(", r_k")[0].replace("alpha_1", "α₁").replace("pi", "π").replace("$", r"\$")
 
     def many(count: int, what: str) -> str:

@@ -14,7 +14,7 @@ from origami_nlp.state.angles import format_angle
 def print_space(space: Space, console: Console) -> None:
     """Print components, pinch points and handles of a space."""
     console.print(
-        f"{space.scene.name or 'scene'}: {len(space.components)} component(s), {space.holes} hole(s), "
+        f"{space.scene.label or 'scene'}: {len(space.components)} component(s), {space.holes} hole(s), "
         f"Euler characteristic {space.euler_characteristic} (mesh of {space.size} rings, "
         f"{len(space.mesh.wedge)} vertices)",
         soft_wrap=True,
@@ -59,9 +59,9 @@ def print_transitions(sweep: Sweep, console: Console) -> None:
         f"{sweep.family}: {count} transition(s), {len(sweep.samples)} sector angles swept"
     )
     for t in sweep.transitions:
-        console.print(
-            f"\n[bold]alpha_1 = {t.alpha:.15f}[/bold] = {format_angle(t.alpha)}: {', '.join(t.changes)}"
-        )
+        at = Text(f"alpha_1 = {t.alpha:.15f}", style="bold")
+        console.print()
+        console.print(at + f" = {format_angle(t.alpha)}: {', '.join(t.changes)}")
         if t.bracket is None:
             console.print("  not seen by the sweep: both sides are alike")
         else:

@@ -49,7 +49,7 @@ def minima_table(result: MinimaResult) -> Table:
     """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, residuals, hits."""
     scene = result.scene
     title = (
-        f"{scene.name or scene.vertex!r}\n{count_words(result)}, "
+        f"{scene.label or scene.vertex!r}\n{count_words(result)}, "
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     full = asked(result)
@@ -241,7 +241,7 @@ def _stable_of(verdicts: Sequence[str]) -> str:
 
 def short_name(r: MinimaResult) -> str:
     """Return a scene's name without the words that all rows of a table share."""
-    name = r.scene.name or repr(r.scene.vertex)
+    name = r.scene.label or repr(r.scene.vertex)
     return name.replace("alpha_1 = ", "").replace("r_k = ", "").replace("degree ", "N = ")
 
 
