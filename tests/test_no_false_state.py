@@ -72,32 +72,30 @@ def test_the_judge_accepts_the_minima_of_the_panels(scene):
         assert min(stand.looked) >= 400 and max(stand.elsewhere) == 0
 
 
-def test_the_judge_accepts_true_minima_and_refutes_states_beside_them():
-    """Random vertices; the moved states close as well as the minima do."""
+@pytest.mark.parametrize("contact", ["full", "fold-limits", "none"])
+def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
+    """A random vertex; the moved states close as well as the minima do."""
     rng = np.random.default_rng(3)
-    for seed in range(3):
-        n = 5 + seed
-        sectors = np.random.default_rng(seed).dirichlet(np.full(n, 8.0)) * 2 * pi
-        rest = rng.uniform(-1.2, 1.2, n)
-        scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(n), rest, "none")
-        for m in find_minima(scene, max_starts=24, fewest_starts=12).minima:
-            claim = Sheet.of(scene)
-            assert not judge(claim, m.fold_angles, 600).false
-            x = base(claim, np.array(m.fold_angles))
-            for distance in (1e-4, 1e-2):
-                d = rng.normal(size=(3, n))
-                start = x + distance * d / np.linalg.norm(d, axis=1, keepdims=True)
-                held = np.repeat((np.abs(x) == PI)[None], 3, axis=0)
-                start[held] = np.repeat(x[None], 3, axis=0)[held]
-                y, closed, _ = close(
-                    claim.long, claim.orbit, start, held, x, np.full(3, 2 * distance)
-                )
-                verdicts = [judge(claim, v.astype(float), 200) for v in y[closed]]
-                assert verdicts
-                assert all(v.false and v.closure <= CLOSES for v in verdicts), verdicts
-                lower = [v for v in verdicts if "leads down" in v.why]
-                assert all(v.drop > 0 and v.change < 0 for v in lower)
-                assert lower or scene.contact == "full" and held.any()
+    sectors = rng.dirichlet(np.full(5, 8.0)) * 2 * pi
+    rest = rng.uniform(-1.2, 1.2, 5)
+    scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(5), rest, "none", contact)
+    claim = Sheet.of(scene)
+    refuted = 0
+    for m in find_minima(scene, max_starts=12, fewest_starts=6).minima:
+        assert not judge(claim, m.fold_angles, 600).false
+        x = base(claim, np.array(m.fold_angles))
+        for distance in (1e-4, 1e-2):
+            d = rng.normal(size=(3, 5)) * (np.abs(x) != PI)
+            start = x + distance * d / np.linalg.norm(d, axis=1, keepdims=True)
+            held = np.repeat((np.abs(x) == PI)[None], 3, axis=0)
+            y, closed, _ = close(claim.long, claim.orbit, start, held, x, np.full(3, 2 * distance))
+            for state in y[closed]:
+                stand = judge(claim, state.astype(float), 200)
+                assert stand.false and stand.closure <= CLOSES, stand
+                if stand.allowed:
+                    assert stand.drop > 0 and stand.change < 0
+                    refuted += 1
+    assert refuted >= 6
 
 
 def test_the_judge_refutes_a_saddle_and_the_flat_state():
@@ -239,9 +237,13 @@ def check_nearly_singular(seed, seeds, count=COUNT, **options):
     return len(seen)
 
 
-@pytest.mark.parametrize("seed", range(20))
+SMALL = [seed for seed in range(200) if len(nearly_singular(seed).sectors) <= 5][::6][:20]
+"""A tenth of the scenes, of degree 4 and 5: those of higher degree take too long for every day."""
+
+
+@pytest.mark.parametrize("seed", SMALL)
 def test_every_minimum_of_a_nearly_singular_scene_stands(seed):
-    assert check_nearly_singular(seed, [seed % 3], 600, max_starts=48, fewest_starts=24)
+    assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32, fewest_starts=16)
 
 
 @pytest.mark.slow

@@ -8,8 +8,6 @@ residual is of rounding size (1e-18) and the last step was a small part of the r
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from independent.rotations import fold, rotation_vector

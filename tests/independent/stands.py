@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import mpmath as mp
@@ -121,7 +121,7 @@ class Stand:
     way joins to the state, at each radius.
     neighbour, radius, change: the lowest verified neighbour that hangs together with the state [N],
     and its energy less that of the state.  end, drop, reach: where the descent from it ends, how much
-    lower, how far away [rad].
+    lower, how far away [rad].  why: why the state is false; empty where it stands.
     """
 
     closure: float
@@ -172,37 +172,33 @@ def judge(sheet: Sheet, fold_angles, count: int = 2000, seed: int = 0) -> Stand:
         why = "is not admissible"
     if why:
         return Stand(closure, offset, allowed, why=why)
-    looked, elsewhere, lower = [], [], []
+    return _around(sheet, x, Stand(closure, offset, allowed), count, rng)
+
+
+def _around(sheet: Sheet, x: np.ndarray, stand: Stand, count: int, rng) -> Stand:
+    """Look at the neighbours of x at all radii, and go down from the lowest."""
+    margin = 1e-8 * sheet.scale(x) + 1e-13 * float(sheet.stiffness.sum())
     for radius in RADII:
         seen, apart, found = look(sheet, x, radius, count, rng)
-        looked.append(seen)
-        elsewhere.append(apart)
-        lower += [(float(sheet.change(y, x)), radius, y) for y in found]
-        if found:
-            break
-    if not lower:
-        return Stand(closure, offset, allowed, tuple(looked), tuple(elsewhere))
-    # the relatively lowest: a radius of 1e-2 always offers more than one of 1e-6
-    change, radius, y = min(lower, key=lambda one: one[0] / one[1] ** 1.5)
-    end = descend(sheet, y, rng)
-    drop, reach = -float(sheet.change(end, x)), float(np.abs(end - x).max())
-    stiff = float(sheet.stiffness.sum())
-    if drop > reach * (1e-8 * sheet.scale(x) + 1e-13 * stiff):
-        why = f"a neighbour at {radius:g} leads down by {drop:.2e} to {reach:.1e} rad away"
-    return Stand(
-        closure,
-        offset,
-        allowed,
-        tuple(looked),
-        tuple(elsewhere),
-        tuple(y[sheet.orbit].astype(float).tolist()),
-        radius,
-        change,
-        tuple(end[sheet.orbit].astype(float).tolist()),
-        drop,
-        reach,
-        why,
-    )
+        stand = replace(stand, looked=(*stand.looked, seen), elsewhere=(*stand.elsewhere, apart))
+        if not found:
+            continue
+        y = min(found, key=lambda one: float(sheet.change(one, x)))
+        end = descend(sheet, y, rng)
+        drop, reach = -float(sheet.change(end, x)), float(np.abs(end - x).max())
+        if drop <= margin * reach:
+            continue  # the state is known to rounding only
+        return replace(
+            stand,
+            neighbour=tuple(y[sheet.orbit].astype(float).tolist()),
+            radius=radius,
+            change=float(sheet.change(y, x)),
+            end=tuple(end[sheet.orbit].astype(float).tolist()),
+            drop=drop,
+            reach=reach,
+            why=f"a neighbour at {radius:g} leads down by {drop:.2e} to {reach:.1e} rad away",
+        )
+    return stand
 
 
 def base(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
@@ -316,7 +312,7 @@ def look(
         seen += int((~lower).sum()) - stacked_out(sheet, y[~lower], rng) + len(good) + more
         apart += more
         found += good
-        if len(found) >= VERIFIED:
+        if len(found) >= 2:
             break
         del wrong
     return seen, apart, found
@@ -381,7 +377,7 @@ def verified(
         kind = held[k].tobytes()
         if kinds.get(kind, 0) >= VERIFIED:
             continue
-        if len(good) >= VERIFIED or apart >= 2 * VERIFIED:
+        if len(good) >= 2 or apart >= 2 * VERIFIED:
             break
         kinds[kind] = kinds.get(kind, 0) + 1
         if not exactly_admissible(sheet, y[k]):
