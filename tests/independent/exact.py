@@ -9,23 +9,30 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 
-from independent.layering import stackable
+from independent.arcs import crossing_margin, nearest_touch
+from independent.layering import stackable, stackable_with
 
 DIGITS = 40
 TOUCH = 1e-22
 """Distance below which features touch; states are closed to 1e-35."""
 
 
-def _fold(sectors, phi):
+def fold_exactly(sectors, phi):
+    """Return creases and the axes of the product of all folds, as lists of three numbers."""
     rows = []
-    x, y, z = mp.matrix([1, 0, 0]), mp.matrix([0, 1, 0]), mp.matrix([0, 0, 1])
+    x, y, z = ([mp.mpf(int(i == k)) for k in range(3)] for i in range(3))
     for a, f in zip(sectors, phi, strict=True):
         rows.append(x)
-        c, s = mp.cos(f), mp.sin(f)
-        y, z = c * y + s * z, c * z - s * y
-        c, s = mp.cos(a), mp.sin(a)
-        x, y = c * x + s * y, c * y - s * x
+        y, z = _turn(y, z, f)
+        x, y = _turn(x, y, a)
     return rows, (x, y, z)
+
+
+def _turn(u, v, angle):
+    c, s = mp.cos(angle), mp.sin(angle)
+    return [c * p + s * q for p, q in zip(u, v, strict=True)], [
+        c * q - s * p for p, q in zip(u, v, strict=True)
+    ]
 
 
 def _exact(angle):
@@ -40,7 +47,7 @@ def _close(p, sectors, x, held):
     """Newton onto closure in high precision: minimum-norm steps from a state closed to 1e-14."""
     n = p.size
     for _ in range(4):
-        creases, (a, b, c) = _fold(sectors, [x[v] for v in p.orbit])
+        creases, (a, b, c) = fold_exactly(sectors, [x[v] for v in p.orbit])
         r = mp.matrix([(b[2] - c[1]) / 2, (c[0] - a[2]) / 2, (a[1] - b[0]) / 2])
         if mp.norm(r) < mp.mpf(10) ** (-35):
             return x, creases
@@ -52,7 +59,7 @@ def _close(p, sectors, x, held):
         for _ in range(12):  # chords with a fixed pseudo-inverse, well conditioned at this distance
             step = mp.matrix(inverse.tolist()) * r
             x = [xv - step[v] for v, xv in enumerate(x)]
-            creases, (a, b, c) = _fold(sectors, [x[v] for v in p.orbit])
+            creases, (a, b, c) = fold_exactly(sectors, [x[v] for v in p.orbit])
             r = mp.matrix([(b[2] - c[1]) / 2, (c[0] - a[2]) / 2, (a[1] - b[0]) / 2])
             if mp.norm(r) < mp.mpf(10) ** (-35):
                 return x, creases
@@ -64,7 +71,6 @@ def exact_state(p, y, held):
     with mp.workdps(DIGITS):
         sectors = [_exact(a) for a in p.sectors.tolist()]
         sectors = [a * 2 * mp.pi / mp.fsum(sectors) for a in sectors]
-        pi = float(np.pi)
         x = [mp.sign(v) * mp.pi if h else mp.mpf(v) for v, h in zip(y.tolist(), held, strict=True)]
         x, creases = _close(p, sectors, x, held)
         if x is None:
@@ -74,12 +80,17 @@ def exact_state(p, y, held):
             return x, False
         if p.contact != "full":
             return x, True
-        ok = _embedded(creases, [float(x[v]) for v in p.orbit], pi)
+        ok = embedded(creases, [float(x[v]) for v in p.orbit])
         return x, ok
 
 
-def _embedded(creases, phi, pi):
+def embedded(creases, phi, maps=()):
+    """Tell whether a closed state has no crossings and layers with all symmetries `maps`."""
     n = len(creases)
+    double = np.array([[float(v) for v in c] for c in creases])[None]
+    if nearest_touch(double)[0] > 1e-9:  # then double precision knows every sign
+        return bool(crossing_margin(double)[0] <= 0)
+    creases = [mp.matrix(c) for c in creases]
 
     def det(a, b, c):
         return (
@@ -88,16 +99,17 @@ def _embedded(creases, phi, pi):
             + a[2] * (b[0] * c[1] - b[1] * c[0])
         )
 
-    tiny = mp.mpf(10) ** -30
+    # shallower ones touch: their layers decide
     for i in range(n):
         for j in range(i + 2, n):
             if (i, j) == (0, n - 1):
                 continue
             a, b, c, d = creases[i], creases[(i + 1) % n], creases[j], creases[(j + 1) % n]
             s = (det(a, b, d), -det(a, b, c), det(c, d, a), -det(c, d, b))
-            if min(s) > tiny or max(s) < -tiny:
+            if min(s) > TOUCH or max(s) < -TOUCH:
                 return False
-    return stackable(*_combinatorics(creases, phi, det))
+    label, *key = _combinatorics(creases, phi, det)
+    return stackable_with(*key, label, maps) if maps else stackable(*key)
 
 
 def _combinatorics(creases, phi, det):
@@ -118,7 +130,7 @@ def _combinatorics(creases, phi, det):
     for i in range(n):
         a, b = creases[i], creases[(i + 1) % n]
         ab = sum(a[k] * b[k] for k in range(3))
-        tangent = b - ab * a
+        tangent = b - a * ab
         tangent = tangent / mp.norm(tangent)
         length = mp.acos(ab)
         stops = [(mp.mpf(0), label[i]), (length, label[(i + 1) % n])]
@@ -146,7 +158,7 @@ def _combinatorics(creases, phi, det):
         c = creases[w]
         e = mp.matrix([0, 0, 0])
         e[min(range(3), key=lambda k: abs(c[k]))] = 1
-        e = e - (c[0] * e[0] + c[1] * e[1] + c[2] * e[2]) * c
+        e = e - c * (c[0] * e[0] + c[1] * e[1] + c[2] * e[2])
         e = e / mp.norm(e)
         f = mp.matrix(
             [c[1] * e[2] - c[2] * e[1], c[2] * e[0] - c[0] * e[2], c[0] * e[1] - c[1] * e[0]]
@@ -158,7 +170,7 @@ def _combinatorics(creases, phi, det):
             )
         )
         around.append(tuple(near))
-    return tuple(walk), tuple(sides), tuple(around)
+    return tuple(label), tuple(walk), tuple(sides), tuple(around)
 
 
 def lower_after_all(p, x, y, held) -> bool:

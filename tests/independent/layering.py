@@ -15,6 +15,8 @@ import numpy as np
 
 Walk = tuple[tuple[int, int], ...]
 """Strands (from node, to node) in order along the polygon, closed."""
+Map = tuple[tuple[int, ...], bool]
+"""A symmetry: where each crease goes, and whether it is a reflection."""
 
 
 def combinatorics(
@@ -71,6 +73,56 @@ def combinatorics(
 def stackable(walk: Walk, sides: tuple[int, ...], around: tuple[tuple[int, ...], ...]) -> bool:
     """Tell whether some stacking of all strands has no crossing passages."""
     return next(iter(stackings(walk, sides, around)), None) is not None
+
+
+@lru_cache(maxsize=100_000)
+def stackable_with(
+    walk: Walk,
+    sides: tuple[int, ...],
+    around: tuple[tuple[int, ...], ...],
+    label: tuple[int, ...],
+    maps: tuple[Map, ...],
+) -> bool:
+    """Tell whether some stacking without crossings is mapped to itself by all symmetries.
+
+    label: the node at which each crease is (the first crease there).
+    """
+    n = len(label)
+    strands: list[list[int]] = []
+    s = 0
+    for i in range(n):  # facet i starts at crease i and ends where crease i + 1 is
+        strands.append([s])
+        while walk[s][1] != label[(i + 1) % n]:
+            s += 1
+            strands[-1].append(s)
+        s += 1
+    moves = []
+    for to, reflected in maps:
+        strand_to = [0] * len(walk)
+        for i in range(n):
+            image = strands[to[(i + 1) % n] if reflected else to[i]]
+            for a, b in zip(strands[i], image[::-1] if reflected else image, strict=True):
+                strand_to[a] = b
+        moves.append((strand_to, [label[to[w]] for w in range(n)], reflected))
+    return any(
+        all(_keeps(stacking, *one) for one in moves) for stacking in stackings(walk, sides, around)
+    )
+
+
+def _keeps(
+    stacking: dict[tuple[int, int], tuple[int, ...]],
+    strand_to: list[int],
+    node_to: list[int],
+    reflected: bool,
+) -> bool:
+    for (u, v), stack in stacking.items():
+        image = tuple(strand_to[s] for s in stack)
+        start, end = node_to[u], node_to[v]
+        if reflected != (start > end):
+            image = image[::-1]
+        if stacking[min(start, end), max(start, end)] != image:
+            return False
+    return True
 
 
 def stackings(walk: Walk, sides: tuple[int, ...], around: tuple[tuple[int, ...], ...]):
