@@ -42,6 +42,7 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
         "equalities",
         "inequalities",
         "contact_pairs",
+        "geometry",
         "left_out",
     }
     assert data["model"]["contact_pairs"] == [[1, 3]]

@@ -24,6 +24,8 @@ from origami_nlp.model.nlp import Local, Model
 from origami_nlp.solve.active import CLOSED, Contacts, Row, closed_contacts
 from origami_nlp.solve.starts import broken_gap
 
+AT_REST = 1e-24
+"""Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
 MOST_SETS, MOST_FAILED = 400, 12
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -266,7 +268,16 @@ def _follow_descent(
 def _by_search(
     model: Model, x: np.ndarray, contacts: Contacts, judged: list[BranchJudgement]
 ) -> Classification:
-    """Decide a singular state by searching small spheres around it."""
+    """Refute a singular state by a lower neighbour on small spheres around it; without one it is undecided."""
+    if model.energy(x) <= AT_REST * model.scale:
+        return Classification(
+            "minimum",
+            "degenerate",
+            "at rest: no state has less energy",
+            dimension_nearby(model, x, contacts.base),
+            _forces(model, x, judged[0], contacts),
+            stationarity=0.0,
+        )
     lower = _follow_descent(model, x, judged)
     if lower is not None:
         return lower
@@ -282,18 +293,10 @@ def _by_search(
             found.dimension,
         )
     if found.state is None:
-        reason = "isolated: no admissible neighbour found on small spheres"
+        reason = "no certificate; no admissible neighbour found on small spheres"
     else:
-        reason = f"{where}, none lower (a search, not a proof)"
-    return Classification(
-        "minimum",
-        "degenerate",
-        reason,
-        found.dimension,
-        _forces(model, x, judged[0], contacts),
-        tuple((model.scale * judged[0].eigenvalues).tolist()),
-        judged[0].multipliers.residual if found.state is not None else math.nan,
-    )
+        reason = f"no certificate; {where}, none lower"
+    return Classification("undecided", None, reason, found.dimension)
 
 
 def _where_rays_meet(model: Model, x: np.ndarray, gap: Gap) -> str | None:
