@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.errors import VertexError
 from origami_nlp.state.angles import format_angle, parse_angles
+from origami_nlp.state.relations import RESOLVED
 from origami_nlp.state.arguments import shown
 
 SUM_TOLERANCE = 1e-9
@@ -72,9 +73,9 @@ class Vertex:
                 )
             if abs(total - 2 * math.pi) > 1e-14:  # typed digits: spread what is missing evenly
                 angles = tuple(a * (2 * math.pi / total) for a in angles)
-        elif abs(total - 2 * math.pi) <= SUM_TOLERANCE:
+        elif abs(total - 2 * math.pi) <= RESOLVED:
             raise VertexError(
-                "sector_angles sum to 2 pi: this sheet lies flat, leave out flat = false"
+                f"sector_angles sum to 2 pi within {RESOLVED:g} rad: this sheet lies flat, leave out flat = false"
             )
         else:
             _check_closes(angles)
