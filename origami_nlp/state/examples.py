@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import sys
+from numbers import Real
 
 from origami_nlp.errors import OptionError
 from origami_nlp.state.angles import format_angle, parse_angle
-from origami_nlp.state.arguments import check_number
+from origami_nlp.state.arguments import shown
 from origami_nlp.state.scene import Contact, Scene
 from origami_nlp.state.vertex import Vertex
 
@@ -90,10 +92,10 @@ def _between(alpha: float | str, upper: float, upper_text: str) -> float:
 
 
 def _positive(ratio: float) -> float:
-    value = check_number("ratio", ratio)
-    if value <= 0:
-        raise OptionError(f"ratio = {ratio!r} must be a positive number")
-    return value
+    number = isinstance(ratio, Real) and not isinstance(ratio, bool)
+    if not number or not 0 < ratio <= sys.float_info.max:
+        raise OptionError(f"ratio = {shown(ratio)} must be a positive number")
+    return float(ratio)
 
 
 def _springs(rest: tuple[float, ...], ratio: float) -> tuple[float, ...]:

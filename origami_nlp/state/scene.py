@@ -208,7 +208,7 @@ class Scene:
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
         return (
-            f"Scene({title}{shown(self.vertex)},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 
