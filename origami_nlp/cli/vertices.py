@@ -27,6 +27,7 @@ HEADS = (
     "folds flat",
     "analysis",
 )
+WORDS = ("assignment", "sector angles [deg]", "analysis")
 FrameNumber = Annotated[
     int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
 ]
@@ -54,9 +55,7 @@ def vertices(
         title = f"frame {one.number} ({kind}){': ' + one.title if one.title else ''}"
         title += f": {len(found)} interior vertices with creases"
         rows = [_row(v, folds) for v, folds in zip(found, flat, strict=True)]
-        console.print_rows(
-            title, HEADS, rows, left=("assignment", "sector angles [deg]", "analysis")
-        )
+        console.print_rows(title, HEADS, rows, left=WORDS, tables=len(frames))
         said = [f"note: {note}" for note in (*one.notes, *notes)]
         said += [f"vertex {v.number}: {note}" for v in found for note in v.notes]
         if said:
