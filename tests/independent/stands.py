@@ -8,6 +8,10 @@ held (two creases on one line turn as a hinge); they are closed in extended prec
 are lower are closed again, asked for crossings and layers, and compared with 80 digits.  From the
 lowest a descent that stays admissible tells how much lower it goes, and how far.
 
+What it does not see: sets of states that exist only while facets touch at fold angles other than 0
+and +-pi (`pockets` looks for these), and lower states that no level straight way joins to the state
+(`elsewhere` counts them: basins can be narrower than the radius).
+
 Nothing here uses the package but the numbers that it reports.
 """
 
