@@ -123,7 +123,8 @@ def _sector_limits() -> Iterator[Outcome]:
             result = find_minima(scene)
             count = count or len(result.minima)
             if scene.relations.made_exact:  # the scene said so: it is the vertex of pi/3 itself
-                count = len(find_minima(examples.degree6(at, 1.0)).minima)
+                exact = Vertex((at, math.pi - 2 * at, at) * 2)
+                count = len(find_minima(replace(scene, vertex=exact)).minima)
             outcome = against_50_digits(title, result, bound)
             words = f"{len(result.minima)} minima"
             right = outcome.right and len(result.minima) == count

@@ -26,7 +26,7 @@ from origami_nlp.solve.starts import broken_gap
 
 AT_REST = 1e-24
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
-MOST_SETS, MOST_FAILED = 400, 12
+MOST_SETS, MOST_FAILED = 100, 6
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
@@ -123,6 +123,10 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
     if choices is None:
+        whole = judge_branch(model, x, contacts.base, local, accuracy)
+        lower = _follow_descent(model, x, [whole]) if whole.verdict != "minimum" else None
+        if lower is not None:
+            return lower
         judged, failed = _judge_by_splitting(model, x, contacts, local, accuracy)
         if failed:
             return _by_search(model, x, contacts, failed)

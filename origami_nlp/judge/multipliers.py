@@ -41,6 +41,10 @@ class Multipliers:
     vertices: np.ndarray
 
 
+UNBALANCED = 1e-3
+"""A residual above this (relative) is no rounding of any solver: nothing balances, and no range is looked for."""
+
+
 def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> Multipliers:
     """Describe {mu >= 0: B mu = c}, shapes [t, r] and [t]."""
     r = b.shape[1]
@@ -63,6 +67,8 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> 
     b, c = basis.T @ b, basis.T @ c
     found = nonnegative_least_squares(b, c)
     residual = max(missed, float(np.abs(b @ found - c).max(initial=0.0)))
+    if residual > UNBALANCED * size:
+        return Multipliers(residual, False, found, np.zeros(r), np.full(r, np.inf), found[None])
     bounded = np.array([not has_ray(rows, i) for i in range(r)])
     corners = np.array(extremes(rows, found, bounded))
     lower, upper = corners.min(axis=0), np.where(bounded, corners.max(axis=0), np.inf)
