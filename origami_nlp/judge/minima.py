@@ -20,7 +20,7 @@ from origami_nlp.model.nlp import Model
 from origami_nlp.solve.hinges import hinge_minima
 from origami_nlp.solve.polish import CLOSES
 from origami_nlp.solve.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
-from origami_nlp.solve.starts import flat_foldings, rigid_states
+from origami_nlp.solve.starts import flat_foldings, rest_state, rigid_states
 from origami_nlp.solve.stopping import enough, expected_undiscovered
 from origami_nlp.state.arguments import (
     check_angles,
@@ -201,7 +201,9 @@ def find_minima(
     stopped_by = "cap"
     # isolated flat foldings, and thin sets at phi = +-pi, are not found by descent
     thin = handle_minima if model.freedom > 0 else rigid_states
-    listed = itertools.chain(flat_foldings(model), hinge_minima(model), thin(model, seed))
+    listed = itertools.chain(
+        rest_state(model), flat_foldings(model), hinge_minima(model), thin(model, seed)
+    )
     for state in listed:
         _judge_new(model, add_state(model, state, record), verdicts, record)
     if model.freedom <= 0:
