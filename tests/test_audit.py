@@ -17,6 +17,7 @@ from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.judge.audit import CAUSES, PanelAudit, audit_candidates
 from origami_nlp.judge.grid_chart import chart_distance, chart_end, chart_point
+from origami_nlp.judge.minima import find_minima
 from origami_nlp.judge.nearby import project
 from origami_nlp.judge.published_closure import closing_alphas, mean_of_rows
 from origami_nlp.judge.stationarity import distance_from_stationary
@@ -147,7 +148,7 @@ def test_closing_alphas_find_the_vertex_of_a_state() -> None:
     for degree, make, alpha in ((8, examples.degree8, 5), (6, examples.degree6, 3)):
         scene = make(f"{alpha}*pi/12", 1.0)
         model = scene.model()
-        x = model.reduce(np.array(panel_result(scene).minima[0].fold_angles))
+        x = model.reduce(np.array(find_minima(scene).minima[0].fold_angles))
         assert any(abs(a - alpha * math.pi / 12) < 1e-12 for a in closing_alphas(degree, x))
     assert closing_alphas(8, np.array([0.3, 0.4, 2.9])) == ()
 
