@@ -4,6 +4,7 @@
 property test with random examples; what fails there is kept as an `@example` of its test.
 """
 
+import computed_once
 import pytest
 from hypothesis import settings
 
@@ -18,6 +19,13 @@ def _long(config):
 def pytest_configure(config):
     if not config.option.hypothesis_profile:
         settings.load_profile("random" if _long(config) else "fixed")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _folder_of_the_run(tmp_path_factory, pytestconfig):
+    own = tmp_path_factory.getbasetemp()
+    # workers of pytest-xdist have a folder each within that of the run
+    computed_once.folder = own.parent if hasattr(pytestconfig, "workerinput") else own
 
 
 @pytest.hookimpl(tryfirst=True)

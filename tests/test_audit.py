@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from computed_once import panel_result
 from independent import rotations
 from typer.testing import CliRunner
 
@@ -139,7 +140,7 @@ def test_chart_ends_where_the_manifold_does_not() -> None:
     book = examples.degree6("pi/4", 1.0).model()
     near, _ = project(book, np.array([-1.7, 0.12, -0.13, -1.35]), ())
     assert "(0, 0)" in chart_end(book, near, STEP)
-    away = book.reduce(np.array(find_minima(book.scene).minima[0].fold_angles))
+    away = book.reduce(np.array(panel_result(book.scene).minima[0].fold_angles))
     assert chart_end(book, away, STEP) == ""
 
 
@@ -162,7 +163,7 @@ def test_mean_of_two_rows_is_recognised() -> None:
 def test_exact_minima_are_stationary_and_moved_ones_are_not() -> None:
     scene = examples.degree6("5*pi/12", 100.0)
     model = scene.model()
-    for m in find_minima(scene).minima:
+    for m in panel_result(scene).minima:
         x = model.reduce(np.array(m.fold_angles))
         assert distance_from_stationary(model, x) < 1e-9
         y, residual = project(model, x - 0.05 * np.sign(x), ())
@@ -178,7 +179,7 @@ def small() -> tuple[list[dict[str, object]], dict[int, str]]:
     """Candidates made so that each must have one cause, by number."""
     scene = examples.degree6("pi/4", 1.0)
     model = scene.model()
-    x = model.reduce(np.array(find_minima(scene).minima[0].fold_angles))
+    x = model.reduce(np.array(panel_result(scene).minima[0].fold_angles))
 
     def closed(phi2: float, phi3: float, guess: float = -1.0) -> list[float]:
         y = np.array([guess, phi2, phi3, guess])

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from independent.search_manifold import Piece
@@ -37,7 +38,7 @@ def saddle_scene():
 
 @pytest.fixture(scope="module")
 def saddle_barriers(saddle_scene):
-    return find_barriers(saddle_scene, find_minima(saddle_scene, max_starts=24))
+    return find_barriers(saddle_scene, panel_result(saddle_scene))
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +55,7 @@ def contact_barriers():
 @pytest.fixture(scope="module")
 def handle_barriers():
     scene = examples.degree6("pi/3", 1)
-    return find_barriers(scene, find_minima(scene, max_starts=24, full=True), True, spacing=0.18)
+    return find_barriers(scene, panel_result(scene, full=True), True, spacing=0.18)
 
 
 def grid_graph(values):
@@ -318,7 +319,7 @@ def test_all_panels_against_2049(column):
     assert len({scene.vertex.sector_angles for scene in panels}) == 1
     grids = grids_of(panels[0], (257, 2049))
     for scene in panels:
-        found = find_barriers(scene, find_minima(scene))
+        found = find_barriers(scene, panel_result(scene))
         over = flooded(found, None, 0.5, grids)
         highest = max(p.energy for p in found.passes)
         lowest = min(m.energy for m in found.result.minima)

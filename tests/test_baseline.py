@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 
 from origami_nlp.judge.baseline import (
     EPS_GRADIENT,
@@ -13,7 +14,7 @@ from origami_nlp.judge.baseline import (
 )
 from origami_nlp.judge.branch import null_space
 from origami_nlp.judge.classify import classify
-from origami_nlp.judge.full_space import FullSpace, full_scene, judge_in_full_space
+from origami_nlp.judge.full_space import FullSpace, full_scene
 from origami_nlp.judge.minima import Minimum, find_minima
 from origami_nlp.judge.nearby import project
 from origami_nlp.judge.stationarity import distance_from_stationary
@@ -49,12 +50,8 @@ class State:
 def states() -> list[State]:
     out = []
     for scene in examples.panels():
-        minima = find_minima(scene).minima
-        others = tuple(np.array(m.fold_angles) for m in minima)
-        out += [
-            State(scene, m, judge_in_full_space(scene, phi, others))
-            for m, phi in zip(minima, others, strict=True)
-        ]
+        minima = panel_result(scene, full=True).minima
+        out += [State(scene, m, m.full_space) for m in minima]
     return out
 
 
@@ -175,7 +172,7 @@ def test_states_that_do_not_close_are_refused() -> None:
 
 def test_crease_matrix_is_the_derivative_of_the_retraction_residual() -> None:
     scene = examples.degree8("pi/6", 1.0)
-    phi = np.array(find_minima(scene).minima[0].fold_angles)
+    phi = np.array(panel_result(scene).minima[0].fold_angles)
     c, r = crease_matrix(scene, phi)
     assert np.linalg.norm(r) < 1e-12
     for i, h in ((0, 1e-6), (5, 1e-6)):
@@ -187,7 +184,7 @@ def test_crease_matrix_is_the_derivative_of_the_retraction_residual() -> None:
 
 def test_uses_the_steps_of_the_paper() -> None:
     scene = examples.degree8("pi/4", 1.0)
-    phi = np.array(find_minima(scene).minima[0].fold_angles)
+    phi = np.array(panel_result(scene).minima[0].fold_angles)
     paper = appendix_a(scene, phi)
     assert tuple(r.step for r in paper.steps) == STEPS == (3e-4, 1e-3, 3e-3)
     assert paper.seconds > 0

@@ -8,6 +8,7 @@ are enumerated apart.  Nothing here shares code with the package's models, solve
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from independent.neighbours import Problem
 from independent.rotations import project
 from independent.search_descent import descend, grid_minima, starts
@@ -25,22 +26,14 @@ SAME = 1e-4  # issue: distance [rad] within which an end is a listed minimum
 PANELS = pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
 
 
-@pytest.fixture(scope="module")
-def listed():
-    """Fold angles of the variables and local dimension of every minimum, panel by panel."""
-    known = {}
-
-    def of(scene):
-        if scene.name not in known:
-            minima = find_minima(scene).minima
-            size = Piece.of(scene).size
-            known[scene.name] = (
-                np.array([m.fold_angles[:size] for m in minima]),
-                np.array([m.local_dimension for m in minima]),
-            )
-        return known[scene.name]
-
-    return of
+def listed(scene):
+    """Fold angles of the variables and local dimension of every minimum."""
+    minima = panel_result(scene).minima
+    size = Piece.of(scene).size
+    return (
+        np.array([m.fold_angles[:size] for m in minima]),
+        np.array([m.local_dimension for m in minima]),
+    )
 
 
 def ends_of(piece, x):
@@ -56,9 +49,9 @@ def ends_of(piece, x):
     return ends, named
 
 
-def compare(piece, begin, listed):
+def compare(piece, begin, minima):
     """Check that every descent ends at a listed minimum, and that all of full dimension are reached."""
-    states, dimensions = listed
+    states, dimensions = minima
     ends, named = ends_of(piece, begin)
     distance = np.abs(named[:, None] - states).max(axis=2)
     missing = ~(distance.min(axis=1) <= SAME)  # nan is missing too
@@ -72,7 +65,7 @@ def compare(piece, begin, listed):
 
 
 @PANELS
-def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene, listed):
+def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene):
     piece = Piece.of(scene)
     rng = np.random.default_rng(20)
     begin = np.concatenate([grid_minima(piece, 61), starts(piece, 100, rng)])
@@ -81,7 +74,7 @@ def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene,
 
 @pytest.mark.slow
 @PANELS
-def test_2000_random_descents_and_fine_grids_end_at_the_listed_minima(scene, listed):
+def test_2000_random_descents_and_fine_grids_end_at_the_listed_minima(scene):
     piece = Piece.of(scene)
     rng = np.random.default_rng(21)
     begin = np.concatenate([grid_minima(piece, 201), starts(piece, 2000, rng)])
@@ -89,7 +82,7 @@ def test_2000_random_descents_and_fine_grids_end_at_the_listed_minima(scene, lis
 
 
 @PANELS
-def test_descents_from_around_each_minimum_return_to_it(scene, listed):
+def test_descents_from_around_each_minimum_return_to_it(scene):
     piece = Piece.of(scene)
     rng = np.random.default_rng(22)
     for state, dimension in zip(*listed(scene), strict=True):
@@ -103,9 +96,9 @@ def test_descents_from_around_each_minimum_return_to_it(scene, listed):
         assert np.abs(named - state).max() <= SAME
 
 
-def _thin_sets_hold_nothing_else(scene, listed, size):
+def _thin_sets_hold_nothing_else(scene, size):
     piece, problem = Piece.of(scene), Problem.of(scene)
-    states, dimensions = listed
+    states, dimensions = listed(scene)
     candidates = np.concatenate([lowest_on_curves(piece, size), flat_foldings(piece)])
     minimal = truly_minimal(piece, problem, candidates, seed=23)
     distance = np.abs(minimal[:, None] - states).max(axis=2)
@@ -120,14 +113,14 @@ def _thin_sets_hold_nothing_else(scene, listed, size):
 @pytest.mark.parametrize(
     "scene", examples.panels()[3:6] + examples.panels()[12:15], ids=lambda s: s.name
 )
-def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
-    _thin_sets_hold_nothing_else(scene, listed(scene), 24)
+def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene):
+    _thin_sets_hold_nothing_else(scene, 24)
 
 
 @pytest.mark.slow
 @PANELS
-def test_fine_sweeps_at_pi_hold_the_listed_minima_and_no_others(scene, listed):
-    _thin_sets_hold_nothing_else(scene, listed(scene), 180)
+def test_fine_sweeps_at_pi_hold_the_listed_minima_and_no_others(scene):
+    _thin_sets_hold_nothing_else(scene, 180)
 
 
 def test_the_state_that_one_seed_missed_is_a_minimum():

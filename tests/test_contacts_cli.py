@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from computed_once import panel_result
 from typer.testing import CliRunner
 
 import origami_nlp as o
@@ -21,7 +22,7 @@ from origami_nlp.tell.contact_report import as_html, as_markdown, contacts_to_di
 
 @pytest.fixture(scope="module")
 def report() -> ContactReport:
-    result = o.find_minima(o.examples.degree8("pi/12", 0.01))
+    result = panel_result(o.examples.degree8("pi/12", 0.01))
     return report_contacts(result, segments=True)
 
 
@@ -106,7 +107,7 @@ def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
 
 
 def test_every_status_of_a_margin_has_words() -> None:
-    result = o.find_minima(o.examples.degree6("pi/3", 1.0))
+    result = panel_result(o.examples.degree6("pi/3", 1.0))
     report = report_contacts(result, check=False)
     words = {s.margin.status: margin_number(s.margin) for s in report.states}
     assert words["zero"] == "0" and words["unbounded"] == "unbounded"
@@ -138,7 +139,7 @@ def test_contacts_are_drawn_with_their_images(report: ContactReport) -> None:
     drawn = draw_contacts(model, state.minimum.fold_angles, [contact])
     assert len(drawn.axes[0].lines) - len(bare.axes[0].lines) == len(contact.creases)
     # facets in contact come with their mirror images
-    result = o.find_minima(o.examples.degree6("pi/3", 1.0))
+    result = panel_result(o.examples.degree6("pi/3", 1.0))
     pair = next(c for m in result.minima for c in m.contacts if c.facets)
     assert set(images(result.model, pair)[1]) >= set(pair.facets)
     assert len(images(result.model, pair)[1]) == 2 * len(pair.facets)

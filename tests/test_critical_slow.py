@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from test_critical import PANELS, SHAPES, kkt_points, random_energy
 
-from origami_nlp import find_minima
 from origami_nlp.judge.critical import compare_minima, find_critical_points
 from origami_nlp.judge.space import analyse_space
 from origami_nlp.tell.critical_table import panel_row
@@ -17,7 +17,7 @@ DOC = Path(__file__).parent.parent / "docs" / "critical_points.md"
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
 def test_every_panel_closes_with_the_same_minima(scene):
-    found = compare_minima(find_critical_points(scene, all_links=True), find_minima(scene))
+    found = compare_minima(find_critical_points(scene, all_links=True), panel_result(scene))
     euler = analyse_space(scene).euler_characteristic
     assert found.doubts == () and found.verdict(euler).closes
     assert found.comparison.agree

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 
 import origami_nlp as o
 from origami_nlp.judge.minima import MinimaResult
@@ -22,9 +23,8 @@ INTERIOR = ("degree8", "pi/4", 1.0)
 WALL = ("degree8", "pi/12", 100.0)
 
 
-@lru_cache
 def search(family: str, alpha: str, ratio: float) -> MinimaResult:
-    return o.find_minima(getattr(o.examples, family)(alpha, ratio))
+    return panel_result(getattr(o.examples, family)(alpha, ratio))
 
 
 @lru_cache
@@ -122,7 +122,7 @@ def test_every_interior_minimum_converges():
     """All panels: second order in energy and first in place, unless the well is narrower than coarse cells."""
     checked = 0
     for scene in o.examples.panels():
-        result = o.find_minima(scene)
+        result = panel_result(scene)
         for error in grid_errors(result, shifts=12):
             if error.sort != "interior" or not np.isfinite(error.worst("energy")).all():
                 continue

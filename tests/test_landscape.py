@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -173,7 +174,7 @@ def test_elevation_is_read_back(n, share, elevation, phi2, branch):
 def test_minima_lie_in_the_wells():
     """No cell of the landscape around a regular minimum is lower than it."""
     for scene in (o.examples.degree6("5*pi/12", 1), o.examples.degree8("pi/6", 100)):
-        result, chart = o.find_minima(scene), landscape(scene, 201)
+        result, chart = panel_result(scene), landscape(scene, 201)
         for m in result.minima:
             place = chart.place(m.fold_angles)
             branch = chart.branches[place.branch]

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 
 from origami_nlp import Scene, Vertex, examine, examples, find_minima
 from origami_nlp.judge.follow import follow
@@ -15,14 +16,9 @@ CLOSURE = 1e-14  # issue: closure of regular states
 KKT = 1e-12  # issue: KKT residual, relative to the torques that balance
 
 
-@pytest.fixture(scope="module")
-def results():
-    return {scene.name: find_minima(scene, full=True) for scene in examples.panels()}
-
-
 @pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
-def test_every_state_is_polished_admissible_and_certified(scene, results):
-    result = results[scene.name]
+def test_every_state_is_polished_admissible_and_certified(scene):
+    result = panel_result(scene, full=True)
     assert result.search.stopped_by == "rule"
     assert result.search.expected_undiscovered <= 0.5
     assert sum(result.search.statuses.values()) == result.search.solves
@@ -41,8 +37,8 @@ def test_every_state_is_polished_admissible_and_certified(scene, results):
 
 
 @pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
-def test_no_state_is_left_undecided_in_the_full_space(scene, results):
-    for m in results[scene.name].minima:
+def test_no_state_is_left_undecided_in_the_full_space(scene):
+    for m in panel_result(scene, full=True).minima:
         f = m.full_space
         assert f.verdict in ("stable", "unstable")
         if f.verdict == "stable":
@@ -60,17 +56,18 @@ def test_no_state_is_left_undecided_in_the_full_space(scene, results):
         assert f.lands_on.energy < m.energy and f.lands_on.kind is not None
 
 
-def test_pinned_states_of_degree_8_sit_on_the_axis(results):
+def test_pinned_states_of_degree_8_sit_on_the_axis():
     for alpha in ("pi/12", "pi/6"):
-        pinned = [m for m in results[examples.degree8(alpha, 100.0).name].minima if m.contacts]
+        result = panel_result(examples.degree8(alpha, 100.0), full=True)
+        pinned = [m for m in result.minima if m.contacts]
         assert [c.type for m in pinned for c in m.contacts] == ["axis"]
         # symmetric criticality fails where two tips can slide past each other
         assert pinned[0].full_space.verdict == "unstable"
 
 
-def test_handles_need_one_sign_of_the_closed_creases(results):
+def test_handles_need_one_sign_of_the_closed_creases():
     scene = examples.degree6("pi/3", 1.0)
-    handles = [m for m in results[scene.name].minima if m.local_dimension == 1]
+    handles = [m for m in panel_result(scene).minima if m.local_dimension == 1]
     assert len(handles) == 2
     for m in handles:
         closed = [a for a in m.fold_angles if abs(a) == math.pi]
@@ -86,7 +83,7 @@ def test_handles_need_one_sign_of_the_closed_creases(results):
 
 def test_a_rest_state_that_closes_is_found_with_zero_energy():
     scene = examples.degree8("pi/6", 1.0)
-    angles = find_minima(scene).minima[0].fold_angles
+    angles = panel_result(scene).minima[0].fold_angles
     other = Scene(scene.vertex, scene.stiffness, angles, "D2")
     found = find_minima(other).minima[0]
     assert found.energy <= 1e-28 and found.fold_angles == pytest.approx(angles, abs=1e-12)
@@ -138,13 +135,13 @@ def test_stopping_rule():
     assert enough(2 * 4 * 5 + 4 + 2, 4) and not enough(2 * 4 * 5 + 4 + 1, 4)
 
 
-def test_descent_from_random_states_ends_at_a_listed_minimum(results):
+def test_descent_from_random_states_ends_at_a_listed_minimum():
     """An independent look at completeness: downhill from anywhere leads to a state that was found."""
     rng = np.random.default_rng(0)
     from origami_nlp.solve.starts import StartStream
 
     for scene in examples.panels()[::4]:
-        result = results[scene.name]
+        result = panel_result(scene)
         model = result.model
         listed = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
         stream = StartStream(model, int(rng.integers(1 << 30)))

@@ -5,11 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from independent.search_digits import DIGITS, solve_exactly
 from independent.search_manifold import Piece
 from independent.search_stationary import gap, solve
 
-from origami_nlp import examples, find_minima
+from origami_nlp import examples
 
 PANELS = examples.panels()
 DIFFERENCES = 1e-6  # issue: relative agreement with finite differences
@@ -20,7 +21,7 @@ TEN_DIGITS = 1e-10  # issue: agreement of multipliers with a 50-digit solve
 def minima():
     """(piece, minimum) for every minimum with closed contacts of the 18 panels."""
     return [
-        (Piece.of(scene), m) for scene in PANELS for m in find_minima(scene).minima if m.contacts
+        (Piece.of(scene), m) for scene in PANELS for m in panel_result(scene).minima if m.contacts
     ]
 
 

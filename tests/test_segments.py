@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 
 import origami_nlp as o
 from origami_nlp.judge.boundary_curve import (
@@ -34,10 +35,9 @@ SCENES = {
 }
 
 
-@lru_cache
 def search(name: str) -> MinimaResult:
     family, alpha, ratio = SCENES[name]
-    return o.find_minima(getattr(o.examples, family)(alpha, ratio))
+    return panel_result(getattr(o.examples, family)(alpha, ratio))
 
 
 @lru_cache

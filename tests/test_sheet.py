@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 import shapely
+from computed_once import panel_result
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -145,7 +146,7 @@ def test_tracing_wants_two_freedoms_and_contact():
 
 def test_metastable_stretches_are_those_of_the_segments():
     """Lines traced for the picture have the same metastable parts as boundaries followed from states."""
-    result = o.find_minima(SCENES["octagon"])
+    result = panel_result(SCENES["octagon"])
     (part,) = metastable_stretches(result, boundary("octagon"))
     (segment,) = find_segments(result).segments
     assert part.length == pytest.approx(segment.length, rel=1e-3)

@@ -4,9 +4,10 @@ import json
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from typer.testing import CliRunner
 
-from origami_nlp import OrigamiError, examples, find_minima
+from origami_nlp import OrigamiError, examples
 from origami_nlp.bench import time_budget
 from origami_nlp.cli import app
 from origami_nlp.judge import minima
@@ -24,7 +25,7 @@ def test_stages_add_up(budget):
     assert set(budget.seconds) == set(time_budget.STAGES)
     assert all(v >= 0 for v in budget.seconds.values())
     assert 0 < budget.solving < budget.total and budget.over_floor > 1
-    plain = find_minima(examples.degree8("pi/6", 1)).search
+    plain = panel_result(examples.degree8("pi/6", 1)).search
     assert (budget.solves, budget.iterations) == (plain.solves, plain.iterations)
 
 

@@ -8,20 +8,16 @@ import dataclasses
 
 import numpy as np
 import pytest
+from computed_once import panel_result
 from independent.admissible import admissible
 from independent.neighbours import RADII, Problem, draw, look_around, strata
 from independent.pockets import look_along_contacts
 
-from origami_nlp import examples, find_minima
+from origami_nlp import examples
 
 PANELS = examples.panels()
 FULL_RADII = np.logspace(-1, -5, 9)
 NORMAL, SLOW, SLOW_FULL = 400, 10_000, 20_000
-
-
-@pytest.fixture(scope="module")
-def results():
-    return {scene.name: find_minima(scene, full=True) for scene in PANELS}
 
 
 def full_problem(scene):
@@ -51,33 +47,33 @@ def check_full(result, count):
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_no_symmetric_neighbour_is_lower(scene, results):
-    check_symmetric(results[scene.name], NORMAL)
+def test_no_symmetric_neighbour_is_lower(scene):
+    check_symmetric(panel_result(scene, full=True), NORMAL)
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_no_neighbour_of_a_stable_state_is_lower(scene, results):
-    check_full(results[scene.name], NORMAL)
+def test_no_neighbour_of_a_stable_state_is_lower(scene):
+    check_full(panel_result(scene, full=True), NORMAL)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_ten_thousand_symmetric_neighbours(scene, results):
-    check_symmetric(results[scene.name], SLOW)
+def test_ten_thousand_symmetric_neighbours(scene):
+    check_symmetric(panel_result(scene, full=True), SLOW)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_twenty_thousand_neighbours_of_stable_states(scene, results):
-    check_full(results[scene.name], SLOW_FULL)
+def test_twenty_thousand_neighbours_of_stable_states(scene):
+    check_full(panel_result(scene, full=True), SLOW_FULL)
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_the_same_look_refutes_unstable_and_moved_states(scene, results):
+def test_the_same_look_refutes_unstable_and_moved_states(scene):
     """The look can fail: it finds lower neighbours of unstable states and of moved minima."""
     full, rng = full_problem(scene), np.random.default_rng(13)
     p = Problem.of(scene)
-    for m in results[scene.name].minima:
+    for m in panel_result(scene, full=True).minima:
         phi = np.array(m.fold_angles)
         if m.full_space.verdict == "unstable":
             assert len(look_around(full, phi, NORMAL, rng, radii=FULL_RADII).lower)
@@ -90,9 +86,9 @@ def test_the_same_look_refutes_unstable_and_moved_states(scene, results):
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_no_neighbour_that_keeps_facets_touching_is_lower(scene, results):
+def test_no_neighbour_that_keeps_facets_touching_is_lower(scene):
     rng = np.random.default_rng(15)
-    for m in results[scene.name].minima:
+    for m in panel_result(scene, full=True).minima:
         phi = np.array(m.fold_angles)
         spaces = [Problem.of(scene)]
         if m.full_space.verdict == "stable":
@@ -102,9 +98,9 @@ def test_no_neighbour_that_keeps_facets_touching_is_lower(scene, results):
 
 
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
-def test_local_dimension_is_that_of_the_neighbours(scene, results):
+def test_local_dimension_is_that_of_the_neighbours(scene):
     p, rng = Problem.of(scene), np.random.default_rng(14)
-    for m in results[scene.name].minima:
+    for m in panel_result(scene, full=True).minima:
         x = p.reduce(np.array(m.fold_angles))
         around = look_around(p, x, 150, rng, radii=np.array([1e-3, 1e-4, 1e-5]))
         assert around.dimension == m.local_dimension

@@ -4,8 +4,10 @@ import time
 from dataclasses import dataclass
 
 import pytest
+from computed_once import once
 
 from symbolic.catalogue import Result, claims, decide_all
+from symbolic.claim import Verdict
 
 
 @dataclass(frozen=True)
@@ -16,6 +18,10 @@ class Run:
 
 @pytest.fixture(scope="session")
 def run() -> Run:
-    start = time.perf_counter()
-    results = decide_all(claims())
-    return Run(results, time.perf_counter() - start)
+    def decide() -> tuple[list[Verdict], float]:
+        start = time.perf_counter()
+        verdicts = [r.verdict for r in decide_all(claims())]
+        return verdicts, time.perf_counter() - start
+
+    verdicts, seconds = once("catalogue", decide)
+    return Run([Result(c, v) for c, v in zip(claims(), verdicts, strict=True)], seconds)

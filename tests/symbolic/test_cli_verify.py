@@ -4,9 +4,11 @@ import importlib
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from origami_nlp.cli import main
 from origami_nlp.errors import OptionError
 from symbolic import catalogue
 from symbolic.claim import Claim, Verdict
@@ -15,19 +17,21 @@ from symbolic.left_out import LEFT_OUT
 QUICK = ("s2.valley", "s3.J", "s2.elevation")
 
 
-def verify(*args):
-    return subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "from origami_nlp.cli import main; main()",
-            "verify",
-            *map(str, args),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+MAIN = "from origami_nlp.cli import main; main()"
+
+
+@pytest.fixture
+def verify(monkeypatch, capsys):
+    """Run the command in this process, which has SymPy and its caches already."""
+
+    def run(*args):
+        monkeypatch.setattr(sys, "argv", ["origami-nlp", "verify", *map(str, args)])
+        with pytest.raises(SystemExit) as stop:
+            main()
+        told = capsys.readouterr()
+        return SimpleNamespace(returncode=stop.value.code, stdout=told.out, stderr=told.err)
+
+    return run
 
 
 def only(*ids):
@@ -35,7 +39,8 @@ def only(*ids):
 
 
 def test_single_claims_print_one_line_each_and_the_evidence():
-    done = verify(*only(*QUICK))
+    command = [sys.executable, "-c", MAIN, "verify", *only(*QUICK)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     for claim_id, word in zip(QUICK, ("proved", "refuted", "convention"), strict=True):
@@ -45,7 +50,7 @@ def test_single_claims_print_one_line_each_and_the_evidence():
     assert r"\cos 2\upsilon" in done.stdout
 
 
-def test_the_counts_speak_of_statements_of_the_paper():
+def test_the_counts_speak_of_statements_of_the_paper(verify):
     done = verify(*only(*QUICK, "derive.cone"))
     assert done.returncode == 0, done.stderr
     text = " ".join(done.stdout.split())
@@ -57,7 +62,7 @@ def test_the_counts_speak_of_statements_of_the_paper():
     assert "Statements of the paper" not in done.stdout
 
 
-def test_reports_are_written(tmp_path):
+def test_reports_are_written(tmp_path, verify):
     files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "markdown", "latex")}
     done = verify(*only(*QUICK), *(x for k, f in files.items() for x in (f"--{k}", f)))
     assert done.returncode == 0, done.stderr
@@ -75,7 +80,7 @@ def test_reports_are_written(tmp_path):
         (["--markdown", "."], ["--markdown", "folder"]),
     ],
 )
-def test_bad_options_end_with_one_line_and_code_2(args, words):
+def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
     done = verify(*args)
     assert done.returncode == 2
     assert done.stdout.strip() == ""

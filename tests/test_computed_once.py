@@ -1,0 +1,57 @@
+"""What tests share is what they would have computed: the same minima, and once per run."""
+
+import multiprocessing
+from pathlib import Path
+
+import computed_once
+import pytest
+from computed_once import PANELS, once, panel_result
+
+from origami_nlp import examples, find_minima
+
+
+def test_a_shared_panel_is_that_of_a_search():
+    scene = PANELS[9]
+    fresh, shared = find_minima(scene), panel_result(scene)
+    assert shared.scene == scene and shared.minima == fresh.minima
+    assert shared.search.rejected == fresh.search.rejected
+    assert shared.search.statuses == fresh.search.statuses
+    judged = panel_result(scene, full=True).minima
+    assert judged == find_minima(scene, full=True).minima != fresh.minima
+
+
+def test_a_scene_that_only_has_the_name_of_a_panel_is_refused():
+    scene = examples.degree6("pi/4", 0.01, contact="none")
+    assert scene.name == PANELS[0].name
+    with pytest.raises(ValueError, match="not in list"):
+        panel_result(scene)
+
+
+def ask(folder, gate, answers):
+    def compute():
+        with (folder / "calls.txt").open("a") as file:
+            file.write("called\n")
+        return {"x": 0.1 + 0.2}
+
+    computed_once.folder = folder
+    gate.wait()
+    answers.put(once("number", compute))
+
+
+def test_processes_that_ask_at_once_compute_once(tmp_path: Path):
+    context = multiprocessing.get_context("spawn")
+    gate, answers = context.Barrier(3), context.Queue()
+    asking = [context.Process(target=ask, args=(tmp_path, gate, answers)) for _ in range(3)]
+    for process in asking:
+        process.start()
+    assert [answers.get(timeout=120) for _ in asking] == [{"x": 0.1 + 0.2}] * 3
+    for process in asking:
+        process.join()
+    assert (tmp_path / "calls.txt").read_text() == "called\n"
+
+
+def test_what_fails_is_not_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(computed_once, "folder", tmp_path)
+    with pytest.raises(ZeroDivisionError):
+        once("number", lambda: 1 / 0)
+    assert once("number", lambda: 2) == 2 == once("number", lambda: 3)
