@@ -17,8 +17,8 @@ import numpy as np
 
 from origami_nlp.errors import VertexError
 from origami_nlp.state.angles import format_angle, parse_angles
-from origami_nlp.state.relations import RESOLVED
 from origami_nlp.state.arguments import shown
+from origami_nlp.state.relations import RESOLVED
 
 SUM_TOLERANCE = 1e-9
 """Largest |sum of sector angles - 2 pi| [rad] that is taken for rounding and spread evenly."""
