@@ -10,7 +10,6 @@ from origami_nlp.closed_forms._chart import ChartPoint, Reason
 from origami_nlp.closed_forms._cone import (
     ConeAngles,
     cone_contact_elevation,
-    cone_elevation_range,
     cone_fold_angles,
     cone_partial_angles,
     cone_roots,
@@ -23,7 +22,6 @@ __all__ = [
     "ConeAngles",
     "Reason",
     "cone_contact_elevation",
-    "cone_elevation_range",
     "cone_fold_angles",
     "cone_partial_angles",
     "cone_roots",

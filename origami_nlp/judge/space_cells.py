@@ -45,8 +45,8 @@ class Cells:
     """The admissible cells, as a complex of triangles, edges and vertices in the space of wedge fold angles.
 
     wedge [V, k], on [V]: vertices (those on the cut appear once for each sign of the inner fold angle they have).
-    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle;
-    extra_vertices [P]: vertices on no cell of higher dimension.
+    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle.
+    Vertices on no cell of higher dimension are among the vertices too.
     """
 
     sheets: Sheets
@@ -55,7 +55,6 @@ class Cells:
     origin: np.ndarray
     triangles: np.ndarray
     extra_edges: np.ndarray
-    extra_vertices: np.ndarray
 
 
 def admissible_cells(sheets: Sheets) -> Cells:
@@ -80,7 +79,6 @@ def admissible_cells(sheets: Sheets) -> Cells:
         origin,
         number[:f].reshape(-1, 3),
         number[f : f + e].reshape(-1, 2),
-        number[f + e :],
     )
 
 

@@ -9,7 +9,6 @@ import pytest
 from origami_nlp.closed_forms import (
     Reason,
     cone_contact_elevation,
-    cone_elevation_range,
     cone_fold_angles,
     cone_partial_angles,
     cone_roots,
@@ -91,10 +90,6 @@ def test_cone_contact():
         assert cone_partial_angles(degree, v).value[1] == pytest.approx(-np.pi / 2, rel=1e-13)
         assert cone_partial_angles(degree, -v).value[0] == pytest.approx(np.pi / 2, rel=1e-13)
         assert cone_partial_angles(degree, v).value[0] < np.pi / 2
-    v = cone_contact_elevation(6)
-    assert cone_elevation_range(6, [1, 1, 1]) == (-v, np.pi / 2)
-    assert cone_elevation_range(6, [1, 1, -1]) == (-v, np.pi / 2)
-    assert cone_elevation_range(8, [1, -1, 1, -1]) == (-np.pi / 2, np.pi / 2)
 
 
 @pytest.mark.parametrize(
