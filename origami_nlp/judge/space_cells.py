@@ -64,7 +64,7 @@ def admissible_cells(sheets: Sheets) -> Cells:
     kept = sheets.triangles[good]
     inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
     corner_sign = np.where(_on(sheets.on, CUT)[kept], inner[:, None], 0)
-    edges, edge_sign = _edges_alone(sheets, sign, kept, corner_sign)
+    edges, edge_sign = _edges_alone(sheets, kept, corner_sign)
     keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
     points = _vertices_alone(sheets, np.unique(np.concatenate(keys)))
     keys.append(points)
@@ -164,7 +164,7 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
 
 
 def _edges_alone(
-    sheets: Sheets, side: np.ndarray, kept: np.ndarray, corner_sign: np.ndarray
+    sheets: Sheets, kept: np.ndarray, corner_sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Admissible edges on walls that border no kept triangle: vertices [E, 2] and signs on the cut [E, 2]."""
     edges, _ = edges_of(sheets.triangles)
