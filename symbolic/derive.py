@@ -123,16 +123,6 @@ class ReflectionForm:
     v: Pair
 
     @property
-    def difference_equation(self) -> TrigEquation:
-        """u_i cos t + u_r sin t = 0 for t = (phi_1 - phi_k)/4."""
-        return TrigEquation(self.u[1], self.u[0], sp.Integer(0))
-
-    @property
-    def sum_equation(self) -> TrigEquation:
-        """v_i cos t + v_r sin t = 0 for t = (phi_1 + phi_k)/4."""
-        return TrigEquation(self.v[1], self.v[0], sp.Integer(0))
-
-    @property
     def first(self) -> Pair:
         """(y, x) with phi_1/2 = atan2(y, x) modulo pi: y = -Im(u v), x = Re(u v)."""
         (a, b), (c, d) = self.u, self.v

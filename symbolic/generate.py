@@ -1,9 +1,8 @@
-"""Write the NumPy and CasADi functions of `origami_nlp.closed_forms` from the SymPy expressions.
+"""Write the NumPy functions of `origami_nlp.closed_forms` from the SymPy expressions.
 
 ``python -m symbolic.generate`` rewrites the generated modules; ``--check`` only compares them and
 fails when they differ.  Generation is ahead of time, so that importing `origami_nlp.closed_forms`
-never loads SymPy.  One family makes one `_<name>_numpy.py` and one `_<name>_casadi.py` with the
-same body: only the imported elementary functions differ.
+never loads SymPy.  One family makes one `_<name>_numpy.py`.
 """
 
 from __future__ import annotations
@@ -20,18 +19,11 @@ from symbolic.generate_forms import POSITIVE_PART, SIGN_OF, Family, families
 
 TARGET = Path(__file__).resolve().parent.parent / "origami_nlp" / "closed_forms"
 
-_IMPORTS = {
-    "numpy": {n: n for n in ("arctan", "arctan2", "cos", "fabs", "fmax", "sin", "sqrt", "tan")},
-    "casadi": {
-        **{n: n for n in ("cos", "fabs", "fmax", "sin", "sqrt", "tan")},
-        "arctan": "atan",
-        "arctan2": "atan2",
-    },
-}
+_FUNCTIONS = ("arctan", "arctan2", "cos", "fabs", "fmax", "sin", "sqrt", "tan")  # of NumPy
 
 
 class _Printer(PythonCodePrinter):
-    """Bare function names, so that one body serves NumPy and CasADi."""
+    """Bare function names of NumPy."""
 
     def __init__(self) -> None:
         super().__init__({"fully_qualified_modules": False})
@@ -56,7 +48,7 @@ class _Printer(PythonCodePrinter):
             return f"(2*(({argument}) >= 0) - 1)"
         if expr.func == POSITIVE_PART:
             return f"fmax({argument}, 0)"
-        raise NotImplementedError(f"no NumPy and CasADi spelling for {expr.func}")
+        raise NotImplementedError(f"no NumPy spelling for {expr.func}")
 
     def _print_Pow(self, expr: Any, rational: bool = False) -> str:
         base, power = expr.as_base_exp()
@@ -87,8 +79,8 @@ def _wrap(head: str, body: str, width: int = 99) -> list[str]:
     return [*lines, current, "    )"]
 
 
-def source(family: Family, library: str) -> str:
-    """Text of the generated module of one family for one library ("numpy" or "casadi")."""
+def source(family: Family) -> str:
+    """Text of the generated module of one family."""
     printer = _Printer()
     names = [n for n, _ in family.outputs]
     shared, results = sp.cse([f for _, f in family.outputs], symbols=sp.numbered_symbols("t"))
@@ -98,11 +90,7 @@ def source(family: Family, library: str) -> str:
     for name, expr in zip(names, results, strict=True):
         body += _wrap(name, printer.doprint(expr))
     text = "\n".join(body)
-    used = [n for n in _IMPORTS[library] if re.search(rf"\b{n}\(", text)]
-    imports = sorted(
-        _IMPORTS[library][n] if _IMPORTS[library][n] == n else f"{_IMPORTS[library][n]} as {n}"
-        for n in used
-    )
+    used = [n for n in _FUNCTIONS if re.search(rf"\b{n}\(", text)]
     lines = [
         f'"""{family.summary}',
         "",
@@ -112,7 +100,7 @@ def source(family: Family, library: str) -> str:
         "# ruff: noqa",
         "# fmt: off",
         *(["from math import pi", ""] if re.search(r"\bpi\b", text) else []),
-        f"from {library} import " + ", ".join(imports),
+        "from numpy import " + ", ".join(used),
         "",
         "OUTPUTS = (",
         *(f'    "{n}",' for n in names),
@@ -132,11 +120,7 @@ def source(family: Family, library: str) -> str:
 
 def modules() -> dict[Path, str]:
     """File and text of every generated module."""
-    return {
-        TARGET / f"_{family.name}_{library}.py": source(family, library)
-        for family in families()
-        for library in _IMPORTS
-    }
+    return {TARGET / f"_{family.name}_numpy.py": source(family) for family in families()}
 
 
 def main(arguments: list[str]) -> int:

@@ -4,7 +4,7 @@ Each `Family` lists symbols, outputs (value, first and second derivatives) and t
 into the generated docstring.  Everything is polynomial in half-angle sines and cosines, with atan2
 and one square root; nowhere an arccos.  Derivations, on top of `symbolic.derive`:
 
-degree 6, and any even degree in D_1
+degree 6 in D_1
     `reflection_form` gives phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v) with u = m_w + i m_x,
     v = m_y + i m_z, modulo 2 pi with a common parity.  Both lie in [-pi, pi] on the sheet q = +1
     exactly when |arg u| + |arg v| <= pi/2 (args modulo pi), that is |m_w m_y| >= |m_x m_z|.
@@ -122,18 +122,6 @@ def _degree6() -> Family:
     )
 
 
-def _mirror() -> Family:
-    mw, mx, my, mz = sp.symbols("mw mx my mz", real=True)
-    form = ReflectionForm((mw, mx), (my, mz))
-    outputs = _mirror_outputs(form, [mw, mx, my, mz])
-    return Family(
-        "mirror",
-        (mw, mx, my, mz),
-        tuple(outputs),
-        "D_1, any even degree: the mirror creases from the quaternion M of the inner creases.",
-    )
-
-
 def dihedral_pieces(c: Any, s: Any, a1: Any, a2: Any, fold: Any, elev: Any, d: Any) -> Any:
     """(g, E, P, P', Q, Q'): building blocks of the D_n wedge with three creases.
 
@@ -217,4 +205,4 @@ def _cone() -> Family:
 
 def families() -> list[Family]:
     """All generated families, in file order."""
-    return [_degree6(), _mirror(), _dihedral3(), _cone()]
+    return [_degree6(), _dihedral3(), _cone()]

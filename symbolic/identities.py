@@ -9,7 +9,7 @@ identity holds for all real angles.  No call to `simplify` takes part.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product as cartesian
@@ -42,11 +42,6 @@ class Circle:
     def pair(self) -> Pair:
         """The generators (c, s)."""
         return (self.c, self.s)
-
-    @property
-    def relation(self) -> sp.Expr:
-        """c^2 + s^2 - 1."""
-        return self.c**2 + self.s**2 - 1
 
 
 def circle(unit: Any, name: str, tangents: Sequence[Any] | None = None) -> Circle:
@@ -146,15 +141,6 @@ def _algebraic_zero(coefficient: Any) -> bool:
         return False
     x = sp.Symbol("x")
     return bool(sp.minimal_polynomial(coefficient, x) == x)
-
-
-def rational_points(circles: Sequence[Circle]) -> Iterator[dict[sp.Symbol, Any]]:
-    """Exact points of the torus: rational (c, s) on every circle, the simplest first."""
-    for tangents in cartesian(*(circ.tangents for circ in circles)):
-        point: dict[sp.Symbol, Any] = {}
-        for circ, t in zip(circles, tangents, strict=True):
-            point[circ.c], point[circ.s] = rational_pair(t)
-        yield point
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from symbolic.derive import dihedral_form, reflection_form
-from symbolic.rotations import E1, Pair, cross, dot, rational_pair
+from symbolic.rotations import E1, Pair, rational_pair
 
 
 @dataclass(frozen=True)
@@ -127,11 +127,6 @@ def degree8() -> ExactState:
 def flat(state: ExactState) -> ExactState:
     """The flat state of the same vertex."""
     return ExactState(state.creases, tuple((sp.Integer(1), sp.Integer(0)) for _ in state.folds))
-
-
-def volume(a: Sequence[Any], b: Sequence[Any], c: Sequence[Any]) -> Any:
-    """det(a, b, c)."""
-    return dot(cross(a, b), c)
 
 
 __all__ = ["E1", "ExactState", "degree6", "degree8", "double", "doubled_direction", "flat"]

@@ -9,15 +9,15 @@ import pytest
 from computed_once import panel_result
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from independent.flood import ChartGrid
 from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
 from origami_nlp.closed_forms import degree6
 from origami_nlp.errors import OptionError
 from origami_nlp.judge.barriers import find_barriers
-from origami_nlp.judge.barriers_flood import ChartGrid
 from origami_nlp.judge.barriers_graph import parabola_top, side_of_flat
-from origami_nlp.judge.barriers_merge_tree import is_ultrametric, merge_tree
+from origami_nlp.judge.barriers_merge_tree import merge_tree
 from origami_nlp.judge.barriers_thin import thin_curves
 from origami_nlp.judge.critical import find_critical_points
 from origami_nlp.judge.follow import follow
@@ -28,6 +28,14 @@ from origami_nlp.state import examples
 from origami_nlp.state.scene import Scene
 from origami_nlp.state.vertex import Vertex
 from origami_nlp.tell.barriers_table import full_words
+
+
+def is_ultrametric(barrier: np.ndarray) -> bool:
+    """Tell whether a matrix of barriers obeys b(i, k) <= max(b(i, j), b(j, k)) for all i, j, k."""
+    return all(
+        barrier[i, k] <= max(barrier[i, j], barrier[j, k])
+        for i, j, k in itertools.permutations(range(len(barrier)), 3)
+    )
 
 
 @pytest.fixture(scope="module")

@@ -231,4 +231,4 @@ def test_other_solvers_have_options_and_methods_are_named_once():
 
 def test_scipy_missing_is_said_and_not_an_error(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert all("origami_nlp[bench]" in m.missing for m in scipy_methods())
+    assert all("pip install scipy" in m.missing for m in scipy_methods())

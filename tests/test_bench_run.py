@@ -142,7 +142,7 @@ def test_a_minimum_that_the_judge_did_not_know_joins_the_list(judge):
 
 def test_methods_run_on_the_same_starts_and_ours_agrees_with_the_search_of_the_package(judge):
     methods = [*ours(), *(m for m in ipopt_alone() if m.accuracy in (1e-4, 1e-8))]
-    found = run_problem(panel_problems()[5], methods, PLAN, 0, judge)
+    found = run_problem(methods, PLAN, 0, judge)
     mine = found[OURS]
     assert np.isfinite(mine.seconds).all() and (mine.seconds > 0).all()
     record = Record()

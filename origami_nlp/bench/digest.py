@@ -39,8 +39,8 @@ class Spread:
 class Row:
     """One method over a family of problems.
 
-    problems, starts: how many.  seconds: a start.  angle, energy, multiplier, eigenvalue: median errors.
-    ratio: seconds per minimum correct to `LEVEL`, over ours, on the same starts; loose: correct to 1e-4.
+    starts: how many.  seconds: a start.  angle, energy, multiplier, eigenvalue: median errors.
+    ratio: seconds per minimum correct to `LEVEL`, over ours, on the same starts.
     minima, missed: of all problems, by searches that stop by the package's rule; None for settings that ran on
     fewer starts.  exact: how many of the minima were reached to `LEVEL`.
     false_states, failed: distinct states that were claimed and are no minima; starts without a claim.
@@ -49,12 +49,10 @@ class Row:
     label: str
     family: str
     accuracy: float
-    problems: int
     starts: int
     seconds: Spread | None
     errors: dict[str, Spread | None]
     ratio: Spread | None
-    loose: Spread | None
     minima: int
     missed: int | None
     exact: int
@@ -82,7 +80,6 @@ def _row(method: dict[str, Any], cells: list[dict[str, Any]], problems: dict[str
         method["label"],
         method["family"],
         method["accuracy"],
-        len(cells),
         sum(c["starts"] for c in cells),
         Spread.of(s for c in cells for s in c["seconds_per_start"] if s is not None),
         {
@@ -90,7 +87,6 @@ def _row(method: dict[str, Any], cells: list[dict[str, Any]], problems: dict[str
             for name in ("angle", "energy", "multiplier", "eigenvalue")
         },
         Spread.of(r for c in cells for r in numbers(c["ratios"][f"{LEVEL:.0e}"])),
-        Spread.of(r for c in cells for r in numbers(c["ratios"]["1e-04"])),
         minima,
         None if method["sweep"] else minima - sum(len(f) for f in found),
         sum(e is not None and e <= LEVEL for f in found for e in f.values()),

@@ -8,10 +8,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
-from origami_nlp.bench.hard_digits import rows_closed, solve_to_50_digits
+from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.judge.classify import classify
 from origami_nlp.judge.minima import MinimaResult, Minimum, find_minima
 from origami_nlp.judge.nearby import is_admissible
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.active import Row, closed_contacts
 from origami_nlp.solve.polish import polish
 from origami_nlp.solve.search import SAME, Record, solve_without_crossing
 from origami_nlp.solve.starts import BATCH, project_batch
@@ -27,6 +29,20 @@ EPS = float(np.finfo(float).eps)
 
 def _vertex(sectors: tuple[str, ...]) -> Vertex:
     return Vertex(parse_angles(sectors, "sector_angles"))
+
+
+def rows_closed(model: Model, x: np.ndarray) -> tuple[Row, ...]:
+    """Return the contacts closed at a polished state, on its first smooth piece."""
+    contacts = closed_contacts(model, x, model.local(x).gaps)
+    return (contacts.combinations() or [contacts.base])[0]
+
+
+def exact_state(model: Model, x: np.ndarray) -> Reference | None:
+    """Return the 50-digit solution next to a polished state x [n], None where there is none."""
+    try:
+        return solve_reference(model, x, rows_closed(model, x))
+    except Unsolved:
+        return None
 
 
 def nearest(result: MinimaResult, fold_angles: object) -> tuple[Minimum | None, float]:
@@ -71,7 +87,7 @@ def _flat_starts() -> Iterator[Outcome]:
         answer = solve_without_crossing(model, np.zeros(model.size), record)
         state = polish(model, answer)
         what = classify(model, state.x, polished=state.converged)
-        exact = solve_to_50_digits(model, state.x, rows_closed(model, state.x))
+        exact = exact_state(model, state.x)
         left = float(np.abs(state.x).max())
         measured = [Measured("closure", state.closure_residual, ROUNDING)]
         if exact is not None:

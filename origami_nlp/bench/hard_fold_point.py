@@ -168,7 +168,7 @@ def _fold_point() -> Iterator[Outcome]:
             if pair:
                 apart = float(np.abs(states[0][0] - states[1][0]).max())
                 verdict += f", {apart:.1e} rad apart"
-                worst = max(_elevation_error(x, ratio, float(elevation)) for x, _ in states)
+                worst = max(_elevation_error(x, ratio) for x, _ in states)
                 # the ratio moves the states as its square root: rounding of r counts as eps / sqrt(distance)
                 allowed = max(1e-14, 20 * np.finfo(float).eps / math.sqrt(distance))
                 checks = (Measured("angles", worst, allowed),)
@@ -190,7 +190,7 @@ def _ratio_at(v: Any) -> Any:
     return -2 * (2 * v - REST) / ((odd - REST) * odd_slope)
 
 
-def _elevation_error(x: np.ndarray, ratio: float, elevation: float) -> float:
+def _elevation_error(x: np.ndarray, ratio: float) -> float:
     """Distance of a state from the closed-form stationary elevation beside it at this ratio."""
     with mp.workdps(40):
         v = mp.findroot(lambda v: _ratio_at(v) - mp.mpf(ratio), mp.mpf(float(x[1])) / 2, tol=1e-50)

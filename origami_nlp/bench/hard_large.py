@@ -50,7 +50,7 @@ def _wedges() -> Iterator[Outcome]:
             yield replace(outcome, measured=(*outcome.measured, closes), verdict=words)
 
 
-def _closure(fold_angles: np.ndarray, sector: float | None = None) -> float:
+def _closure(fold_angles: np.ndarray) -> float:
     """Largest entry of q - 1 for the product of all folds of a vertex with equal sectors."""
     n = len(fold_angles)
     q: tuple[Any, ...] = (1.0, 0.0, 0.0, 0.0)

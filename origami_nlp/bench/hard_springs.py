@@ -9,16 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
-from origami_nlp.bench.hard_digits import (
-    Exact,
-    double_multipliers,
-    rows_closed,
-    solve_to_50_digits,
-)
-from origami_nlp.bench.hard_flat import EPS, ROUNDING, known_state
+from origami_nlp.bench.hard_flat import EPS, ROUNDING, exact_state, known_state
 from origami_nlp.errors import SceneError
 from origami_nlp.judge.minima import MinimaResult, find_minima
 from origami_nlp.judge.nearby import is_admissible
+from origami_nlp.model.nlp import Model
+from origami_nlp.solve.active import Row, row_values
 from origami_nlp.solve.starts import StartStream
 from origami_nlp.state import examples
 from origami_nlp.state.scene import Scene
@@ -31,20 +27,16 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
     angles, energies, pushes, singular = [0.0], [0.0], [0.0], 0
     for m in result.minima:
         x = model.reduce(np.array(m.fold_angles))
-        rows = rows_closed(model, x)
-        exact: Exact | None = None
-        if m.kind != "degenerate":
-            exact = solve_to_50_digits(model, x, rows)
+        exact = exact_state(model, x) if m.kind != "degenerate" else None
         if exact is None:
             singular += 1
             continue
         angles.append(exact.angle_error(x))
         energies.append(exact.energy_error(m.energy))
-        known = np.array([float(v) for v in exact.multipliers])
-        if len(rows):
-            ours = double_multipliers(model, x, rows)
-            largest = max(1.0, float(np.abs(known).max()))
-            pushes.append(float(np.abs(ours - known).max()) / largest)
+        if len(exact.multipliers):
+            ours = double_multipliers(model, x, exact.rows)
+            largest = max(1.0, float(np.abs(exact.multipliers).max()))
+            pushes.append(float(np.abs(ours - exact.multipliers).max()) / largest)
     unpolished = sum(not m.polished for m in result.minima)
     measured = (
         Measured("angles", max(angles), bound),
@@ -55,6 +47,14 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
     note = f"{singular} singular, not compared" if singular else ""
     right = bool(result.minima) and not unpolished
     return Outcome(setting, measured, kinds or "none", right, result.search.iterations, note=note)
+
+
+def double_multipliers(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
+    """Return the package's multipliers of independent `rows` at x, as the polish computes them, [r]."""
+    local = model.local(x)
+    _, slopes = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    jac = np.vstack([local.closure_jacobian, slopes])
+    return np.linalg.lstsq(jac.T, local.gradient, rcond=1e-10)[0][len(local.closure) :]
 
 
 def _ratios() -> Iterator[Outcome]:

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from origami_nlp.bench.attempt import Method, Solver, StartPoint, draw_starts
 from origami_nlp.bench.judging import Judge
 from origami_nlp.bench.methods_casadi import silence
-from origami_nlp.bench.problems import Problem
 from origami_nlp.bench.tally import Attempts
 
 Progress = Callable[[str], None]
@@ -39,9 +38,9 @@ class Plan:
 
 
 def run_problem(
-    problem: Problem, methods: Sequence[Method], plan: Plan, seed: int, judge: Judge
+    methods: Sequence[Method], plan: Plan, seed: int, judge: Judge
 ) -> dict[str, Attempts]:
-    """Run every method on one problem; returns their attempts by label."""
+    """Run every method on the judge's problem; returns their attempts by label."""
     model = judge.model
     out = {m.label: Attempts(plan.rounds, plan.starts) for m in methods}
     for r in range(plan.rounds):

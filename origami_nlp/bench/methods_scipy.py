@@ -31,7 +31,7 @@ def scipy_methods(sweep: bool = True, raw: bool = True) -> list[Method]:
     """Return SLSQP and trust-constr over tolerances, from projected and from raw starts."""
     missing = ""
     if importlib.util.find_spec("scipy") is None:
-        missing = 'not installed: pip install "origami_nlp[bench]"'
+        missing = "not installed: pip install scipy"
     out = []
     for name, tolerances, search in (
         ("SLSQP", SLSQP_TOLERANCES, SLSQP_SEARCH),

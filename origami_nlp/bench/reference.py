@@ -60,6 +60,11 @@ class Reference:
         """Return the largest error of the fold angles x [n], below rounding too [rad]."""
         return float(np.abs((x - self.x) - self.x_rest).max())
 
+    def energy_error(self, energy: float) -> float:
+        """Return the error of an energy relative to the exact one; the energy itself where that is 0."""
+        error = abs((energy - self.energy) - self.energy_rest)
+        return error / self.energy if self.energy else energy
+
 
 def solve_reference(model: Model, start: np.ndarray, rows: tuple[Row, ...]) -> Reference:
     """Solve the KKT system near `start` [n] with `rows` closed to 50 digits.

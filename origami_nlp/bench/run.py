@@ -130,7 +130,7 @@ def run_search(
         judge = judges[problem.name] = Judge.of(problem.scene, seed)
         suited = [m for m in runnable if suits(m, judge)]
         tell(f"{len(suited)} methods: {problem.name}")
-        raw[problem.name] = run_problem(problem, suited, plan, seed, judge)
+        raw[problem.name] = run_problem(suited, plan, seed, judge)
         if job_rounds:
             tell(f"whole job: {problem.name}")
             job.append(_whole_job(problem, judge, seed, job_rounds))

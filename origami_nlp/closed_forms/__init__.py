@@ -2,32 +2,29 @@
 
 Conventions: creases counter-clockwise in the e1-e2 plane, b_1 = e1; fold angles in radians, valley
 > 0; H = Q(b_1, phi_1/2) Q(b_2, phi_2) .. Q(b_k, phi_k/2) over the wedge between neighbouring mirror
-creases; only the sheet q = +1.  Nothing here loads SymPy or CasADi (for CasADi import
-`closed_forms.casadi_forms`); `python -m symbolic.generate` rewrites the generated modules.
+creases; only the sheet q = +1.  Nothing here loads SymPy or CasADi; `python -m symbolic.generate` rewrites
+the generated modules.
 """
 
 from origami_nlp.closed_forms._chart import ChartPoint, Reason
 from origami_nlp.closed_forms._cone import (
     ConeAngles,
     cone_contact_elevation,
-    cone_elevation_range,
     cone_fold_angles,
     cone_partial_angles,
     cone_roots,
 )
+from origami_nlp.closed_forms._degree6 import degree6
 from origami_nlp.closed_forms._dihedral import wedge3
-from origami_nlp.closed_forms._reflection import degree6, reflection
 
 __all__ = [
     "ChartPoint",
     "ConeAngles",
     "Reason",
     "cone_contact_elevation",
-    "cone_elevation_range",
     "cone_fold_angles",
     "cone_partial_angles",
     "cone_roots",
     "degree6",
-    "reflection",
     "wedge3",
 ]

@@ -109,15 +109,3 @@ def cone_contact_elevation(degree: int) -> float:
     That is a pair of mountains for v > 0 and a pair of valleys for v < 0.
     """
     return np.pi / 2 * (1 - 4 / _degree(degree))
-
-
-def cone_elevation_range(degree: int, flaps: Sequence[int]) -> tuple[float, float]:
-    """Elevations (low, high) at which adjacent facets touch, or all odd creases meet on the axis.
-
-    +-pi/2 unless two cyclic neighbours are mountains (high) or valleys (low).  Contact between
-    facets that are not adjacent is not looked at.
-    """
-    signs = _flaps(degree, flaps)
-    pairs = {signs[j] for j in range(len(signs)) if signs[j - 1] == signs[j]}
-    contact, axis = cone_contact_elevation(degree), np.pi / 2
-    return (-contact if 1 in pairs else -axis, contact if -1 in pairs else axis)

@@ -41,8 +41,7 @@ class StateGraph:
 
     energy: of the states [V], in the scene's units.  edges: [E, 2].  middle: [E, n], the admissible state half-way on
     each edge.  height: [E], the largest energy along it, from the parabola through the ends and the middle.
-    spacing: lattice cell [rad].  special: number of leading vertices that are the given seeds.
-    complete: whether growth ended by itself (not at the cap on states).
+    spacing: lattice cell [rad].  complete: whether growth ended by itself (not at the cap on states).
     """
 
     states: np.ndarray = field(repr=False)
@@ -51,7 +50,6 @@ class StateGraph:
     middle: np.ndarray = field(repr=False)
     height: np.ndarray = field(repr=False)
     spacing: float
-    special: int
     complete: bool
 
     def __repr__(self) -> str:
@@ -104,7 +102,6 @@ def grow(
         Cap on the number of states.
     """
     first = [np.asarray(s, dtype=float) for s in seeds]
-    special = len(first)
     joined: list[tuple[int, int]] = []
     apart = set(alone)
     for chain in chains:
@@ -135,7 +132,7 @@ def grow(
         link = np.array(joined)
         edges, middle = np.vstack([edges, link]), np.vstack([middle, x[link[:, 1]]])
         height = np.concatenate([height, energy[link].max(axis=1)])
-    return StateGraph(x, energy, edges, middle, height, spacing, special, complete)
+    return StateGraph(x, energy, edges, middle, height, spacing, complete)
 
 
 def energies(model: Model, x: np.ndarray) -> np.ndarray:

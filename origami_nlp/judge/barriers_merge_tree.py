@@ -8,7 +8,6 @@ height is the min-max barrier between its ends.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -19,8 +18,8 @@ import numpy as np
 class Merge:
     """Two branches of the tree meet.
 
-    height: of the edge.  edge: its number.  first, second: the leaves (positions in `MergeTree.leaves`) on
-    either side, the lowest leaf first.
+    height: of the edge.  edge: its number.  first, second: the leaves (positions in the list given to
+    `merge_tree`) on either side, the lowest leaf first.
     """
 
     height: float
@@ -33,13 +32,12 @@ class Merge:
 class MergeTree:
     """The merge tree of chosen leaves.
 
-    leaves: vertices.  merges: in order of height; fewer than leaves - 1 where components stay apart.
+    merges: in order of height; fewer than leaves - 1 where components stay apart.
     forest: for each vertex its neighbours (vertex, edge) in the minimum spanning forest.
     others: persistence (height of death less energy of birth) of components without a chosen leaf, as
     (persistence, vertex of birth), largest first.
     """
 
-    leaves: tuple[int, ...]
     merges: tuple[Merge, ...]
     forest: dict[int, list[tuple[int, int]]] = field(repr=False)
     others: tuple[tuple[float, int], ...] = field(repr=False)
@@ -122,13 +120,4 @@ def merge_tree(
         if mine or yours:
             members[one] = tuple(sorted((*mine, *yours)))
     others.sort(reverse=True)
-    return MergeTree(tuple(leaves), tuple(merges), forest, tuple(others))
-
-
-def is_ultrametric(barrier: np.ndarray, slack: float = 0.0) -> bool:
-    """Tell whether a symmetric matrix of barriers obeys b(i, k) <= max(b(i, j), b(j, k)) for all i, j, k."""
-    n = len(barrier)
-    return all(
-        barrier[i, k] <= max(barrier[i, j], barrier[j, k]) + slack
-        for i, j, k in itertools.permutations(range(n), 3)
-    )
+    return MergeTree(tuple(merges), forest, tuple(others))

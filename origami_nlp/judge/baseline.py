@@ -59,13 +59,12 @@ class Baseline:
 
     verdict: common to all steps, else ``marginal`` (the paper keeps only verdicts that no step changes).
     robust: whether all steps agree.  steps: one result a step; empty where the test does not apply.
-    singular_values: of C.  seconds: the cost of the whole test.
+    seconds: the cost of the whole test.
     """
 
     verdict: Verdict
     robust: bool
     steps: tuple[StepResult, ...]
-    singular_values: tuple[float, ...]
     seconds: float
 
 
@@ -91,22 +90,21 @@ def appendix_a(
     phi = np.asarray(fold_angles, dtype=float)
     _, residual = crease_matrix(scene, phi)
     if np.linalg.norm(residual) > START:
-        return Baseline("not closed", True, (), (), time.perf_counter() - begin)
+        return Baseline("not closed", True, (), time.perf_counter() - begin)
     restored = _restore(scene, phi)
     if restored is None:
-        return Baseline("failed", True, (), (), time.perf_counter() - begin)
+        return Baseline("failed", True, (), time.perf_counter() - begin)
     phi = restored
     creases, _ = crease_matrix(scene, phi)
     _, s, vt = np.linalg.svd(creases)
-    values = tuple(s.tolist())
     if s[2] <= RANK * s[0]:
-        return Baseline("singular", True, (), values, time.perf_counter() - begin)
+        return Baseline("singular", True, (), time.perf_counter() - begin)
     normal, tangent = vt[:3].T, vt[3:].T
     results = tuple(_at_step(scene, phi, tangent, normal, h, eps_gradient) for h in steps)
     verdicts = {r.verdict for r in results}
     robust = len(verdicts) == 1
     verdict: Verdict = results[0].verdict if robust else "marginal"
-    return Baseline(verdict, robust, results, values, time.perf_counter() - begin)
+    return Baseline(verdict, robust, results, time.perf_counter() - begin)
 
 
 def crease_matrix(scene: Scene, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

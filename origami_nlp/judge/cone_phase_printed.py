@@ -17,10 +17,8 @@ import numpy as np
 
 from origami_nlp.judge.cone_energy import crease_angles
 from origami_nlp.judge.cone_map import count_map
-from origami_nlp.judge.cone_minima import branch_minima
 from origami_nlp.judge.cone_phase_energy import (
     SIGNS,
-    BranchClass,
     branch_classes,
     rest_angles,
     rest_range,
@@ -294,40 +292,3 @@ def exact_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Readi
     """Count minima exactly (`cone_map.count_map`), shape [nu, ratios]."""
     counts = count_map(degree, ratios, nu, depth=reading.depth, rest=reading.rest)
     return (counts.interior + reading.contact * counts.at_end).T
-
-
-M2V_REGIONS = (((_PI / 8, _PI / 6), (LOW, 0.7)), ((-_PI / 2, -_PI / 36), (LOW, 7.0)))
-"""Where M_2V up is said to be stable "for nearly every parameter set": (nu_0, r) and (nu_0, r)."""
-
-
-def m2v_shares(size: int = 40) -> dict[tuple[int, bool], tuple[float, float]]:
-    """Share of the two regions in which M_2V of degree 6 holds an interior minimum deeper than the threshold.
-
-    Returns
-    -------
-    shares
-        By (direction, mirrored): +1 up or -1 down in our convention, and whether nu_0 is minus the paper's.
-        Points whose rest state would be beyond contact are left out; nan where none is left.
-    """
-    out = {}
-    for direction in (1, -1):
-        branches = next(b for b in branch_classes(6) if (b.valleys, b.direction) == (1, direction))
-        for mirrored in (True, False):
-            shares = []
-            for (low, high), (bottom, top) in M2V_REGIONS:
-                cells = (np.arange(size) + 0.5) / size
-                nu = (low + (high - low) * cells) * (-1 if mirrored else 1)
-                first, last = rest_range(6)
-                nu = nu[(nu > first) & (nu < last)]
-                ratios = bottom * (top / bottom) ** cells
-                held = [_holds(branches, float(r), float(v)) for r in ratios for v in nu]
-                shares.append(float(np.mean(held)) if held else math.nan)
-            out[direction, mirrored] = (shares[0], shares[1])
-    return out
-
-
-def _holds(branches: BranchClass, ratio: float, nu: float) -> bool:
-    """Whether a class has an interior minimum deeper than the threshold."""
-    m = branch_minima(branches.degree, ratio, nu, depth=DEPTH).minima
-    own = (m.valleys == branches.valleys) & (m.changes == branches.changes)
-    return bool((own & (m.direction == branches.direction) & m.interior).any())

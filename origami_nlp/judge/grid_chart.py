@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from origami_nlp.judge.branch import null_space
-from origami_nlp.model.embedding import fold_vertex
+from origami_nlp.model.chart import wedge_elevation
 from origami_nlp.model.nlp import Model
 
 STRETCHED = 1.0
@@ -27,13 +27,7 @@ def chart_point(model: Model, x: np.ndarray) -> tuple[float, float]:
     """Return the chart coordinates of a state: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
     if model.scene.degree == 6:
         return float(x[1]), float(x[2])
-    creases, _ = fold_vertex(model.scene.vertex, model.expand(x))
-    # creases 1 and 5 are images in the mirror through 3 and 7: half their sum is sin(v) along the axis
-    lift = (creases[0] + creases[4]) / 2
-    axis = np.cross(creases[0] - creases[4], creases[2] - creases[6])
-    # the paper lifts crease 1 by Q(e2, v): v > 0 is downwards
-    sine = min(1.0, float(np.linalg.norm(lift)))
-    return -math.copysign(math.asin(sine), float(lift @ axis)), float(x[1])
+    return wedge_elevation(model.scene, model.expand(x)), float(x[1])
 
 
 def chart_distance(model: Model, x: np.ndarray, y: np.ndarray) -> float:

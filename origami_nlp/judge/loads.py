@@ -65,11 +65,6 @@ def moments_of(model: Model, load: np.ndarray) -> np.ndarray:
     return model.expand(model.scale * load / np.sqrt(model.multiplicity))
 
 
-def load_of(model: Model, moments: np.ndarray) -> np.ndarray:
-    """Return the load in the metric of symmetric `moments` [N m], [N] -> [n]; inverse of `moments_of`."""
-    return model.reduce(moments) * np.sqrt(model.multiplicity) / model.scale
-
-
 def sensitivity(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> Sensitivity:
     """Differentiate the KKT system of the state x [n] with `rows` held (independent gradients)."""
     root = np.sqrt(model.multiplicity)

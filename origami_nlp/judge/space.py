@@ -40,7 +40,7 @@ class SpaceMesh:
     fold_angles [V, N], wedge [V, k]: states [rad].  triangles [F, 3].  edges [E, 2]: all of them, handles included.
     chart [V, 2], branch [V]: coordinates and branch of `model.chart.chart_of(scene)`.
     on [V]: bit mask of the walls (`walls`: their names) that pass through a vertex.
-    extra_edges [H, 2]: the edges of handles, which border no triangle.  component [V]: index into `Space.components`.
+    extra_edges [H, 2]: the edges of handles, which border no triangle.
     """
 
     fold_angles: np.ndarray = field(repr=False)
@@ -52,7 +52,6 @@ class SpaceMesh:
     on: np.ndarray = field(repr=False)
     walls: tuple[str, ...]
     extra_edges: np.ndarray = field(repr=False)
-    component: np.ndarray = field(repr=False)
 
     def contacts(self, vertex: int) -> tuple[str, ...]:
         """Name the contacts that are closed at a vertex."""
@@ -240,10 +239,7 @@ def analyse_space(scene: Scene, size: int = SIZE) -> Space:
         break
     count = len(cells.wedge)
     pieces = topology.parts(count, cells.triangles, cells.extra_edges)
-    component = np.zeros(count, dtype=int)
-    for k, part in enumerate(pieces):
-        component[part.vertices] = k
-    mesh = _mesh(chain, cells, component)
+    mesh = _mesh(chain, cells)
     components = tuple(
         Component(part.dimension, part.euler, part.holes, part.closed_surfaces, _sample(mesh, part))
         for part in pieces
@@ -259,7 +255,7 @@ def analyse_space(scene: Scene, size: int = SIZE) -> Space:
     return Space(scene, size, components, holes, pinch, arcs, euler, mesh)
 
 
-def _mesh(chain: Chain, cells: Cells, component: np.ndarray) -> SpaceMesh:
+def _mesh(chain: Chain, cells: Cells) -> SpaceMesh:
     edges = topology.all_edges(cells.triangles, cells.extra_edges)
     chart, branch = _chart(chain, cells)
     return SpaceMesh(
@@ -272,7 +268,6 @@ def _mesh(chain: Chain, cells: Cells, component: np.ndarray) -> SpaceMesh:
         cells.on,
         chain.walls,
         cells.extra_edges,
-        component,
     )
 
 

@@ -45,8 +45,8 @@ class Cells:
     """The admissible cells, as a complex of triangles, edges and vertices in the space of wedge fold angles.
 
     wedge [V, k], on [V]: vertices (those on the cut appear once for each sign of the inner fold angle they have).
-    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle;
-    extra_vertices [P]: vertices on no cell of higher dimension.
+    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle.
+    Vertices on no cell of higher dimension are among the vertices too.
     """
 
     sheets: Sheets
@@ -55,7 +55,6 @@ class Cells:
     origin: np.ndarray
     triangles: np.ndarray
     extra_edges: np.ndarray
-    extra_vertices: np.ndarray
 
 
 def admissible_cells(sheets: Sheets) -> Cells:
@@ -65,7 +64,7 @@ def admissible_cells(sheets: Sheets) -> Cells:
     kept = sheets.triangles[good]
     inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
     corner_sign = np.where(_on(sheets.on, CUT)[kept], inner[:, None], 0)
-    edges, edge_sign = _edges_alone(sheets, sign, kept, corner_sign)
+    edges, edge_sign = _edges_alone(sheets, kept, corner_sign)
     keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
     points = _vertices_alone(sheets, np.unique(np.concatenate(keys)))
     keys.append(points)
@@ -80,7 +79,6 @@ def admissible_cells(sheets: Sheets) -> Cells:
         origin,
         number[:f].reshape(-1, 3),
         number[f : f + e].reshape(-1, 2),
-        number[f + e :],
     )
 
 
@@ -166,7 +164,7 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
 
 
 def _edges_alone(
-    sheets: Sheets, side: np.ndarray, kept: np.ndarray, corner_sign: np.ndarray
+    sheets: Sheets, kept: np.ndarray, corner_sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Admissible edges on walls that border no kept triangle: vertices [E, 2] and signs on the cut [E, 2]."""
     edges, _ = edges_of(sheets.triangles)

@@ -40,7 +40,6 @@ from origami_nlp.state.cone import (
 from origami_nlp.state.vertex import Vertex
 
 UP, DOWN = 1, -1
-DIRECTIONS = {"up": UP, "down": DOWN}
 END_RULES = ("contract", "contact")
 SLACK = 4e-15
 """Elevations this little past an end are taken for the end: pi/6 and pi/2 - pi/3 differ in rounding [rad]."""

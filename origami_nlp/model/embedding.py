@@ -18,7 +18,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.model import quaternion as quat
-from origami_nlp.model.layers import LayerProblem, layer_problem
+from origami_nlp.model.layers import layer_problem
 from origami_nlp.model.vectors import cross
 from origami_nlp.state.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.state.vertex import Vertex
@@ -41,14 +41,12 @@ class Embedding:
     closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to
     close).
     touching: whether non-adjacent parts touch (then layers were ordered).
-    layers: the layer problem of a touching state, else None.
     """
 
     admissible: bool
     reason: str
     closure_residual: float
     touching: bool
-    layers: LayerProblem | None = None
 
 
 def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -184,7 +182,7 @@ def examine(
         return Embedding(True, "", residual, False)
     if not problem.solvable():
         return Embedding(
-            False, "touching facets have no layer order without crossing", residual, True, problem
+            False, "touching facets have no layer order without crossing", residual, True
         )
     if len(elements) > 1 and not problem.with_symmetry(elements, n).solvable():
         return Embedding(
@@ -192,6 +190,5 @@ def examine(
             "touching facets have a layer order, but none with the symmetry",
             residual,
             True,
-            problem,
         )
-    return Embedding(True, "", residual, True, problem)
+    return Embedding(True, "", residual, True)

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-import casadi as ca
 import numpy as np
 
 from origami_nlp.model.contact import Gap
@@ -244,8 +243,3 @@ class Model:
         lines.append("  left out")
         lines += [f"                  {item.what}: {item.why}" for item in self.left_out]
         return "\n".join(lines)
-
-
-def symbolic_variables(model: Model) -> ca.SX:
-    """Return the CasADi symbols of the fold angles (for users who add their own terms)."""
-    return model.functions.x

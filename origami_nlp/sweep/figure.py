@@ -70,7 +70,7 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
         below = top
     for value in x[grid["count"] < 0]:
         axes.axvline(value, color=MISSING, lw=1)
-    _scale(axes.xaxis, axes.set_xscale, x)
+    _scale(axes.set_xscale, x)
     axes.set(
         xlabel=name,
         ylabel="minima",
@@ -97,8 +97,8 @@ def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
         image = axes.pcolormesh(
             _edges(x), _edges(y), shown, cmap=colours, vmin=-0.5, vmax=most + 0.5
         )
-        _scale(axes.xaxis, axes.set_xscale, x)
-        _scale(axes.yaxis, axes.set_yscale, y)
+        _scale(axes.set_xscale, x)
+        _scale(axes.set_yscale, y)
         axes.set(title=title, xlabel=names[1])
     rows[0].set_ylabel(names[0])
     bar = figure.colorbar(image, ax=rows, ticks=range(most + 1), label="number", shrink=0.9)
@@ -127,6 +127,6 @@ def _edges(v: np.ndarray) -> np.ndarray:
     return np.exp(edges) if _is_log(v) else edges
 
 
-def _scale(axis: Any, set_scale: Any, v: np.ndarray) -> None:
+def _scale(set_scale: Any, v: np.ndarray) -> None:
     if _is_log(v):
         set_scale("log")

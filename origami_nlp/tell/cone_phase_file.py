@@ -11,17 +11,11 @@ from origami_nlp.judge.cone_limits import DEGREES, Limit
 from origami_nlp.judge.cone_phase import PhaseDiagram
 from origami_nlp.judge.cone_phase_printed import READINGS, Finding
 from origami_nlp.state.cone import write_flaps
-
-LARGEST_NUMBER = 2**53
-"""Integers beyond this are written as strings."""
-
-
-def _count(value: int) -> int | str:
-    return int(value) if abs(int(value)) <= LARGEST_NUMBER else str(int(value))
+from origami_nlp.tell.cone_json import exact
 
 
 def _counts(values: np.ndarray) -> list[list[int | str]]:
-    return [[_count(v) for v in row] for row in values.tolist()]
+    return [[exact(v) for v in row] for row in values.tolist()]
 
 
 def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
@@ -45,7 +39,7 @@ def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
                 "valleys": b.branches.valleys,
                 "changes": b.branches.changes,
                 "direction": "up" if b.branches.direction > 0 else "down",
-                "multiplicity": _count(b.branches.multiplicity),
+                "multiplicity": exact(b.branches.multiplicity),
                 "kind": b.kind,
                 "rest_elevation": b.rest_elevation.tolist(),
                 "ratio": b.ratio.tolist(),

@@ -27,11 +27,6 @@ PASS_MARK = {
 PASS_COLOUR = "#2166ac"
 
 
-def draw_merge_tree(barriers: Barriers, target: str | PathLike[str]) -> None:
-    """Write the merge tree of one scene to a .png, .pdf or .svg file."""
-    draw_merge_trees([barriers], target)
-
-
 def draw_merge_trees(
     several: list[Barriers], target: str | PathLike[str], columns: int = 3
 ) -> None:

@@ -26,8 +26,6 @@ from symbolic.decide import Correction, as_convention, by_cases, refuted
 from symbolic.rotations import E1, E2, E3, Vector, dot, reflect
 from symbolic.statement import WHOLE, Several, formula, one_of, row
 
-_MINUS_ELEVATION = (ELEVATION[0], -ELEVATION[1])
-
 
 def _check_deformation(statement: tuple[str, ...]) -> Verdict:
     """The factors of F_1, in the printed order, must elevate crease 1 inside its mirror plane."""

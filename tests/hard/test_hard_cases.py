@@ -8,8 +8,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.bench.hard import HardCase, HardReport, Measured, Outcome, hard_cases, run_case
-from origami_nlp.bench.hard_digits import rows_closed, solve_to_50_digits
-from origami_nlp.bench.hard_flat import regular_at_pi
+from origami_nlp.bench.hard_flat import exact_state, regular_at_pi
 from origami_nlp.bench.hard_fold_point import beside, exact_fold_point, find_fold_point, ratio_scene
 from origami_nlp.solve.ipopt import solve
 from origami_nlp.solve.polish import polish
@@ -109,13 +108,12 @@ def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
     minimum = find_minima(wedge, max_starts=128).minima[0]
     model, whole = wedge.model(), examples.degree8("pi/6", ratio, symmetry="none").model()
     phi = np.array(minimum.fold_angles)
-    short = solve_to_50_digits(model, model.reduce(phi), rows_closed(model, model.reduce(phi)))
-    long = solve_to_50_digits(whole, phi, ())
+    short, long = exact_state(model, model.reduce(phi)), exact_state(whole, phi)
     assert short is not None and long is not None
-    # sector angles are doubles, the wedge's mirrors exact: they agree to rounding of the sectors
-    for crease, v in enumerate(model.variable_of_crease):
-        assert abs(short.x[v] - long.x[crease]) <= mp.mpf("1e-14")
-    assert abs(short.energy / long.energy - 1) <= mp.mpf("1e-14")
+    with mp.workdps(60):
+        for crease, v in enumerate(model.variable_of_crease):
+            assert abs(mp.mpf(short.digits[v]) - mp.mpf(long.digits[crease])) <= mp.mpf("1e-45")
+    assert short.energy_error(long.energy) <= 1e-14
 
 
 @pytest.mark.parametrize("distance", [1e-6, 1e-9, 1e-12])

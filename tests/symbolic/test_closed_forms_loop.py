@@ -8,7 +8,6 @@ from origami_nlp.closed_forms import (
     Reason,
     cone_fold_angles,
     degree6,
-    reflection,
     wedge3,
 )
 
@@ -55,17 +54,6 @@ def test_degree6_refusals_are_on_the_other_sheet():
     folds = np.stack([wrap[0], a, b, wrap[1], b, a], axis=-1)
     q = loop_quaternion(np.broadcast_to(azimuths, folds.shape), folds)
     assert np.abs(q + PAPER).max() <= CLOSURE
-
-
-@pytest.mark.parametrize("inner", [[1.3], [0.3, 0.9, 1.9], [0.4, 0.9, 1.5, 2.0, 2.6]])
-def test_reflection_closes_for_any_even_degree(inner):
-    rng = np.random.default_rng(13)
-    folds = rng.uniform(-np.pi, np.pi, (5 * POINTS, len(inner)))
-    point = reflection(inner, folds)
-    places = np.array([0.0, *inner, np.pi, *(-np.array(inner[::-1]))])
-    full = np.concatenate([point.value[:, :1], folds, point.value[:, 1:], folds[:, ::-1]], axis=-1)
-    assert point.ok.sum() >= POINTS
-    assert _gap(np.broadcast_to(places, full.shape)[point.ok], full[point.ok]) <= CLOSURE
 
 
 @pytest.mark.parametrize("branch", [1, -1])

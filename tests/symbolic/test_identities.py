@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from symbolic.identities import (
     circle,
     counterexample,
-    rational_points,
     reduce,
     to_circles,
     vanishes,
@@ -80,12 +79,6 @@ def test_normal_form_is_the_groebner_remainder():
     relations = [CA.s**2 + CA.c**2 - 1, CB.s**2 + CB.c**2 - 1]
     remainder = sp.reduced(expr, relations, CA.s, CB.s, CA.c, CB.c, order="lex")[1]
     assert sp.expand(remainder - reduce(expr, [CA, CB]).as_expr()) == 0
-
-
-def test_rational_points_lie_on_the_torus():
-    points = list(rational_points([CA, CB]))
-    assert len(points) == len(CA.tangents) * len(CB.tangents)
-    assert all(sp.expand(c.relation.subs(p)) == 0 for p in points for c in (CA, CB))
 
 
 def test_infinite_half_tangent_is_half_a_turn():

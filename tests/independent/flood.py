@@ -1,4 +1,4 @@
-"""The same barriers by brute force: a min-max flood fill of the paper's chart, from closed forms alone.
+"""Barriers by brute force: a min-max flood fill of the paper's chart, from closed forms alone.
 
 Every grid point of the chart (both branches) is a cell; water rises from one minimum until it reaches the other.  Two
 neighbours are joined only where the straight way between them in the chart is continuous in the fold angles, which
