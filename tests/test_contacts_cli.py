@@ -57,7 +57,7 @@ def test_command_writes_all_its_files(app: typer.Typer, tmp_path: Path) -> None:
 
 def test_json_to_standard_output_is_json_alone(app: typer.Typer, tmp_path: Path) -> None:
     scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
-    done = CliRunner().invoke(app, [scene, "--json", "-", "--state", "2"])
+    done = CliRunner().invoke(app, [scene, "--json", "-", "--state", "2", "--max-starts", "16"])
     assert done.exit_code == 0
     assert json.loads(done.stdout)["states"][0]["state"] == 2
 
@@ -84,7 +84,7 @@ def test_bad_options_are_named(
     app: typer.Typer, tmp_path: Path, options: list[str], word: str
 ) -> None:
     scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
-    done = CliRunner().invoke(app, [scene, *options])
+    done = CliRunner().invoke(app, [scene, *options, "--max-starts", "16"])
     assert isinstance(done.exception, OptionError)
     assert word in str(done.exception) and "\n" not in str(done.exception)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from computed_once import panel_result
-from test_critical import PANELS, SHAPES, kkt_points, random_energy
+from test_critical import PANELS, SHAPES, critical_points, kkt_points, random_energy
 
 from origami_nlp.judge.critical import compare_minima, find_critical_points
 from origami_nlp.judge.space import analyse_space
@@ -39,7 +39,7 @@ def test_random_energies_have_one_sum(scene):
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
 def test_sparser_and_denser_samples_find_the_same_points(scene):
-    usual = np.array([p.fold_angles for p in find_critical_points(scene).points])
+    usual = np.array([p.fold_angles for p in critical_points(scene).points])
     for samples, seed in ((1024, 1), (32768, 2)):
         other = find_critical_points(scene, samples=samples, seed=seed)
         states = np.array([p.fold_angles for p in other.points])
@@ -51,7 +51,7 @@ def test_sparser_and_denser_samples_find_the_same_points(scene):
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
 def test_every_kkt_point_of_a_long_multistart_is_listed(scene):
-    listed = np.array([p.fold_angles for p in find_critical_points(scene).points])
+    listed = np.array([p.fold_angles for p in critical_points(scene).points])
     ends = kkt_points(scene, np.random.default_rng(23), 100)
     away = np.abs(ends[:, None] - listed).max(axis=2).min(axis=1)
     assert away.max() < 1e-6, ends[away.argmax()]
