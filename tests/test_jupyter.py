@@ -35,7 +35,7 @@ def test_repr_is_the_same_text_in_a_kernel_and_outside(outputs):
     alone = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     outside = json.loads(alone.stdout)
     inside = json.loads(outputs[1][0].text)
-    assert "stable state" in inside["minima"] and "Morse sum" in inside["points"]
+    assert "symmetric minima" in inside["minima"] and "Morse sum" in inside["points"]
     for name, text in inside.items():
         without_time = [line for line in text.splitlines() if " s, seed" not in line]
         assert without_time == [ln for ln in outside[name].splitlines() if " s, seed" not in ln]

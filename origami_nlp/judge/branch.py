@@ -8,7 +8,8 @@ tangent cone, so that no
    constraint qualification is needed;
 4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient
 without constraint
-   qualification as well.
+   qualification as well;
+5. where closure loses rank: sharp in the directions that closure leaves to second order (`second_order`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 
 from origami_nlp.judge.linear import nearest_in_cone
 from origami_nlp.judge.multipliers import Multipliers, find_multipliers
+from origami_nlp.judge.second_order import has_no_level_direction
 from origami_nlp.model.nlp import Local, Model
 from origami_nlp.solve.active import Row, gap_weights, row_values
 
@@ -29,6 +31,8 @@ STATIONARY = 1e-11
 """Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""
 CURVED = 1e-12
 """Eigenvalues of the scaled reduced Hessian below this do not count as positive."""
+
+BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
 
@@ -111,6 +115,8 @@ def judge_branch(
     if dimension == 0:
         return say("minimum", "isolated: the linearised feasible cone is a point", 3)
     if multipliers.residual > stationary * size:
+        if not regular and _rises(model, x, jac, z, root, gradient, a):
+            return say("minimum", BY_CLOSURE, 5)
         d = _descent(z, a, gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
@@ -153,7 +159,26 @@ def judge_branch(
                 return say(
                     "saddle", "negative curvature along a feasible direction", 0, values, d / root
                 )
+    if not regular and _rises(model, x, jac, z, root, gradient, a):
+        return say("minimum", BY_CLOSURE, 5, values)
     return say("undecided", "neither first nor second order decides", 0, values)
+
+
+def _rises(
+    model: Model,
+    x: np.ndarray,
+    jac: np.ndarray,
+    z: np.ndarray,
+    root: np.ndarray,
+    gradient: np.ndarray,
+    a: np.ndarray,
+) -> bool:
+    """Tell whether the energy grows in every direction that closure leaves to second order (all in the metric)."""
+    u, values, _ = np.linalg.svd(jac)
+    none = np.zeros(len(model.structure.gaps))
+    lost = u.T[int((values > RANK_TOLERANCE).sum()) :]
+    forms = [z.T @ (model.hessian(x, w, none, 0.0) / np.outer(root, root)) @ z for w in lost]
+    return has_no_level_direction(forms, np.vstack([a @ z, -(gradient @ z)[None]]))
 
 
 def cone(

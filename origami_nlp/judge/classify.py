@@ -171,7 +171,8 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
         dimension,
         _forces(model, x, decisive[0], contacts),
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
-        decisive[0].multipliers.residual,
+        # nothing has to balance where closure itself leaves no way down
+        math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
     )
 
 

@@ -1,0 +1,69 @@
+"""Closure to second order as a certificate: where closure loses rank, which directions are left."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from origami_nlp import Scene, Vertex, find_minima
+from origami_nlp.judge.second_order import extreme_rays, has_no_level_direction
+
+
+def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:
+    """Return the range of d' Q d over random unit directions of the cone rows d >= 0."""
+    d = rng.normal(size=(40_000, rows.shape[1]))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    d = d[(d @ rows.T >= 0).all(axis=1)]
+    values = np.einsum("ki,ij,kj->k", d, form, d)
+    return float(values.min(initial=math.inf)), float(values.max(initial=-math.inf))
+
+
+@given(st.integers(0, 10**6), st.integers(1, 4), st.integers(0, 6))
+def test_what_is_shown_agrees_with_random_directions(seed: int, t: int, r: int) -> None:
+    rng = np.random.default_rng(seed)
+    form = rng.normal(size=(t, t))
+    form = (form + form.T) / 2 + rng.uniform(-2, 2) * np.eye(t)
+    rows = rng.normal(size=(r, t))
+    if has_no_level_direction([form], rows):
+        low, high = sampled(form, rows, rng)
+        assert low > 0 or high < 0 or low == math.inf
+
+
+def test_a_form_that_vanishes_on_the_cone_is_never_enough() -> None:
+    rows = np.eye(2)
+    assert not has_no_level_direction([np.array([[0.0, 1.0], [1.0, 0.0]])], rows)  # d = e1
+    assert not has_no_level_direction([np.diag([1.0, -1.0])], rows)  # d = (1, 1)
+    assert has_no_level_direction([np.diag([1.0, -1.0])], np.array([[0.0, 1.0], [1.0, -2.0]]))
+    assert has_no_level_direction([np.array([[1.0, 3.0], [3.0, 1.0]])], rows)
+    assert not has_no_level_direction([np.array([[1.0, -3.0], [-3.0, 1.0]])], rows)
+    assert not has_no_level_direction([], rows)
+
+
+def test_extreme_rays_of_a_pointed_cone() -> None:
+    rows = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]])
+    rays = extreme_rays(rows)
+    assert rays is not None and sorted(map(tuple, np.round(rays, 12).tolist())) == [
+        (0.0, 0.0, 1.0),
+        (0.0, 1.0, 0.0),
+        (1.0, 0.0, 0.0),
+    ]
+    assert extreme_rays(rows[:2]) is None  # holds a line
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_flat_state_of_a_rigid_vertex_is_certified(seed: int) -> None:
+    """Three creases cannot move: the spherical triangle of a great circle has no neighbour."""
+    rng = np.random.default_rng(seed)
+    sectors = 2 * math.pi * (0.1 + 0.7 * rng.dirichlet(np.ones(3) * 8))
+    sectors = sectors * 2 * math.pi / sectors.sum()
+    if sectors.max() >= math.pi:
+        pytest.skip("a sector of pi or more")
+    scene = Scene(Vertex(tuple(sectors.tolist())), rng.uniform(0.1, 9, 3), rng.uniform(-3, 3, 3))
+    (flat,) = find_minima(scene).minima
+    assert (
+        flat.fold_angles == (0.0, 0.0, 0.0) and "closure leaves to second order" in flat.certificate
+    )
