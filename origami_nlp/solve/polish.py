@@ -78,16 +78,23 @@ def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) ->
 def exact_beside(model: Model, state: Polished) -> Polished:
     """Return the exact singular state within `BESIDE` of an unpolished one, or the latter where there is none.
 
-    The fold angles next to 0 and +-pi are taken for these, and the others closed.
+    The fold angles next to 0 and +-pi are taken for these, and the others closed; where there are others, Newton
+    has to find the energy stationary along them.
     """
     flat = math.pi * np.round(state.x / math.pi)
     frozen = np.abs(state.x - flat) <= BESIDE
     if not frozen.any():
         return state
     y, residual = project_batch(model, np.where(frozen, flat, state.x)[None], frozen[None])
-    if residual[0] > CLOSES or np.abs(y[0] - state.x).max() > BESIDE:
+    exact = Polished(y[0], (), float(residual[0]), math.nan, True)
+    if frozen.all() and residual[0] <= CLOSES:
+        return exact
+    shut = frozen & (flat != 0) & model.structure.limits
+    rows = tuple(Row("limit", int(v), int(np.sign(flat[v]))) for v in np.flatnonzero(shut))
+    along, _ = newton(model, exact.x, rows)
+    if along is None or not along.converged or np.abs(along.x - state.x).max() > BESIDE:
         return state
-    return Polished(y[0], (), float(residual[0]), math.nan, True)
+    return along
 
 
 def _at_singular_folding(model: Model, state: Polished) -> Polished:
