@@ -175,7 +175,9 @@ def reached_from_flat(found, many=14):
     return out
 
 
-@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+@pytest.mark.parametrize(
+    "which", [pytest.param("saddle_barriers", marks=pytest.mark.slow), "handle_barriers"]
+)
 def test_the_flat_state_is_the_least_barrier_between_its_sides(which, request):
     """Never below U(flat); U(flat) where both minima can be reached from it without rising: not the handles."""
     found = request.getfixturevalue(which)
@@ -269,6 +271,7 @@ def test_handles_are_left_through_their_ends(handle_barriers):
             assert p.pass_kind == "flat state" and np.abs(p.fold_angles).max() == 0
 
 
+@pytest.mark.slow
 def test_contact_saddle_is_a_saddle_of_the_morse_count(contact_barriers):
     # its lower link, looked at without Newton or descents, is two arcs: contribution -1
     points = find_critical_points(contact_barriers.scene, None).points
@@ -279,6 +282,7 @@ def test_contact_saddle_is_a_saddle_of_the_morse_count(contact_barriers):
     ]
 
 
+@pytest.mark.slow
 def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
     flooded(contact_barriers, (129, 257, 513), 0.35)
 
