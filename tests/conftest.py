@@ -4,9 +4,15 @@
 property test with random examples; what fails there is kept as an `@example` of its test.
 """
 
+import os
+
 import computed_once
 import pytest
 from hypothesis import settings
+
+# small matrices: threads of linear algebra only get into each other's way, here and in started processes
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
 
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("random", print_blob=True)
