@@ -6,13 +6,14 @@ property test with random examples; what fails there is kept as an `@example` of
 
 import os
 
-import computed_once
-import pytest
-from hypothesis import settings
-
-# small matrices: threads of linear algebra only get into each other's way, here and in started processes
+# small matrices: threads of linear algebra only get into each other's way, here and in started processes;
+# said before NumPy loads
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+
+import computed_once  # noqa: E402
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
 
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("random", print_blob=True)
