@@ -201,8 +201,9 @@ def find_minima(
     stopped_by = "cap"
     # isolated flat foldings, and thin sets at phi = +-pi, are not found by descent
     thin = handle_minima if model.freedom > 0 else rigid_states
+    # (a lowest state on a hinge set beside its flat folding is the one of the two that may be a minimum)
     listed = itertools.chain(
-        rest_state(model), flat_foldings(model), hinge_minima(model), thin(model, seed)
+        rest_state(model), hinge_minima(model), flat_foldings(model), thin(model, seed)
     )
     for state in listed:
         _judge_new(model, add_state(model, state, record), verdicts, record)
