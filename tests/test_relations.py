@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,6 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import origami_nlp
+from origami_nlp.judge.classify import classify
+from origami_nlp.judge.minima import Rejected
 from origami_nlp.solve.hinges import hinge_minima
 from origami_nlp.state.relations import NEAR, RESOLVED, find_relations
 from origami_nlp.tell.json_file import result_from_dict, result_to_dict
@@ -176,3 +179,15 @@ def test_rounding_of_the_sectors_makes_no_states(ulps: tuple[int, ...]) -> None:
     flat = math.pi * np.round(np.array([m.fold_angles for m in result.minima]) / math.pi)
     assert np.array([m.fold_angles for m in result.minima]) == pytest.approx(flat, abs=1e-12)
     assert [m.energy for m in result.minima] == pytest.approx([0.0, 4 * math.pi**2], abs=1e-12)
+
+
+def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
+    scene = origami_nlp.examples.degree6("pi/4", 1.0)
+    result = origami_nlp.find_minima(scene, max_starts=8, fewest_starts=8)
+    state = result.minima[0]
+    what = classify(result.model, result.model.reduce(state.fold_angles), polished=False)
+    assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason
+    named = Rejected(what.verdict, what.reason, state.fold_angles, state.energy, 1)
+    told = replace(result, search=replace(result.search, undecided=(named,)))
+    assert "not decided: energy" in repr(told) and what.reason in repr(told)
+    assert result_from_dict(result_to_dict(told)).search.undecided == (named,)

@@ -22,6 +22,7 @@ import numpy as np
 
 from origami_nlp.model.embedding import fold_vertex
 from origami_nlp.model.nlp import Model
+from origami_nlp.solve.polish import CLOSES
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
@@ -29,8 +30,6 @@ MOST_STATES = 2000
 """Lowest states of sets that are kept, those of lowest energy first."""
 ON_LINE = 1e-12
 """Sine of the angle below which a crease lies on the hinge line: exact relations hold to 1e-14."""
-
-
 INSIDE = 1e-12
 """Hinges nearer to +-pi [rad] are shut: that state belongs to another set."""
 
@@ -54,7 +53,7 @@ def hinge_minima(model: Model) -> list[np.ndarray]:
         x = fixed.copy()
         x[moving] = lowest
         inside = (math.pi - np.abs(lowest) > INSIDE).all()
-        if inside and np.abs(model.closure(x)[0]).max() <= INSIDE:
+        if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
             states.append(x)  # (a piece of a symmetric state may close once round, or wind)
     states.sort(key=model.energy)
     return states[:MOST_STATES]
