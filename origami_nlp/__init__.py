@@ -10,26 +10,26 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.state import examples
-from origami_nlp.state.scene import Scene
-from origami_nlp.state.scene_file import format_scene, parse_scene, read_scene
-from origami_nlp.state.vertex import Vertex
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.scene_file import format_scene, parse_scene, read_scene
+from origami_nlp.pattern.vertex import Vertex
 
 if TYPE_CHECKING:
-    from origami_nlp.judge.minima import MinimaResult, Minimum, find_minima
-    from origami_nlp.model.embedding import examine
-    from origami_nlp.model.nlp import Model
-    from origami_nlp.tell.figure import draw_minima
+    from origami_nlp.folding.embedding import examine
+    from origami_nlp.minima.figure import draw_minima
+    from origami_nlp.minima.find import MinimaResult, Minimum, find_minima
+    from origami_nlp.programme.model import Model
 
 __version__ = "0.1.0"
 
 _LAZY = {
-    "find_minima": "origami_nlp.judge.minima",
-    "Minimum": "origami_nlp.judge.minima",
-    "MinimaResult": "origami_nlp.judge.minima",
-    "examine": "origami_nlp.model.embedding",
-    "Model": "origami_nlp.model.nlp",
-    "draw_minima": "origami_nlp.tell.figure",
+    "find_minima": "origami_nlp.minima.find",
+    "Minimum": "origami_nlp.minima.find",
+    "MinimaResult": "origami_nlp.minima.find",
+    "examine": "origami_nlp.folding.embedding",
+    "Model": "origami_nlp.programme.model",
+    "draw_minima": "origami_nlp.minima.figure",
 }
 
 __all__ = [

@@ -13,7 +13,7 @@ from typing import Any
 from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
-from origami_nlp.judge.minima import MinimaResult
+from origami_nlp.minima.find import MinimaResult
 
 PANELS = examples.panels()
 folder: Path | None = None

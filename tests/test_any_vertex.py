@@ -14,7 +14,7 @@ from independent.rotations import fold, spin_sign
 from test_random_vertices import check
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.judge.baseline import crease_matrix
+from origami_nlp.paper.appendix_a import crease_matrix
 
 DEG = math.pi / 180
 

@@ -9,29 +9,29 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
+from origami_nlp.barriers.figure import merge_tree_axes
+from origami_nlp.barriers.find import find_barriers
 from origami_nlp.bench.run import read_bench
-from origami_nlp.judge.barriers import find_barriers
-from origami_nlp.judge.cone_full_space import cone_full_space
-from origami_nlp.judge.cone_limits import limits
-from origami_nlp.judge.cone_minima import branch_minima
-from origami_nlp.judge.cone_phase import phase_diagram
-from origami_nlp.judge.cone_phase_curves import phase_boundaries
-from origami_nlp.judge.critical import find_critical_points
-from origami_nlp.judge.space import analyse_space
-from origami_nlp.state.cone import write_flaps
-from origami_nlp.state.fold_file import read_fold
-from origami_nlp.state.fold_vertices import fold_vertices, scene_at
+from origami_nlp.chart.landscape import landscape
+from origami_nlp.cone.flaps import write_flaps
+from origami_nlp.cone.full_space import cone_full_space
+from origami_nlp.cone.minima import branch_minima
+from origami_nlp.cone.phase import phase_diagram
+from origami_nlp.cone.phase_curves import phase_boundaries
+from origami_nlp.cone.phase_figure import draw_phase
+from origami_nlp.critical.find import find_critical_points
+from origami_nlp.landscape.exact import exact_landscape
+from origami_nlp.landscape.figure import draw_landscape
+from origami_nlp.minima.fold_out import write_fold
+from origami_nlp.paper.cone_limits import limits
+from origami_nlp.paper.grid_convergence import count_grid_minima
+from origami_nlp.pattern.fold_file import read_fold
+from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
+from origami_nlp.space.find import analyse_space
 from origami_nlp.sweep.figure import draw_sweep
 from origami_nlp.sweep.load import load_states, load_sweep
 from origami_nlp.sweep.run import run_sweep
 from origami_nlp.sweep.spec import parse_sweep, read_sweep
-from origami_nlp.tell.cone_phase_figure import draw_phase
-from origami_nlp.tell.exact_landscape import exact_landscape
-from origami_nlp.tell.fold_out import write_fold
-from origami_nlp.tell.grid_convergence import count_grid_minima
-from origami_nlp.tell.landscape import landscape
-from origami_nlp.tell.landscape_figure import draw_landscape
-from origami_nlp.tell.merge_tree_figure import merge_tree_axes
 
 SCENE = o.examples.degree6("pi/4")
 N = SCENE.degree

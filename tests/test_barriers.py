@@ -13,21 +13,21 @@ from independent.flood import ChartGrid
 from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
+from origami_nlp.barriers.find import find_barriers
+from origami_nlp.barriers.graph import parabola_top, side_of_flat
+from origami_nlp.barriers.merge_tree import merge_tree
+from origami_nlp.barriers.table import full_words
+from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
+from origami_nlp.critical.find import find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.judge.barriers import find_barriers
-from origami_nlp.judge.barriers_graph import parabola_top, side_of_flat
-from origami_nlp.judge.barriers_merge_tree import merge_tree
-from origami_nlp.judge.barriers_thin import thin_curves
-from origami_nlp.judge.critical import find_critical_points
-from origami_nlp.judge.follow import follow
-from origami_nlp.judge.minima import find_minima
-from origami_nlp.judge.nearby import is_admissible, project
-from origami_nlp.solve.starts import StartStream
-from origami_nlp.state import examples
-from origami_nlp.state.scene import Scene
-from origami_nlp.state.vertex import Vertex
-from origami_nlp.tell.barriers_table import full_words
+from origami_nlp.kkt.descent import follow
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.starts import StartStream
+from origami_nlp.minima.find import find_minima
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.vertex import Vertex
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:

@@ -6,21 +6,16 @@ import numpy as np
 import pytest
 from computed_once import panel_result
 
-from origami_nlp.judge.baseline import (
-    EPS_GRADIENT,
-    STEPS,
-    appendix_a,
-    crease_matrix,
-)
-from origami_nlp.judge.branch import null_space
-from origami_nlp.judge.classify import classify
-from origami_nlp.judge.full_space import FullSpace, full_scene
-from origami_nlp.judge.minima import Minimum, find_minima
-from origami_nlp.judge.nearby import project
-from origami_nlp.judge.stationarity import distance_from_stationary
-from origami_nlp.model.embedding import fold_vertex
-from origami_nlp.state import examples
-from origami_nlp.state.scene import Scene
+from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.classification import classify
+from origami_nlp.kkt.neighbours import project
+from origami_nlp.kkt.stationarity import distance_from_stationary
+from origami_nlp.minima.find import Minimum, find_minima
+from origami_nlp.minima.full_space import FullSpace, full_scene
+from origami_nlp.paper.appendix_a import EPS_GRADIENT, STEPS, appendix_a, crease_matrix
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.scene import Scene
 
 EXACT_TO = 1e-5  # relative error of centred differences at h = 3e-3 and smaller, rounding included
 

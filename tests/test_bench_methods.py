@@ -18,8 +18,8 @@ from origami_nlp.bench.methods_ours import ours
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
-from origami_nlp.judge.full_space import hessian_spectra
-from origami_nlp.solve.starts import crossed_pairs
+from origami_nlp.kkt.starts import crossed_pairs
+from origami_nlp.minima.full_space import hessian_spectra
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
 METHODS = [*ours(), *ipopt_alone(), *others(), *scipy_methods()]

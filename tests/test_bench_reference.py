@@ -10,7 +10,7 @@ from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.bench.exact_piece import ExactPiece, exact_angle
 from origami_nlp.bench.problems import panel_problems, random_problems
 from origami_nlp.bench.reference import Unsolved, solve_reference
-from origami_nlp.solve.active import Row, closed_contacts
+from origami_nlp.programme.contacts import Row, closed_contacts
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),

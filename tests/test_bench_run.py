@@ -22,7 +22,7 @@ from origami_nlp.bench.run import SCHEMA, read_bench, run_search, write_bench
 from origami_nlp.bench.tally import FALSE, Attempts, quantiles, ratios, summary, until_the_rule
 from origami_nlp.cli import app, main
 from origami_nlp.errors import OptionError
-from origami_nlp.solve.search import Record, run_one
+from origami_nlp.minima.search import Record, run_one
 
 SCENE = examples.degree6("5*pi/12", 1.0)
 PLAN = Plan(rounds=2, starts=4, sweep=2, budget=30.0)

@@ -10,8 +10,8 @@ from computed_once import panel_result
 
 import origami_nlp
 from origami_nlp.cli import main
-from origami_nlp.tell.json_file import result_from_dict, result_to_dict
-from origami_nlp.tell.table import as_text
+from origami_nlp.minima.plain import result_from_dict, result_to_dict
+from origami_nlp.minima.table import as_text
 
 
 def run(monkeypatch, capsys, *arguments):

@@ -12,16 +12,16 @@ from hypothesis import strategies as st
 from independent import cone_branches as brute
 from typer.testing import CliRunner
 
+from origami_nlp.bench.cone_speed import measure, scan_branches
+from origami_nlp.bench.cone_speed_table import as_markdown
 from origami_nlp.cli import app
+from origami_nlp.cone import roots as cone_roots
+from origami_nlp.cone.branches import steep_end
+from origami_nlp.cone.count_map import count_map
+from origami_nlp.cone.energy import direction_classes, rest_state
+from origami_nlp.cone.flaps import class_of, cone_classes
+from origami_nlp.cone.minima import branch_minima
 from origami_nlp.errors import OrigamiError
-from origami_nlp.judge import cone_roots
-from origami_nlp.judge.cone_energy import direction_classes, rest_state
-from origami_nlp.judge.cone_map import count_map
-from origami_nlp.judge.cone_minima import branch_minima
-from origami_nlp.judge.cone_speed import measure, scan_branches
-from origami_nlp.model.cone import steep_end
-from origami_nlp.state.cone import class_of, cone_classes
-from origami_nlp.tell.cone_speed_table import as_markdown
 
 RATIOS = (1e-4, 1e4)
 

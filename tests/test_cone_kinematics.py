@@ -12,16 +12,9 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
-from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.model.cone import (
-    ConeBranch,
-    branch_end,
-    branch_label,
-    lone_end,
-    steep_end,
-)
-from origami_nlp.model.embedding import examine, fold_vertex
-from origami_nlp.state.cone import (
+from origami_nlp.cone.branches import ConeBranch, branch_end, branch_label, lone_end, steep_end
+from origami_nlp.cone.drawing import draw_branch, draw_foldings
+from origami_nlp.cone.flaps import (
     bracelet_number,
     bracelets,
     class_of,
@@ -32,7 +25,8 @@ from origami_nlp.state.cone import (
     symmetry_of,
     write_flaps,
 )
-from origami_nlp.tell.cone_drawing import draw_branch, draw_foldings
+from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.folding.embedding import examine, fold_vertex
 
 
 def words(flaps):

@@ -12,18 +12,13 @@ from mpmath import mp
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
-from origami_nlp.judge import cone_phase_printed as printed
-from origami_nlp.judge.cone_energy import direction_classes, rest_state
-from origami_nlp.judge.cone_map import count_map
-from origami_nlp.judge.cone_minima import branch_minima
-from origami_nlp.judge.cone_phase import phase_diagram
-from origami_nlp.judge.cone_phase_curves import KINDS, phase_boundaries
-from origami_nlp.judge.cone_phase_energy import (
-    branch_classes,
-    class_energy,
-    rest_angles,
-    rest_range,
-)
+from origami_nlp.cone.count_map import count_map
+from origami_nlp.cone.energy import direction_classes, rest_state
+from origami_nlp.cone.minima import branch_minima
+from origami_nlp.cone.phase import phase_diagram
+from origami_nlp.cone.phase_curves import KINDS, phase_boundaries
+from origami_nlp.cone.phase_energy import branch_classes, class_energy, rest_angles, rest_range
+from origami_nlp.paper import section5 as printed
 
 SIDE = 1e-9
 SLOW = pytest.mark.slow
@@ -135,8 +130,8 @@ def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
 @pytest.mark.parametrize("degree", [6, 10, 16])
 def test_class_energy_is_that_of_all_creases(degree, rest):
     """Against the sum over the fold angles of an assignment, and derivatives against 40 digits."""
-    from origami_nlp.model.cone import ConeBranch
-    from origami_nlp.state.cone import bracelets, class_of
+    from origami_nlp.cone.branches import ConeBranch
+    from origami_nlp.cone.flaps import bracelets, class_of
 
     rng = np.random.default_rng(degree)
     low, high = rest_range(degree, rest)
@@ -264,7 +259,7 @@ def test_diagram_counts_only_inside_when_asked():
 
 @pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])
 def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
-    from origami_nlp.tell import cone_figures
+    from origami_nlp.paper import cone_figures
 
     monkeypatch.setattr(cone_figures, "SIZE", 6)
     cone_figures._diagram.cache_clear()
@@ -277,7 +272,7 @@ def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
 
 def test_figure_axis_is_the_papers(monkeypatch):
     """Colours of the drawn map, read back, are the counts at minus nu_0."""
-    from origami_nlp.tell import cone_figures
+    from origami_nlp.paper import cone_figures
 
     monkeypatch.setattr(cone_figures, "SIZE", 8)
     cone_figures._diagram.cache_clear()

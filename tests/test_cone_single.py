@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from independent.cone_single import Range, bends, setup, undecided
 
-from origami_nlp.judge.cone_energy import direction_classes
-from origami_nlp.model.cone import steep_end
-from origami_nlp.state.cone import cone_classes
+from origami_nlp.cone.branches import steep_end
+from origami_nlp.cone.energy import direction_classes
+from origami_nlp.cone.flaps import cone_classes
 
 
 def open_boxes(degree):

@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 import origami_nlp as o
 from origami_nlp.cli.contacts import contacts
+from origami_nlp.contact.figure import draw_contacts, images
+from origami_nlp.contact.pinned import SOFT, ContactReport, report_contacts
+from origami_nlp.contact.report import as_html, as_markdown, contacts_to_dict, margin_number
 from origami_nlp.errors import OptionError
-from origami_nlp.judge.pinned import SOFT, ContactReport, report_contacts
-from origami_nlp.tell.contact_figure import draw_contacts, images
-from origami_nlp.tell.contact_report import as_html, as_markdown, contacts_to_dict, margin_number
 
 
 @pytest.fixture(scope="module")

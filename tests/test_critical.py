@@ -15,20 +15,20 @@ from typer.testing import CliRunner
 from origami_nlp import examples
 from origami_nlp.cli import app
 from origami_nlp.closed_forms import degree6, wedge3
+from origami_nlp.critical.edges import possible_rows
+from origami_nlp.critical.find import compare_minima, find_critical_points
+from origami_nlp.critical.link import count_arcs, link_of
+from origami_nlp.critical.result import CriticalPoints
+from origami_nlp.critical.strata import strata_of
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.judge.branch import null_space
-from origami_nlp.judge.critical import compare_minima, find_critical_points
-from origami_nlp.judge.critical_edges import possible_rows
-from origami_nlp.judge.critical_link import count_arcs, link_of
-from origami_nlp.judge.critical_points import CriticalPoints
-from origami_nlp.judge.critical_strata import strata_of
-from origami_nlp.judge.nearby import is_admissible, project
-from origami_nlp.judge.space import analyse_space
-from origami_nlp.solve.active import closed_contacts
-from origami_nlp.solve.polish import newton
-from origami_nlp.solve.starts import project_batch
-from origami_nlp.state.scene import Scene
-from origami_nlp.state.scene_file import scene_to_dict
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.polishing import newton
+from origami_nlp.kkt.starts import project_batch
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.programme.contacts import closed_contacts
+from origami_nlp.space.find import analyse_space
 
 PANELS = examples.panels()
 SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis

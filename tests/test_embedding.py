@@ -13,7 +13,7 @@ from independent.scenes import SHAPES, build
 from independent.stationary import Stratum, determinant_classes, retract
 
 from origami_nlp import Vertex, examine
-from origami_nlp.solve.starts import gaps_hold
+from origami_nlp.kkt.starts import gaps_hold
 
 BAND = 1e-9
 """Issue: no disagreement outside this distance [rad] from touching."""

@@ -9,11 +9,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import origami_nlp as o
+from origami_nlp.chart.chart import chart_of, wedge_elevation
+from origami_nlp.chart.landscape import landscape
 from origami_nlp.closed_forms import wedge3
-from origami_nlp.model.chart import chart_of, wedge_elevation
-from origami_nlp.model.embedding import examine, fold_vertex
-from origami_nlp.solve.starts import StartStream
-from origami_nlp.tell.landscape import landscape
+from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.kkt.starts import StartStream
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61

@@ -11,9 +11,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.cli import main
-from origami_nlp.model.embedding import examine, fold_vertex
-from origami_nlp.tell.landscape_figure import joining_passes
-from origami_nlp.tell.landscape_json import LISTS, landscape_from_dict
+from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.landscape.figure import joining_passes
+from origami_nlp.landscape.plain import LISTS, landscape_from_dict
 
 
 def run(monkeypatch, capsys, *arguments):

@@ -12,23 +12,17 @@ import pytest
 from computed_once import panel_result
 
 import origami_nlp as o
-from origami_nlp.judge.branch import null_space
-from origami_nlp.judge.classify import classify
-from origami_nlp.judge.force_cone import distance_to_boundary
-from origami_nlp.judge.load_margin import LoadMargin, load_margin
-from origami_nlp.judge.loads import (
-    loaded_model,
-    moments_of,
-    row_name,
-    row_weight,
-    sensitivity,
-)
-from origami_nlp.judge.minima import MinimaResult, Minimum
-from origami_nlp.judge.multipliers import find_multipliers
-from origami_nlp.model import quaternion as quat
-from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Row, closed_contacts, gap_weights, row_values
-from origami_nlp.solve.polish import newton
+from origami_nlp.contact.force_cone import distance_to_boundary
+from origami_nlp.contact.margin import LoadMargin, load_margin
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.classification import classify
+from origami_nlp.kkt.loads import loaded_model, moments_of, row_name, row_weight, sensitivity
+from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.kkt.polishing import newton
+from origami_nlp.minima.find import MinimaResult, Minimum
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.programme.contacts import Row, closed_contacts, gap_weights, row_values
+from origami_nlp.programme.model import Model
 
 MULTIPLIER_FD = 1e-6
 """Relative agreement of contact moments with finite differences of the optimal energy."""

@@ -8,9 +8,9 @@ import pytest
 from computed_once import panel_result
 
 from origami_nlp import Scene, Vertex, examine, examples, find_minima
-from origami_nlp.judge.follow import follow
-from origami_nlp.model.structure import compile_structure
-from origami_nlp.solve.stopping import enough, expected_undiscovered
+from origami_nlp.kkt.descent import follow
+from origami_nlp.minima.stopping import enough, expected_undiscovered
+from origami_nlp.programme.compiled import compile_structure
 
 CLOSURE = 1e-14  # issue: closure of regular states
 KKT = 1e-12  # issue: KKT residual, relative to the torques that balance
@@ -138,7 +138,7 @@ def test_stopping_rule():
 def test_descent_from_random_states_ends_at_a_listed_minimum():
     """An independent look at completeness: downhill from anywhere leads to a state that was found."""
     rng = np.random.default_rng(0)
-    from origami_nlp.solve.starts import StartStream
+    from origami_nlp.kkt.starts import StartStream
 
     for scene in examples.panels()[::4]:
         result = panel_result(scene)

@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import origami_nlp
-from origami_nlp.judge.classify import classify
-from origami_nlp.judge.minima import Rejected
-from origami_nlp.solve.hinges import hinge_minima
-from origami_nlp.state.relations import NEAR, RESOLVED, find_relations
-from origami_nlp.tell.json_file import result_from_dict, result_to_dict
+from origami_nlp.kkt.classification import classify
+from origami_nlp.minima.find import Rejected
+from origami_nlp.minima.hinges import hinge_minima
+from origami_nlp.minima.plain import result_from_dict, result_to_dict
+from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
 
 
 def count_by_fractions(parts: list[int]) -> int:

@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 
 import origami_nlp
 from origami_nlp.cli import app, main, progress
-from origami_nlp.state.text import printable
-from origami_nlp.tell.screen import Screen
+from origami_nlp.files.screen import Screen
+from origami_nlp.files.text import printable
 
 RUN = CliRunner()
 HOSTILE = "a\x1b[31mred\x07\x9b1m\r\u202e[bold]b[/x]\ttail"
@@ -264,9 +264,9 @@ def test_terminals_have_a_bar(monkeypatch):
 @pytest.mark.parametrize(
     ("args", "patched"),
     [
-        (["panels"], "origami_nlp.judge.minima.find_minima"),
-        (["transitions", "degree6"], "origami_nlp.judge.space_transitions.find_transitions"),
-        (["audit", "CANDIDATES"], "origami_nlp.judge.audit.audit_candidates"),
+        (["panels"], "origami_nlp.minima.find.find_minima"),
+        (["transitions", "degree6"], "origami_nlp.space.transitions.find_transitions"),
+        (["audit", "CANDIDATES"], "origami_nlp.paper.audit.audit_candidates"),
     ],
 )
 def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.judge.second_order import extreme_rays, has_no_level_direction
+from origami_nlp.kkt.second_order import extreme_rays, has_no_level_direction
 
 
 def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:

@@ -11,7 +11,12 @@ import pytest
 from computed_once import panel_result
 
 import origami_nlp as o
-from origami_nlp.judge.boundary_curve import (
+from origami_nlp.chart.boundary_lines import trace_boundary
+from origami_nlp.contact.segments import SegmentReport, find_segments, segments_to_dict
+from origami_nlp.contact.segments_figure import draw_segments
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.minima.find import MinimaResult
+from origami_nlp.path.curve import (
     CLOSED_TO,
     BoundaryCurve,
     Point,
@@ -19,13 +24,8 @@ from origami_nlp.judge.boundary_curve import (
     evaluate,
     follow_boundary,
 )
-from origami_nlp.judge.boundary_lines import trace_boundary
-from origami_nlp.judge.minima import MinimaResult
-from origami_nlp.judge.nearby import is_admissible
-from origami_nlp.judge.segments import SegmentReport, find_segments, segments_to_dict
-from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Row, closed_contacts, row_values
-from origami_nlp.tell.segments_figure import draw_segments
+from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),

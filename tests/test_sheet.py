@@ -15,17 +15,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import origami_nlp as o
+from origami_nlp.chart.boundary_lines import Boundary, trace_boundary, with_energy
+from origami_nlp.chart.chart import chart_of
+from origami_nlp.chart.grid import allowed, chart_limits, distance_from
+from origami_nlp.chart.region import admissible_region
 from origami_nlp.cli import main
-from origami_nlp.judge.boundary_lines import Boundary, trace_boundary, with_energy
-from origami_nlp.judge.chart_grid import allowed, chart_limits, distance_from
-from origami_nlp.judge.region import admissible_region
-from origami_nlp.judge.segments import find_segments
-from origami_nlp.model.chart import chart_of
-from origami_nlp.model.embedding import examine, fold_vertex
-from origami_nlp.tell import sheet
-from origami_nlp.tell.exact_landscape import exact_landscape, metastable_stretches
-from origami_nlp.tell.landscape_panel import fill_outwards
-from origami_nlp.tell.sheet import Sheet, draw_sheet, find_panels, sheet_table
+from origami_nlp.contact.segments import find_segments
+from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.landscape.exact import exact_landscape, metastable_stretches
+from origami_nlp.landscape.panel import fill_outwards
+from origami_nlp.paper import sheets as sheet
+from origami_nlp.paper.sheets import Sheet, draw_sheet, find_panels, sheet_table
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),

@@ -12,16 +12,16 @@ from independent.search_layers import symmetrically_admissible
 from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
+from origami_nlp.chart.chart import admissible, chart_of
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.judge import space_topology as topology
-from origami_nlp.judge.space import analyse_space
-from origami_nlp.judge.space_chain import chain_of
-from origami_nlp.judge.space_mesh import SEAM, mesh_sheets
-from origami_nlp.model.chart import admissible, chart_of
-from origami_nlp.model.embedding import examine, fold_vertex
-from origami_nlp.state.examples import degree6, degree8
-from origami_nlp.state.scene_file import format_scene
+from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.pattern.examples import degree6, degree8
+from origami_nlp.pattern.scene_file import format_scene
+from origami_nlp.space import topology
+from origami_nlp.space.chain import chain_of
+from origami_nlp.space.find import analyse_space
+from origami_nlp.space.mesh import SEAM, mesh_sheets
 
 SCENES = {
     "6, pi/4": degree6("pi/4"),

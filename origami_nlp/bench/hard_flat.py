@@ -9,18 +9,18 @@ import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
-from origami_nlp.judge.classify import classify
-from origami_nlp.judge.minima import MinimaResult, Minimum, find_minima
-from origami_nlp.judge.nearby import is_admissible
-from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import Row, closed_contacts
-from origami_nlp.solve.polish import polish
-from origami_nlp.solve.search import SAME, Record, solve_without_crossing
-from origami_nlp.solve.starts import BATCH, project_batch
-from origami_nlp.state import examples
-from origami_nlp.state.angles import parse_angles
-from origami_nlp.state.scene import Scene
-from origami_nlp.state.vertex import Vertex
+from origami_nlp.kkt.classification import classify
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.kkt.polishing import polish
+from origami_nlp.kkt.starts import BATCH, project_batch
+from origami_nlp.minima.find import MinimaResult, Minimum, find_minima
+from origami_nlp.minima.search import SAME, Record, solve_without_crossing
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.angles import parse_angles
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.model import Model
 
 ROUNDING = 1e-14
 """Bound on fold angles that are known exactly [rad]."""

@@ -13,10 +13,10 @@ import numpy as np
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_springs import against_50_digits
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.judge.minima import find_minima
-from origami_nlp.model import quaternion as quat
-from origami_nlp.state.scene import Scene
-from origami_nlp.state.vertex import Vertex
+from origami_nlp.minima.find import find_minima
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.vertex import Vertex
 
 DEGREE = 60
 STARTS = 150

@@ -16,9 +16,9 @@ import numpy as np
 
 from origami_nlp.bench.problems import Problem
 from origami_nlp.bench.reference import Unsolved, solve_reference
-from origami_nlp.judge.baseline import STEPS, appendix_a
-from origami_nlp.judge.branch import null_space
-from origami_nlp.model.nlp import Model
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.paper.appendix_a import STEPS, appendix_a
+from origami_nlp.programme.model import Model
 
 
 def exact_eigenvalues(model: Model, x: np.ndarray) -> np.ndarray:

@@ -15,15 +15,15 @@ import numpy as np
 
 from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
-from origami_nlp.judge.branch import null_space
-from origami_nlp.judge.classify import classify
-from origami_nlp.judge.minima import find_minima
-from origami_nlp.model.embedding import examine
-from origami_nlp.model.nlp import Model
-from origami_nlp.solve.active import closed_contacts, gap_weights, row_values
-from origami_nlp.solve.polish import polish
-from origami_nlp.solve.search import Record, solve_without_crossing
-from origami_nlp.state.scene import Scene
+from origami_nlp.folding.embedding import examine
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.classification import classify
+from origami_nlp.kkt.polishing import polish
+from origami_nlp.minima.find import find_minima
+from origami_nlp.minima.search import Record, solve_without_crossing
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
+from origami_nlp.programme.model import Model
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""

@@ -22,9 +22,9 @@ from origami_nlp.bench.attempt import (
     keep_apart,
 )
 from origami_nlp.bench.programme import Programme, programme, violation
-from origami_nlp.model.nlp import Model
-from origami_nlp.model.structure import Structure
-from origami_nlp.solve.ipopt import OPTIONS
+from origami_nlp.minima.ipopt import OPTIONS
+from origami_nlp.programme.compiled import Structure
+from origami_nlp.programme.model import Model
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 QUIET_QP = {

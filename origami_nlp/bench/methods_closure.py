@@ -20,8 +20,8 @@ import numpy as np
 from origami_nlp.bench.attempt import FEASIBLE, Attempt, Method, Solver, StartPoint
 from origami_nlp.bench.methods_casadi import ipopt_options
 from origami_nlp.bench.programme import programme
-from origami_nlp.model import quaternion as quat
-from origami_nlp.model.nlp import Model
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.programme.model import Model
 
 FORMS = {
     "quaternion": "vector part of the quaternion",

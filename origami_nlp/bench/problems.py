@@ -8,9 +8,9 @@ from typing import get_args
 
 import numpy as np
 
-from origami_nlp.state import examples
-from origami_nlp.state.scene import Contact, Scene
-from origami_nlp.state.vertex import Vertex
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.vertex import Vertex
 
 RANDOM_VERTICES = 30
 DEGREES = range(4, 13)

@@ -5,17 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from origami_nlp.bench.digest import (
-    LEVEL,
-    Row,
-    Spread,
-    hessian_ratios,
-    job_summary,
-    rows,
-    targets,
-)
+from origami_nlp.bench.digest import LEVEL, Row, Spread, hessian_ratios, job_summary, rows, targets
 from origami_nlp.bench.methods_ours import OURS
-from origami_nlp.tell.table import rows_markdown
+from origami_nlp.minima.table import rows_markdown
 
 HEADS = (
     "method",

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_path
 from origami_nlp.bench.attempt import Method
 from origami_nlp.bench.grids import SIZES, run_grid
 from origami_nlp.bench.hessians import compare_hessians
@@ -27,10 +28,9 @@ from origami_nlp.bench.problems import Problem, panel_problems, quick_problems, 
 from origami_nlp.bench.scaling import run_scaling
 from origami_nlp.bench.tally import Attempts, summary
 from origami_nlp.errors import OptionError
-from origami_nlp.judge.minima import FEWEST_STARTS, find_minima
-from origami_nlp.solve.search import FEW_PAIRS
-from origami_nlp.state.arguments import check_path
-from origami_nlp.tell.files import write_whole
+from origami_nlp.files.writing import write_whole
+from origami_nlp.minima.find import FEWEST_STARTS, find_minima
+from origami_nlp.minima.search import FEW_PAIRS
 
 SCHEMA = "origami-nlp/bench/1"
 FULL = Plan(rounds=5, starts=26, sweep=2, budget=0.6)

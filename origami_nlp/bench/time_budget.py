@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.state.scene import Scene
-from origami_nlp.tell.files import save_figure
-from origami_nlp.tell.table import rows_markdown, rows_table
+from origami_nlp.files.writing import save_figure
+from origami_nlp.minima.table import rows_markdown, rows_table
+from origami_nlp.pattern.scene import Scene
 
 STAGES = (
     "building",
@@ -97,9 +97,10 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
-    from origami_nlp.judge import minima
-    from origami_nlp.model import structure
-    from origami_nlp.solve import ipopt, search, starts
+    from origami_nlp.kkt import starts
+    from origami_nlp.minima import find as minima
+    from origami_nlp.minima import ipopt, search
+    from origami_nlp.programme import compiled as structure
 
     watch, inside = _Stopwatch(), {"evaluation": 0.0}
     for cached in (

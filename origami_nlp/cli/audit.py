@@ -9,7 +9,7 @@ import typer
 
 from origami_nlp.cli.minima import JsonFile, Seed
 from origami_nlp.cli.progress import progress
-from origami_nlp.state.published import read_candidates
+from origami_nlp.paper.published import read_candidates
 
 
 def audit(
@@ -24,12 +24,12 @@ def audit(
     ] = None,
 ) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
-    from origami_nlp.judge.audit import audit_candidates
-    from origami_nlp.judge.minima import check_options
-    from origami_nlp.tell.audit_table import as_markdown, audit_to_dict, summary_table
-    from origami_nlp.tell.files import check_outputs, write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.minima.find import check_options
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.paper.audit import audit_candidates
+    from origami_nlp.paper.audit_table import as_markdown, audit_to_dict, summary_table
 
     check_options(seed, 1)
     check_outputs(("--json", json), ("--markdown", markdown))

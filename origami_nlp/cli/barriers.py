@@ -10,7 +10,7 @@ import typer
 from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure, progress_bar
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.state.scene_file import read_scene
+from origami_nlp.pattern.scene_file import read_scene
 
 
 def barriers(
@@ -37,14 +37,14 @@ def barriers(
     check_figure(figure)
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
-    from origami_nlp.judge.barriers import check_freedoms, find_barriers
-    from origami_nlp.judge.minima import check_options, find_minima
-    from origami_nlp.state import examples
-    from origami_nlp.tell.barriers_table import barriers_to_dict, markdown_rows, print_barriers
-    from origami_nlp.tell.files import check_outputs, write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.merge_tree_figure import draw_merge_trees
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.barriers.figure import draw_merge_trees
+    from origami_nlp.barriers.find import check_freedoms, find_barriers
+    from origami_nlp.barriers.table import barriers_to_dict, markdown_rows, print_barriers
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.minima.find import check_options, find_minima
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.pattern import examples
 
     check_options(seed, 1)
     check_outputs(("--json", json), ("--figure", figure), ("--markdown", markdown))

@@ -38,8 +38,8 @@ def bench(
 
     Set OMP_NUM_THREADS=1 for steady numbers: seconds are processor time of one thread.
     """
-    from origami_nlp.judge.minima import check_options
-    from origami_nlp.tell.files import check_outputs
+    from origami_nlp.files.writing import check_outputs
+    from origami_nlp.minima.find import check_options
 
     check_options(seed, 1)
     check_figure(figure)
@@ -59,8 +59,8 @@ def _speed(
     from origami_nlp.bench.report import in_short
     from origami_nlp.bench.report import markdown as as_markdown
     from origami_nlp.bench.run import run_bench, write_bench
-    from origami_nlp.tell.files import write_whole
-    from origami_nlp.tell.screen import PAGE, screen
+    from origami_nlp.files.screen import PAGE, screen
+    from origami_nlp.files.writing import write_whole
 
     with _status() as tell:
         data = run_bench(quick=quick, seed=seed, tell=tell)
@@ -85,10 +85,10 @@ def _profile(
     from dataclasses import asdict
 
     from origami_nlp.bench import time_budget
-    from origami_nlp.state.examples import panels
-    from origami_nlp.tell.files import write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import write_whole
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.pattern.examples import panels
 
     budgets = []
     with _status() as tell:
@@ -125,9 +125,9 @@ def _hard(
             f"{option} does not go with --hard: the hard cases are one table, all of it"
         )
     from origami_nlp.bench.hard import run_hard
-    from origami_nlp.tell.files import write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import write_whole
+    from origami_nlp.minima.plain import write_json
 
     with _status() as tell:
         report = run_hard(lambda name, outcome: tell(f"{name}: {outcome.setting}"))

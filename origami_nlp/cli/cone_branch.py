@@ -22,13 +22,13 @@ def branch(
     json: JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.model.cone import ConeBranch
-    from origami_nlp.state.angles import parse_angle
-    from origami_nlp.state.cone import parse_flaps
-    from origami_nlp.tell.cone_json import branch_to_dict, write_lines
-    from origami_nlp.tell.cone_table import print_branch
-    from origami_nlp.tell.files import check_writable, is_stdout
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.cone.branches import ConeBranch
+    from origami_nlp.cone.flaps import parse_flaps
+    from origami_nlp.cone.plain import branch_to_dict, write_lines
+    from origami_nlp.cone.table import print_branch
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable, is_stdout
+    from origami_nlp.pattern.angles import parse_angle
 
     check_writable(json, "--json")
     nu = parse_angle(elevation, "--elevation")

@@ -37,12 +37,12 @@ def count(
     json: JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.judge.cone_minima import branch_minima
-    from origami_nlp.state.angles import parse_angle
-    from origami_nlp.tell.cone_json import count_to_dict, write_lines
-    from origami_nlp.tell.cone_table import print_count
-    from origami_nlp.tell.files import check_writable, is_stdout
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.cone.minima import branch_minima
+    from origami_nlp.cone.plain import count_to_dict, write_lines
+    from origami_nlp.cone.table import print_count
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable, is_stdout
+    from origami_nlp.pattern.angles import parse_angle
 
     check_writable(json, "--json")
     found = branch_minima(

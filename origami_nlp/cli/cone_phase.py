@@ -33,12 +33,12 @@ def phase(
     ] = False,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
-    from origami_nlp.judge.cone_phase import check_size, phase_diagram
-    from origami_nlp.tell.cone_phase_file import diagram_to_dict, map_as_csv
-    from origami_nlp.tell.cone_phase_table import print_diagram
-    from origami_nlp.tell.files import check_outputs, is_stdout, write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.cone.phase import check_size, phase_diagram
+    from origami_nlp.cone.phase_plain import diagram_to_dict, map_as_csv
+    from origami_nlp.cone.phase_table import print_diagram
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, is_stdout, write_whole
+    from origami_nlp.minima.plain import write_json
 
     check_figure(figure)
     check_size(size)
@@ -60,7 +60,7 @@ def phase(
     if json:
         write_json(diagram_to_dict(diagram), json)
     if figure:
-        from origami_nlp.tell.cone_phase_figure import draw_phase
+        from origami_nlp.cone.phase_figure import draw_phase
 
         draw_phase(diagram, figure)
 
@@ -73,14 +73,14 @@ def fractions(
     json: JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
-    from origami_nlp.judge.cone_phase import check_size
-    from origami_nlp.judge.cone_phase_printed import STATEMENTS, check_statements
-    from origami_nlp.tell import cone_phase_table as table
-    from origami_nlp.tell.cone_phase_file import findings_to_dict
-    from origami_nlp.tell.files import check_outputs, is_stdout, write_whole
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
-    from origami_nlp.tell.table import rows_markdown
+    from origami_nlp.cone import phase_table as table
+    from origami_nlp.cone.phase import check_size
+    from origami_nlp.cone.phase_plain import findings_to_dict
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, is_stdout, write_whole
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.minima.table import rows_markdown
+    from origami_nlp.paper.section5 import STATEMENTS, check_statements
 
     check_size(size)
     check_outputs(("--markdown", markdown), ("--json", json))
@@ -108,13 +108,13 @@ def full(
     json: JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.judge.cone_full_space import cone_full_space
-    from origami_nlp.state.angles import parse_angle
-    from origami_nlp.tell.cone_phase_file import full_space_to_dict
-    from origami_nlp.tell.cone_phase_table import print_full_space
-    from origami_nlp.tell.files import check_writable, is_stdout
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.cone.full_space import cone_full_space
+    from origami_nlp.cone.phase_plain import full_space_to_dict
+    from origami_nlp.cone.phase_table import print_full_space
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable, is_stdout
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.pattern.angles import parse_angle
 
     check_writable(json, "--json")
     at = parse_angle(elevation, "--elevation")
@@ -139,13 +139,13 @@ def limits(
     json: JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from origami_nlp.judge.cone_limits import limits as measure
-    from origami_nlp.state.angles import parse_angle
-    from origami_nlp.tell.cone_phase_file import limits_to_dict
-    from origami_nlp.tell.cone_phase_table import LIMIT_HEADS, folding_table, limit_row
-    from origami_nlp.tell.files import check_writable, is_stdout
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.cone.phase_plain import limits_to_dict
+    from origami_nlp.cone.phase_table import LIMIT_HEADS, folding_table, limit_row
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable, is_stdout
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.paper.cone_limits import limits as measure
+    from origami_nlp.pattern.angles import parse_angle
 
     check_writable(json, "--json")
     found = measure(parse_angle(elevation, "--elevation"), ratio)

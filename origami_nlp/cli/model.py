@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from origami_nlp.cli.minima import SceneFile
-from origami_nlp.state.scene_file import read_scene
+from origami_nlp.pattern.scene_file import read_scene
 
 
 def model(scene: SceneFile) -> None:
     """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
 
     stated = read_scene(scene)
     screen().print(f"{stated!r}\n{stated.model()}", highlight=False, soft_wrap=True)

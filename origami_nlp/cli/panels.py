@@ -22,10 +22,10 @@ def panels(
     json: JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.tell import table
-    from origami_nlp.tell.files import check_outputs, write_whole
-    from origami_nlp.tell.json_file import result_to_dict, write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.minima import table
+    from origami_nlp.minima.plain import result_to_dict, write_json
 
     check_outputs(("--markdown", markdown), ("--json", json))
     results = search_panels(seed, full)

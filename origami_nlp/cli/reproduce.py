@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
 
-    from origami_nlp.judge.minima import MinimaResult
-    from origami_nlp.tell.grid_convergence import GridCount, GridErrors
+    from origami_nlp.minima.find import MinimaResult
+    from origami_nlp.paper.grid_convergence import GridCount, GridErrors
 
 ENDINGS = ("png", "pdf")
 """Written to --out."""
@@ -41,7 +41,7 @@ class Request:
 
 
 def _sheet(request: Request) -> Figure:
-    from origami_nlp.tell.sheet import draw_sheet, find_panels, sheet_table
+    from origami_nlp.paper.sheets import draw_sheet, find_panels, sheet_table
 
     with progress(request.name) as report:
         panels = find_panels(request.name, seed=request.seed, progress=report)
@@ -50,10 +50,10 @@ def _sheet(request: Request) -> Figure:
 
 
 def _grid_convergence(request: Request) -> Figure:
-    from origami_nlp.judge.minima import find_minima
-    from origami_nlp.state import examples
-    from origami_nlp.tell.grid_convergence import count_grid_minima, grid_errors
-    from origami_nlp.tell.grid_convergence_figure import draw_grid_convergence, print_convergence
+    from origami_nlp.minima.find import find_minima
+    from origami_nlp.paper.grid_convergence import count_grid_minima, grid_errors
+    from origami_nlp.paper.grid_convergence_figure import draw_grid_convergence, print_convergence
+    from origami_nlp.pattern import examples
 
     scenes = examples.panels()
     results: list[MinimaResult] = []
@@ -73,7 +73,7 @@ def _grid_convergence(request: Request) -> Figure:
 
 
 def _cones(request: Request) -> Figure:
-    from origami_nlp.tell.cone_figures import draw_cone_figure
+    from origami_nlp.paper.cone_figures import draw_cone_figure
 
     return draw_cone_figure(request.name)
 
@@ -106,9 +106,9 @@ def reproduce(
     seed: Seed = 0,
 ) -> None:
     """Draw a figure of the paper anew, from exact states and boundaries."""
-    from origami_nlp.judge.minima import check_options
-    from origami_nlp.tell.files import check_outputs, make_folder, save_figure
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_outputs, make_folder, save_figure
+    from origami_nlp.minima.find import check_options
 
     if name not in FIGURES:
         raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")

@@ -28,10 +28,10 @@ def sweep(
     figure: FigureFile = None,
 ) -> None:
     """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable, make_folder
     from origami_nlp.sweep.run import run_sweep
     from origami_nlp.sweep.spec import read_sweep
-    from origami_nlp.tell.files import check_writable, make_folder
-    from origami_nlp.tell.screen import screen
 
     check_figure(figure)
     check_writable(figure, "--figure")

@@ -18,11 +18,11 @@ def transitions(
     json: JsonFile = None,
 ) -> None:
     """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
-    from origami_nlp.judge.space_transitions import find_transitions
-    from origami_nlp.tell.files import check_writable
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
-    from origami_nlp.tell.space_table import print_transitions
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable
+    from origami_nlp.minima.plain import write_json
+    from origami_nlp.space.table import print_transitions
+    from origami_nlp.space.transitions import find_transitions
 
     check_writable(json, "--json")
     with progress(family, 1.0) as tell:

@@ -11,10 +11,10 @@ import typer
 
 from origami_nlp.cli.minima import JsonFile
 from origami_nlp.errors import OptionError
-from origami_nlp.model.flat_fold import folds_flat
-from origami_nlp.state.fold_file import Frame, read_fold
-from origami_nlp.state.fold_vertices import FoldVertex, fold_vertices, scene_at
-from origami_nlp.state.scene import Scene
+from origami_nlp.folding.flat_fold import folds_flat
+from origami_nlp.pattern.fold_file import Frame, read_fold
+from origami_nlp.pattern.fold_vertices import FoldVertex, fold_vertices, scene_at
+from origami_nlp.pattern.scene import Scene
 
 SCHEMA = "origami-nlp/vertices/1"
 HEADS = (
@@ -39,9 +39,9 @@ def vertices(
     json: JsonFile = None,
 ) -> None:
     """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
-    from origami_nlp.tell.files import check_writable
-    from origami_nlp.tell.json_file import write_json
-    from origami_nlp.tell.screen import screen
+    from origami_nlp.files.screen import screen
+    from origami_nlp.files.writing import check_writable
+    from origami_nlp.minima.plain import write_json
 
     check_writable(json, "--json")
     frames = read_fold(fold, frame)

@@ -11,10 +11,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from origami_nlp.arguments import check_path
 from origami_nlp.errors import SweepError
-from origami_nlp.state.arguments import check_path
+from origami_nlp.files.writing import save_figure
 from origami_nlp.sweep.load import KINDS, sweep_grid
-from origami_nlp.tell.files import save_figure
 
 COLOURS = {
     "interior": "#0072b2",

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
-from origami_nlp.state.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
 from origami_nlp.workers import worker_pool
@@ -50,7 +50,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     except OrigamiError as error:
         return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
     try:
-        from origami_nlp.judge.minima import find_minima
+        from origami_nlp.minima.find import find_minima
 
         s = sweep.search
         result = find_minima(

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from origami_nlp.arguments import check_path
 from origami_nlp.errors import SweepError
-from origami_nlp.state.arguments import check_path
 from origami_nlp.sweep.spec import Sweep
 
 SCHEMA = "origami-nlp/sweep/1"

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from origami_nlp import Scene, Vertex, examples
-from origami_nlp.model.vectors import cross
+from origami_nlp.numerics.vectors import cross
 
 SCENES = [
     examples.degree6("pi/3", 1.0),

@@ -10,8 +10,8 @@ from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.bench.hard import HardCase, HardReport, Measured, Outcome, hard_cases, run_case
 from origami_nlp.bench.hard_flat import exact_state, regular_at_pi
 from origami_nlp.bench.hard_fold_point import beside, exact_fold_point, find_fold_point, ratio_scene
-from origami_nlp.solve.ipopt import solve
-from origami_nlp.solve.polish import polish
+from origami_nlp.kkt.polishing import polish
+from origami_nlp.minima.ipopt import solve
 
 QUICK = (
     "flat state as a start",

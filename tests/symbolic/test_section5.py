@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from origami_nlp.closed_forms import (
-    cone_contact_elevation,
-    cone_fold_angles,
-    cone_partial_angles,
-)
+from origami_nlp.closed_forms import cone_contact_elevation, cone_fold_angles, cone_partial_angles
 from symbolic.catalogue import claim_by_id
 from symbolic.claims.section5 import stiff_even_minima
 from symbolic.left_out import LEFT_OUT

@@ -1,0 +1,228 @@
+"""Barriers: for each pair of minima the lowest pass between them, and a path through it.
+
+A graph of admissible states (`barriers_graph`) and its merge tree (`barriers_merge_tree`) say where sublevel
+sets of the energy first meet; Newton on the KKT system makes the top of each lowest path an exact pass
+(`barriers_pass`, `barriers_refine`).  `barriers_full` looks at the same pairs without the symmetry.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
+from origami_nlp.barriers.full import Exits, FullPass, full_pass
+from origami_nlp.barriers.graph import StateGraph, energies, side_of_flat
+from origami_nlp.barriers.merge_tree import MergeTree
+from origami_nlp.barriers.passes import Pass, PassKind, critical_at, slide
+from origami_nlp.barriers.refine import RefinedGraph
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt.loads import row_name
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.minima.find import MinimaResult, find_minima
+from origami_nlp.minima.full_space import judge_in_full_space
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import closed_contacts
+
+MOST_UNLISTED = 3
+"""Basins of the graph that are followed downhill."""
+SPACING = 0.12
+"""Lattice of the graph [rad]."""
+
+
+@dataclass(frozen=True)
+class Join:
+    """Two branches of the merge tree meet: at `energy`, states `first` and `second` (1-based) on either side."""
+
+    energy: float
+    pass_kind: PassKind
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Unlisted:
+    """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
+
+    depth: energy up to where it joins a deeper one.  fold_angles: of its bottom [N].
+    lands_on: number (1-based) of the minimum to which the bottom descends, or None.
+    """
+
+    depth: float
+    fold_angles: tuple[float, ...]
+    lands_on: int | None
+
+
+@dataclass(frozen=True)
+class Barriers:
+    """Passes for every pair of minima, the merge tree, and the graph that they came from.
+
+    unlisted: the deepest basins of the graph without a listed minimum.
+    full: what is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
+    """
+
+    result: MinimaResult = field(repr=False)
+    passes: tuple[Pass, ...]
+    merges: tuple[Join, ...]
+    graph: StateGraph
+    unlisted: tuple[Unlisted, ...] = field(repr=False, default=())
+    full: tuple[FullPass, ...] = ()
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.result.scene
+
+    def matrix(self) -> np.ndarray:
+        """Return the barrier energies [m, m]: an ultrametric; the diagonal holds the minima's own energies."""
+        m = len(self.result.minima)
+        out = np.full((m, m), math.inf)
+        np.fill_diagonal(out, [s.energy for s in self.result.minima])
+        for p in self.passes:
+            out[p.from_state - 1, p.to_state - 1] = out[p.to_state - 1, p.from_state - 1] = p.energy
+        return out
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Return the issue's ``barriers`` list."""
+        return [p.to_dict() for p in self.passes]
+
+
+def find_barriers(
+    scene: Scene,
+    result: MinimaResult | None = None,
+    full: bool = False,
+    *,
+    spacing: float = SPACING,
+    seed: int = 0,
+) -> Barriers:
+    """Find the lowest pass between every two minima of a scene with two symmetric freedoms.
+
+    Parameters
+    ----------
+    result
+        The scene's minima; found here if not given.
+    full
+        Also look for lower passes that break the symmetry (`barriers_full`).
+    spacing
+        Lattice of the graph [rad].
+    seed
+        Of the search for minima and for thin sets.
+
+    Raises
+    ------
+    OptionError
+        If the scene has another number of symmetric freedoms, or an argument is not what it must be.
+    """
+    check_type("scene", scene, Scene)
+    if result is not None:
+        check_type("result", result, MinimaResult)
+    check_flag("full", full)
+    check_number("spacing", spacing, 0.02, 0.5)
+    check_whole("seed", seed, 0)
+    check_freedoms(scene)
+    model = scene.model()
+    if result is None:
+        result = find_minima(scene, seed=seed, full=full)
+    work = RefinedGraph(
+        model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
+    )
+    tree = work.refine()
+    passes = tuple(
+        _pass_between(work, tree, i, j)
+        for i in range(len(work.minima))
+        for j in range(i + 1, len(work.minima))
+    )
+    merges = tuple(
+        Join(
+            m.height, work.kind_of(m), tuple(k + 1 for k in m.first), tuple(k + 1 for k in m.second)
+        )
+        for m in tree.merges
+    )
+    unlisted: list[Unlisted] = []
+    for life, v in tree.others:
+        if len(unlisted) == MOST_UNLISTED:
+            break
+        if not is_admissible(model, work.graph.states[v]):
+            continue  # a touching state without a layer order: the graph does not ask for one
+        down = slide(model, work.graph.states[v], work.minima)
+        lands = down.lands_on + 1 if down is not None and down.lands_on is not None else None
+        unlisted.append(Unlisted(life, tuple(model.expand(work.graph.states[v]).tolist()), lands))
+    broken = _without_symmetry(scene, result, passes) if full else ()
+    return Barriers(result, passes, merges, work.graph, tuple(unlisted), broken)
+
+
+def check_freedoms(scene: Scene) -> None:
+    """Complain about a scene whose symmetric states do not form a surface.
+
+    Raises
+    ------
+    OptionError
+        With the number of degrees of freedom it has.
+    """
+    freedom = scene.model().freedom
+    if freedom != 2:
+        raise OptionError(
+            f"[model] symmetry = {scene.symmetry!r} leaves {freedom} degrees of freedom; barriers need 2: "
+            "state another symmetry"
+        )
+
+
+def _without_symmetry(
+    scene: Scene, result: MinimaResult, passes: tuple[Pass, ...]
+) -> tuple[FullPass, ...]:
+    """Bound the barriers of the pairs whose ends are stable in the full space."""
+    verdicts = [
+        m.full_space or judge_in_full_space(scene, np.array(m.fold_angles)) for m in result.minima
+    ]
+    known: dict[int, Exits] = {}
+    others = [np.array(p.fold_angles) for p in passes if p.fold_angles]
+    out = []
+    for p in passes:
+        pair = (p.from_state, p.to_state)
+        if all(verdicts[k - 1].verdict == "stable" for k in pair) and len(p.path):
+            states = [np.array(result.minima[k - 1].fold_angles) for k in pair]
+            out.append(full_pass(scene, p, (states[0], states[1]), known, others))
+    return tuple(out)
+
+
+def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
+    """Return the pass between minima i and j (0-based) with its path."""
+    model, g = work.model, work.graph
+    merge = tree.barrier(i, j)
+    mesh = work.mesh.barrier(i, j)
+    rough = mesh.height if mesh else math.inf
+    if merge is None:
+        none = np.empty((0, model.scene.degree))
+        why = "no admissible path found: the minima lie in different components"
+        return Pass(i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], rough, why)
+    v = work.top(merge)
+    states = work.path(tree, merge, i, j)
+    energy = float(g.energy[v]) if v in work.exact else merge.height
+    x = g.states[v] if v in work.exact else states[int(energies(model, states).argmax())]
+    kind = work.kind_of(merge)
+    critical = critical_at(model, x) if kind not in ("mesh", "flat state", "singular") else None
+    contacts = closed_contacts(model, x, model.local(x).gaps)
+    rows = (contacts.combinations() or [contacts.base])[0]
+    sides = side_of_flat(model.expand(np.array([work.minima[i], work.minima[j]])))
+    if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
+        why = "proved: admissible states above and below the flat state meet there only"
+    elif work.only_exit(v, i, j):
+        why = "the thin set on which one of the minima lies is left only here"
+    else:
+        why = f"no lower way on {len(g.states)} states, {work.spacing:g} rad apart"
+    return Pass(
+        i + 1,
+        j + 1,
+        energy,
+        kind,
+        tuple(model.expand(x).tolist()),
+        tuple(row_name(model, row) for row in rows),
+        critical.residual if critical else math.nan,
+        model.expand(states),
+        energies(model, states),
+        rough,
+        why,
+    )

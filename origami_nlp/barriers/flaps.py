@@ -1,0 +1,92 @@
+"""Three closed flaps that turn about one edge: their thin set, and the lowest way out of it, proved.
+
+Degree 6, creases c_1, c_2, c_3 (every other one) shut at s pi, s = +-1, equal sectors on both sides of each:
+three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.  Fold limits hold (|phi| <= pi).
+
+1. *The set.*  Turning about the axis, neighbouring flaps stand g_j = pi + s phi(h_j) apart, g_j >= 0, and the vertex
+   closes as one sheet where g_1 + g_2 + g_3 = 2 pi, that is sum phi(h_j) = -s pi: a polygon in a plane.
+2. *Where it is thin.*  Near such a state let a_i >= 0 be by how much c_i opens.  If all a_i = 0 closure holds on the
+   plane only.  In general its part across the axis is sum a_i w_i u_i + O(a^2): u_i is the unit vector of flap
+   i across the axis, w_i = sin(sector) > 0.  If some g_j > pi, all u_i lie in an open half plane: there is a vector
+   v with v . u_i >= d > 0 for every i, also at all states near by, so that closure gives
+   0 >= d min(w) sum a_i - O(a^2) and hence all a_i = 0.  So
+   every admissible state near by keeps the three creases shut.
+3. *Its ends.*  g_j > pi means s phi(h_j) > 0, for one j only (the g sum to 2 pi).  The states with s phi(h_j) > 0
+   are thus open in the set of all admissible states, and a path that leaves them passes through their closure's
+   only other states, s phi(h_j) = 0: the segment phi(h_j) = 0, phi(h_k) + phi(h_l) = -s pi.
+4. *The bound.*  On the set the energy is a convex quadratic, on the segment a parabola of one angle: its smallest
+   value bounds every path out from below.
+
+`tests/test_barriers_flaps.py` gets all four steps a second way.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.pattern.scene import Scene
+
+SHUT = 1e-9
+"""A crease this close to +-pi [rad] is shut: polished states are there to rounding."""
+EQUAL = 1e-12
+"""Sectors that differ by less [rad] are equal."""
+
+
+@dataclass(frozen=True)
+class FlapExit:
+    """The lowest way out of a thin set of three closed flaps.
+
+    shut: creases that stay shut on it (1-based).  hinge: the crease (1-based) that is flat at every
+    way out.  energy: smallest one there, in the scene's units; no path out stays below.  fold_angles: of that
+    state [N] [rad].
+    """
+
+    shut: tuple[int, ...]
+    hinge: int
+    energy: float
+    fold_angles: np.ndarray = field(repr=False)
+
+
+def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
+    """Return the proved lowest exit of the thin set of three closed flaps that a state lies on.
+
+    Parameters
+    ----------
+    fold_angles
+        All N fold angles of an admissible state [rad].
+
+    Returns
+    -------
+    exit
+        None where the state is on no such set, or where the set is not thin.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    sectors = np.array(scene.vertex.sector_angles)
+    if scene.degree != 6 or not scene.vertex.flat or scene.contact == "none":
+        return None
+    for first in (0, 1):
+        shut = np.arange(first, 6, 2)
+        hinges = (shut + 1) % 6
+        side = np.sign(phi[shut[0]])
+        if (
+            np.abs(phi[shut] - side * math.pi).max() > SHUT
+            or np.abs(sectors[shut] - sectors[shut - 1]).max() > EQUAL
+            or abs(phi[hinges].sum() + side * math.pi) > 3 * SHUT
+        ):
+            continue
+        wide = hinges[side * phi[hinges] > SHUT]
+        if len(wide) != 1:
+            return None
+        one, two = (h for h in hinges if h != wide[0])
+        k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+        # least of k_1 (x - r_1)^2 + k_2 (-s pi - x - r_2)^2 over the segment
+        x = (k[one] * rest[one] + k[two] * (-side * math.pi - rest[two])) / (k[one] + k[two])
+        x = float(np.clip(x, *sorted((0.0, -side * math.pi))))
+        out = np.zeros(6)
+        out[shut], out[one], out[two] = side * math.pi, x, -side * math.pi - x
+        numbers = tuple((shut + 1).tolist())
+        return FlapExit(numbers, int(wide[0]) + 1, float(scene.energy(out)), out)
+    return None

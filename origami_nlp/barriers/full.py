@@ -1,0 +1,243 @@
+"""Barriers without the imposed symmetry, for pairs of minima that are stable in the full space.
+
+The symmetric path is admissible in the full space too: its pass bounds the barrier from above.  From below:
+
+- minima on different sides of the flat state are separated by it (`barriers_graph.side_of_flat`, a proof);
+- a minimum on a thin set leaves it only through states where the set is thin no more, and the lowest of them
+  bounds every path out.  For three closed flaps about one edge, the paper's 1-handles, it is proved
+  (`barriers_flaps`); other sets are sampled (`exits`: a sample, not a proof).
+
+Where the bounds meet, the full barrier is the symmetric one.  Where they do not, the symmetric pass is judged in the
+full space: with more than one direction of negative curvature it is no pass there and a lower one exists;
+with exactly one it is a pass, and no claim is made that it is the lowest.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.barriers.flaps import flap_exit
+from origami_nlp.barriers.graph import energies, side_of_flat
+from origami_nlp.barriers.passes import Pass, PassKind, critical_at
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.thin import thin_at
+from origami_nlp.minima.full_space import full_scene
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
+
+EXIT_SPACING = math.pi / 12
+"""Distance of the samples of a thin set [rad]."""
+MOST_STATES = 1500
+"""A thin set that has more samples than this is not sampled to its end, and bounds nothing."""
+
+
+@dataclass(frozen=True)
+class FullPass:
+    """What is known of the barrier between two minima in the full contact-admissible space.
+
+    from_state, to_state: numbers (1-based).  symmetric: energy of the symmetric pass.
+    upper: largest energy along the explicit admissible path.  lower: no path is lower.
+    pass_kind: of the symmetric pass.  verdict: ``same`` (bounds agree: no symmetry-breaking path is lower),
+    ``open`` (the pass has index 1 in the full space; a lower one elsewhere is not excluded) or ``lower`` (the
+    symmetric pass has a larger index: a lower pass exists, between the bounds).
+    index: directions of negative curvature of the symmetric pass in the full space, None at singular passes.
+    why: the lower bound in words.
+    """
+
+    from_state: int
+    to_state: int
+    symmetric: float
+    upper: float
+    lower: float
+    pass_kind: PassKind
+    verdict: str
+    index: int | None
+    why: str
+
+    @property
+    def drop(self) -> float:
+        """Largest amount by which a symmetry-breaking path could be lower than the symmetric one."""
+        return 0.0 if self.verdict == "same" else self.upper - self.lower
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return an entry of the JSON file."""
+        return {
+            "from": self.from_state,
+            "to": self.to_state,
+            "symmetric": self.symmetric,
+            "upper": self.upper,
+            "lower": self.lower,
+            "largest_drop": self.drop,
+            "pass_kind": self.pass_kind,
+            "verdict": self.verdict,
+            "index": self.index,
+            "lower_bound": self.why,
+        }
+
+
+@dataclass(frozen=True)
+class Exits:
+    """Where a thin set around a state is left.
+
+    held: contacts that stay closed on it.  sampled: number of its states looked at.  lowest: smallest
+    energy of a state where it is thin no more (inf where there is none).  state: that state [n], or None.
+    dimension: of the thin set.  complete: whether the samples cover it; if not, `lowest` bounds nothing.
+    proof: why no exit is lower, in words; empty where that is what the samples say.
+    """
+
+    held: tuple[Row, ...]
+    sampled: int
+    lowest: float
+    state: np.ndarray | None
+    dimension: int
+    complete: bool = True
+    proof: str = ""
+
+
+def full_pass(
+    scene: Scene,
+    symmetric: Pass,
+    states: tuple[np.ndarray, np.ndarray],
+    known_exits: dict[int, Exits],
+    others: Sequence[np.ndarray] = (),
+) -> FullPass:
+    """Bound the barrier between two minima `states` [N] in the full space, given the symmetric pass.
+
+    `known_exits` remembers the exits of thin sets by number of the minimum, and is filled here; `others`
+    are fold angles [N] of further passes, which may be exits.
+    """
+    numbers = (symmetric.from_state, symmetric.to_state)
+    at = np.array(symmetric.fold_angles)
+    path = symmetric.path
+    model = full_scene(scene).model()
+    upper = float(energies(model, model.reduce(path)).max())
+    bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
+    open_sets: list[str] = []
+    side = side_of_flat(np.array(states))
+    if scene.contact == "full" and side[0] * side[1] < 0:
+        flat = model.energy(np.zeros(model.size))
+        bounds.append((flat, "the flat state separates them (proved)"))
+    for number, state in zip(numbers, states, strict=True):
+        if number not in known_exits:
+            known_exits[number] = proved_exit(model, state) or exits(
+                model, model.reduce(state), [model.reduce(y) for y in (at, *others)]
+            )
+        out = known_exits[number]
+        if out.held and not out.complete:
+            open_sets.append(
+                f"thin set of state {number} not sampled to its end: {out.sampled} states"
+            )
+        elif out.held:
+            what = f"{out.dimension}-dimensional thin set of state {number}"
+            known_by = out.proof or f"{out.sampled} states of it sampled"
+            bounds.append((out.lowest, f"lowest exit of the {what} ({known_by})"))
+    lower, why = max(bounds, key=lambda b: b[0])
+    if upper > lower + 1e-9 * max(abs(upper), model.scale):
+        why = "; ".join([why, *open_sets])
+    index = None
+    if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
+        critical = critical_at(model, model.reduce(at))
+        index = critical.index if critical else None
+    slack = 1e-9 * max(abs(upper), model.scale)
+    if upper <= lower + slack:
+        verdict = "same"
+    else:
+        verdict = "lower" if index is not None and index > 1 else "open"
+    return FullPass(
+        *numbers, symmetric.energy, upper, lower, symmetric.pass_kind, verdict, index, why
+    )
+
+
+def proved_exit(model: Model, state: np.ndarray) -> Exits | None:
+    """Return the exits of the thin set of three closed flaps around a state [N], or None if it is on none."""
+    found = flap_exit(model.scene, state)
+    if found is None:
+        return None
+    held = thin_at(model, model.reduce(state))
+    proof = f"proved: phi_{found.hinge} = 0 at every way out"
+    return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
+
+
+def exits(
+    model: Model,
+    x: np.ndarray,
+    known: Sequence[np.ndarray] = (),
+    spacing: float = EXIT_SPACING,
+) -> Exits:
+    """Sample the thin set around x [n] evenly, and return its lowest exit.
+
+    Every step along the set is pulled back onto it; a step to a state that is no longer thin has passed an exit,
+    which is then bisected.  Steps to inadmissible states end the set there.  Those of `known` that are exits
+    of this set count as well: samples have to beat them.
+    """
+    held = thin_at(model, x)
+    if not held:
+        return Exits((), 0, math.inf, None, model.freedom)
+    seen = [x]
+    frontier, count, dimension = [x], 1, 0
+    lowest, state = math.inf, None
+    for y in known:
+        if model.energy(y) < lowest and _is_exit(model, y, held):
+            lowest, state = model.energy(y), y
+    while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
+        here = frontier.pop()
+        local = model.local(here)
+        _, a = row_values(model, here, held, local.gaps, local.gaps_jacobian)
+        tangent = null_space(np.vstack([local.closure_jacobian, a]))
+        dimension = max(dimension, tangent.shape[1])
+        for step in _steps(tangent):
+            y, residual = project(model, here + spacing * step, held)
+            near = np.linalg.norm(np.array(seen) - y, axis=1).min() < 0.7 * spacing
+            if residual > 1e-11 or near:
+                continue
+            seen.append(y)
+            if (np.abs(y) > model.bound + 1e-12).any() or not is_admissible(model, y):
+                continue
+            if set(held) <= set(thin_at(model, y)):
+                frontier.append(y)
+                count += 1
+                continue
+            if min(model.energy(here), model.energy(y)) >= lowest:
+                continue
+            out = _last_thin(model, here, y, held)
+            energy = model.energy(out)
+            if energy < lowest:
+                lowest, state = energy, out
+    return Exits(held, count, lowest, state, dimension, not frontier)
+
+
+def _is_exit(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> bool:
+    """Tell whether the contacts `held` are closed at x and need not stay so."""
+    contacts = closed_contacts(model, x, model.local(x).gaps)
+    return set(held) <= set(contacts.base) and not set(held) <= set(thin_at(model, x))
+
+
+def _steps(tangent: np.ndarray) -> list[np.ndarray]:
+    d = tangent.shape[1]
+    if not d:
+        return []
+    return [tangent @ np.array(v) for v in itertools.product((-1.0, 0.0, 1.0), repeat=d) if any(v)]
+
+
+def _last_thin(
+    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Row, ...]
+) -> np.ndarray:
+    """Bisect to where the set stops being thin (to the tolerance of `thin_at`)."""
+    low, high = thin, thick
+    for _ in range(24):
+        middle, residual = project(model, 0.5 * (low + high), held)
+        if residual > 1e-12:
+            break
+        if set(held) <= set(thin_at(model, middle)):
+            low = middle
+        else:
+            high = middle
+    return high

@@ -1,0 +1,357 @@
+"""A graph of admissible states that covers the feasible set evenly, whatever charts do.
+
+The set of closed states is grown outwards from known states: steps along its tangent space, pulled back
+onto loop closure, at most one state to a lattice cell of the fold-angle space; a step that
+leaves the admissible set is cut back to the boundary, so that contact boundaries carry states of their own.
+Two states are joined where the state half-way between them closes nearby and is admissible.  States on
+phi = +pi and -pi are far apart here, and families that share one chart point are spread out.
+
+With full contact two pieces that meet in the flat state only are never joined past it
+(`side_of_flat` gives the reason).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.chart.chart import admissible
+from origami_nlp.programme.model import Model
+
+CLOSED_TO = 1e-11
+"""Vertices of the graph close at least this well."""
+INSIDE = 1e-9
+"""Mirror and axis gaps may be this negative [sine of an angle]."""
+STRAY = 0.3
+"""The state half-way along an edge lies within this share of its length of the straight middle."""
+BISECTIONS = 20
+FLAT = 1e-9
+"""A state with no larger fold angle [rad] is the flat state."""
+ASIDE = 0.15
+"""How far an edge may go aside to pass a bent boundary, as a share of its length."""
+
+
+@dataclass(frozen=True)
+class StateGraph:
+    """States [V, n] (model variables) and the edges between neighbours.
+
+    energy: of the states [V], in the scene's units.  edges: [E, 2].  middle: [E, n], the admissible state half-way on
+    each edge.  height: [E], the largest energy along it, from the parabola through the ends and the middle.
+    spacing: lattice cell [rad].  complete: whether growth ended by itself (not at the cap on states).
+    """
+
+    states: np.ndarray = field(repr=False)
+    energy: np.ndarray = field(repr=False)
+    edges: np.ndarray = field(repr=False)
+    middle: np.ndarray = field(repr=False)
+    height: np.ndarray = field(repr=False)
+    spacing: float
+    complete: bool
+
+    def __repr__(self) -> str:
+        done = "" if self.complete else ", cut at its cap"
+        return (
+            f"StateGraph({len(self.states)} states, {len(self.edges)} edges, "
+            f"spacing {self.spacing:.3g} rad{done})"
+        )
+
+
+def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
+    """Tell on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
+
+    Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not:
+    the polygon of an admissible state has length 2 pi on the unit sphere and, by Gauss-Bonnet, area
+    A = 2 pi - sum phi to its left.  A path from one sign to the other passes A = 2 pi.  The isoperimetric
+    inequality L^2 >= A (4 pi - A) on the sphere is an equality there, which only the great circle
+    attains: the flat state.  Limits of embedded polygons inherit both formulas.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    flat = np.abs(phi).max(axis=-1) <= FLAT
+    return np.where(flat, 0, np.sign(phi.sum(axis=-1))).astype(int)
+
+
+def grow(
+    model: Model,
+    seeds: Iterable[np.ndarray],
+    spacing: float,
+    *,
+    chains: Iterable[np.ndarray] = (),
+    alone: Collection[int] = (),
+    within: tuple[np.ndarray, float] | None = None,
+    most: int = 400_000,
+) -> StateGraph:
+    """Cover the part of the feasible set that is connected to `seeds` by a graph.
+
+    Parameters
+    ----------
+    seeds
+        Closed, admissible states [n]; they become the first vertices, exactly as given.
+    spacing
+        Size of the lattice cells [rad].
+    chains
+        Polylines [m, n] of admissible states, each joined to the next: thin sets, and descents.
+    alone
+        Seeds on thin sets, that chains join to the rest and nothing else does.  Chains are alone but for their ends.
+    within
+        (centre [n], radius [rad]): grow only there.
+    most
+        Cap on the number of states.
+    """
+    first = [np.asarray(s, dtype=float) for s in seeds]
+    joined: list[tuple[int, int]] = []
+    apart = set(alone)
+    for chain in chains:
+        start = len(first)
+        first += list(np.asarray(chain, dtype=float))
+        joined += [(k, k + 1) for k in range(start, len(first) - 1)]
+        apart.update(range(start, len(first)))
+    states = [np.array(first)]
+    occupied = set(_cells(states[0], spacing))
+    frontier = np.array([s for k, s in enumerate(first) if k not in apart])
+    count, complete = len(first), True
+    while len(frontier):
+        if count >= most:
+            complete = False
+            break
+        new = _step_out(model, frontier, spacing, occupied, within)
+        if not len(new):
+            break
+        states.append(new)
+        count += len(new)
+        frontier = new
+    x = np.vstack(states)
+    free = np.array([k for k in range(len(x)) if k not in apart])
+    edges, middle, height = _join(model, x[free], spacing)
+    edges = free[edges]
+    energy = energies(model, x)
+    if joined:
+        link = np.array(joined)
+        edges, middle = np.vstack([edges, link]), np.vstack([middle, x[link[:, 1]]])
+        height = np.concatenate([height, energy[link].max(axis=1)])
+    return StateGraph(x, energy, edges, middle, height, spacing, complete)
+
+
+def energies(model: Model, x: np.ndarray) -> np.ndarray:
+    """Elastic energies of states [..., n] in the scene's units."""
+    n = model.size
+    k, rest = model.parameters[-2 * n : -n], model.parameters[-n:]
+    return 0.5 * model.scale * np.sum(k * (x - rest) ** 2, axis=-1)
+
+
+def feasible(model: Model, x: np.ndarray) -> np.ndarray:
+    """Tell which closed states [K, n] are admissible, but for the order of touching layers, shape [K]."""
+    if not len(x):
+        return np.zeros(0, dtype=bool)
+    good = admissible(model.scene, model.expand(x))
+    p = np.tile(model.parameters[:, None], (1, len(x)))
+    good &= np.asarray(model.functions.sheet.map(len(x))(x.T, p)).ravel() > 0
+    own = [i for i, gap in enumerate(model.structure.gaps) if gap.type != "facet-pair"]
+    if own:
+        gaps = np.asarray(model.functions.local.map(len(x))(x.T, p)[3])
+        good &= (gaps[own] >= -INSIDE).all(axis=0)
+    return good
+
+
+def close(model: Model, x: np.ndarray, rounds: int = 12) -> tuple[np.ndarray, np.ndarray]:
+    """Pull states [K, n] onto loop closure by Gauss-Newton; return them and which of them close."""
+    x = np.array(x, dtype=float)
+    if not len(x):
+        return x, np.zeros(0, dtype=bool)
+    p = np.tile(model.parameters[:, None], (1, len(x)))
+    closure = model.functions.closure.map(len(x))
+    residual = np.full(len(x), math.inf)
+    for _ in range(rounds):
+        g, jac = closure(x.T, p)
+        g = np.asarray(g).T
+        residual = np.abs(g).max(axis=1)
+        if residual.max() <= 1e-14:
+            break
+        jac = np.asarray(jac).reshape(g.shape[1], len(x), -1).transpose(1, 0, 2)
+        square = jac @ jac.transpose(0, 2, 1) + 1e-14 * np.eye(g.shape[1])
+        step = np.einsum("kij,ki->kj", jac, np.linalg.solve(square, g[..., None])[..., 0])
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        x = x - step * np.minimum(1.0, 0.5 / np.maximum(length, 1e-300))
+    x = np.where(np.abs(np.abs(x) - math.pi) <= 1e-12, np.copysign(math.pi, x), x)
+    return x, residual <= CLOSED_TO
+
+
+def _cells(x: np.ndarray, spacing: float) -> list[tuple[int, ...]]:
+    return [tuple(c) for c in np.floor(x / spacing).astype(int).tolist()]
+
+
+def _directions(freedom: int) -> np.ndarray:
+    """Unit vectors towards the neighbours of a lattice point in `freedom` dimensions."""
+    d = np.array([v for v in itertools.product((-1, 0, 1), repeat=freedom) if any(v)], dtype=float)
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def _tangents(model: Model, x: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis of the tangent space at each state, [K, n, freedom]; more than that where singular
+    states have a larger kernel is left out."""
+    p = np.tile(model.parameters[:, None], (1, len(x)))
+    g, jac = model.functions.closure.map(len(x))(x.T, p)
+    m = np.asarray(g).shape[0]
+    jac = np.asarray(jac).reshape(m, len(x), -1).transpose(1, 0, 2)
+    return np.linalg.svd(jac)[2][:, m:].transpose(0, 2, 1)
+
+
+def _step_out(
+    model: Model,
+    frontier: np.ndarray,
+    spacing: float,
+    occupied: set[tuple[int, ...]],
+    within: tuple[np.ndarray, float] | None,
+) -> np.ndarray:
+    """Return new states one step away from `frontier`, in cells that were empty (and now are not)."""
+    directions = _directions(model.freedom)
+    tangents = _tangents(model, frontier)
+    ahead = frontier[:, None] + spacing * np.einsum("kni,di->kdn", tangents, directions)
+    origin = np.repeat(frontier, len(directions), axis=0)
+    ahead = ahead.reshape(-1, model.size)
+    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) < 1e-9).any():
+        extra = _around(model, spacing)  # the flat state: its tangent cone is no space
+        origin = np.vstack([origin, np.zeros_like(extra)])
+        ahead = np.vstack([ahead, extra])
+    keep = np.array([c not in occupied for c in _cells(ahead, spacing)])
+    if within is not None:
+        keep &= np.linalg.norm(ahead - within[0], axis=1) <= within[1]
+    origin, ahead = origin[keep], ahead[keep]
+    y, good = close(model, ahead)
+    good &= np.abs(y).max(axis=1, initial=0) >= 0.1 * spacing
+    good &= np.linalg.norm(y - ahead, axis=1) <= 0.6 * spacing
+    good[good] = feasible(model, y[good])
+    cut = _cut_back(model, origin[~good], ahead[~good])
+    cut = cut[
+        np.abs(cut).max(axis=1, initial=0) >= 0.1 * spacing
+    ]  # closure says little next to the flat state
+    out = []
+    # states on boundaries have a lattice of their own, or those beside them would leave gaps in it
+    for found, on_boundary in ((y[good], ()), (cut, (1,))):
+        for state, cell in zip(found, _cells(found, spacing), strict=True):
+            if cell + on_boundary not in occupied:
+                occupied.add(cell + on_boundary)
+                out.append(state)
+    return np.array(out).reshape(-1, model.size)
+
+
+def _around(model: Model, spacing: float) -> np.ndarray:
+    """Return points around the flat state in all directions of the fold-angle space."""
+    d = np.array(
+        [v for v in itertools.product((-1, 0, 1), repeat=model.size) if any(v)], dtype=float
+    )
+    return spacing * d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def _cut_back(model: Model, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
+    """Return admissible states on the way from `inside` to `outside`, as far as that goes."""
+    low, high = np.zeros(len(inside)), np.ones(len(inside))
+    best = np.array(inside)
+    step = np.linalg.norm(outside - inside, axis=1)
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        want = inside + middle[:, None] * (outside - inside)
+        y, good = close(model, want)
+        good &= np.linalg.norm(y - want, axis=1) <= 0.6 * step
+        good[good] = feasible(model, y[good])
+        best[good] = y[good]
+        low, high = np.where(good, middle, low), np.where(good, high, middle)
+    return best[low > 0.05]
+
+
+def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the edges [E, 2] between neighbours, the state half-way [E, n], and the height [E] of each."""
+    edges = _near(x, spacing)
+    side = side_of_flat(model.expand(x)) if model.scene.contact == "full" else np.zeros(len(x))
+    edges = edges[side[edges[:, 0]] * side[edges[:, 1]] >= 0]
+    a, b = x[edges[:, 0]], x[edges[:, 1]]
+    length = np.linalg.norm(a - b, axis=1)
+    middle, good = _reach(model, 0.5 * (a + b), STRAY * length)
+    height = parabola_top(energies(model, a), energies(model, middle), energies(model, b))
+    # along a bent boundary the middle is outside: go round it on either side, by two shorter legs
+    for sign in (1.0, -1.0):
+        todo = np.flatnonzero(~good)
+        u, v = a[todo], b[todo]
+        want = 0.5 * (u + v) + sign * ASIDE * _across(model, u, v)
+        via, ok = _reach(model, want, STRAY * length[todo])
+        tops = []
+        for end in (u, v):
+            leg = np.linalg.norm(via - end, axis=1)
+            quarter, fine = _reach(model, 0.5 * (via + end), STRAY * leg, ok)
+            ok &= fine
+            tops.append(
+                parabola_top(energies(model, end), energies(model, quarter), energies(model, via))
+            )
+        done = todo[ok]
+        good[done], middle[done] = True, via[ok]
+        height[done] = np.maximum(*tops)[ok]
+    return edges[good], middle[good], height[good]
+
+
+def _near(x: np.ndarray, spacing: float) -> np.ndarray:
+    """Return the pairs of states closer than 1.8 cells, [E, 2]."""
+    cells = np.floor(x / spacing).astype(np.int64)
+    cells -= cells.min(axis=0) - 1
+    span = cells.max(axis=0) + 2
+    weight = np.concatenate([[1], np.cumprod(span[:-1])]).astype(np.int64)
+    key = cells @ weight
+    order = np.argsort(key, kind="stable")
+    sorted_key = key[order]
+    # several given states may share a cell: look at each of its members
+    most = int(np.unique(sorted_key, return_counts=True)[1].max())
+    pairs = []
+    for offset in itertools.product((-1, 0, 1), repeat=x.shape[1]):
+        shift = int(np.array(offset) @ weight)
+        if shift < 0 or (shift == 0 and any(offset)):
+            continue
+        left = np.searchsorted(sorted_key, key + shift, side="left")
+        for m in range(most):
+            at = left + m
+            ok = at < len(x)
+            ok[ok] = sorted_key[at[ok]] == (key + shift)[ok]
+            a, b = np.flatnonzero(ok), order[at[ok]]
+            keep = a < b if shift == 0 else a != b
+            pairs.append(np.stack([a[keep], b[keep]], axis=1))
+    edges = np.vstack(pairs)
+    length = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
+    return np.unique(np.sort(edges[length <= 1.8 * spacing], axis=1), axis=0)
+
+
+def _across(model: Model, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return tangent vectors of length |b - a| across the edge from a to b, [K, n]."""
+    if not len(a):
+        return np.zeros_like(a)
+    along = b - a
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    unit = along / np.maximum(length, 1e-300)
+    t = _tangents(model, 0.5 * (a + b))
+    flat = np.einsum("kni,kn->ki", t, unit)
+    # the tangent direction most nearly square to the edge
+    pick = t[np.arange(len(a)), :, np.abs(flat).argmin(axis=1)]
+    pick = pick - np.sum(pick * unit, axis=1, keepdims=True) * unit
+    return length * pick / np.maximum(np.linalg.norm(pick, axis=1, keepdims=True), 1e-300)
+
+
+def _reach(
+    model: Model, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Close the states `want` [K, n]; tell which are admissible and within `stray` [K] of them."""
+    y, good = close(model, want)
+    good &= np.linalg.norm(y - want, axis=1) <= stray + 1e-12
+    if only is not None:
+        good &= only
+    good[good] = feasible(model, y[good])
+    return y, good
+
+
+def parabola_top(a: np.ndarray, m: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the largest value on [0, 1] of the parabola with values a, m, b at 0, 1/2, 1."""
+    bend = 2.0 * (a - 2.0 * m + b)  # a + slope t + bend t^2
+    slope = b - a - bend
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(bend < 0, -slope / (2 * bend), -1.0)
+        top = np.where((t > 0) & (t < 1), a - slope * slope / (4 * bend), -math.inf)
+    return np.maximum(np.maximum(np.maximum(a, b), m), top)

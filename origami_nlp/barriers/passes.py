@@ -1,0 +1,221 @@
+"""From the top of a lowest path on a graph to the exact mountain pass.
+
+A pass is a state through which two components of {energy < level} first meet.  On a smooth stratum of the feasible
+set it is a KKT point (contact multipliers >= 0) with exactly one direction of negative curvature: a saddle, or a
+contact saddle.  Where pieces of the feasible set meet at an angle it may be a corner, and where they meet
+in one state only that state itself is the pass.  A pass counts only with the evidence: a descent down either side.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from origami_nlp.barriers.graph import energies, feasible
+from origami_nlp.kkt.certificates import CURVED, RANK_TOLERANCE, judge_branch
+from origami_nlp.kkt.descent import follow
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.polishing import newton
+from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.model import Model
+
+PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
+OFF = (1e-2, 3e-2, 3e-3, 1e-3)
+"""First steps [rad] of the descents from a saddle."""
+
+
+@dataclass(frozen=True)
+class Pass:
+    """The lowest pass between two minima.
+
+    from_state, to_state: numbers (1-based) among the minima.  energy: of the pass [the scene's units]; inf where no
+    admissible path joins the two.  pass_kind: ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the
+    feasible set meet), ``flat state``, ``singular`` (another state where two pieces meet in one point, or a
+    thin set ends), ``mesh`` (not refined: the energy is that of an explicit path, an upper bound), or ``none``.
+    fold_angles: of the pass, all N [rad]; empty for ``none``.  contacts: closed there, in words.
+    residual: of its KKT system (scaled; nan where no such system holds: at singular passes and on the mesh).
+    path: fold angles [M, N] from the first minimum over the pass to the second.  path_energy: [M].
+    mesh_energy: height of the lowest path on the graph alone.  why: what bounds the barrier from below.
+    """
+
+    from_state: int
+    to_state: int
+    energy: float
+    pass_kind: PassKind
+    fold_angles: tuple[float, ...]
+    contacts: tuple[str, ...]
+    residual: float
+    path: np.ndarray = field(repr=False)
+    path_energy: np.ndarray = field(repr=False)
+    mesh_energy: float
+    why: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the entry of the JSON file (no barrier: energy null)."""
+        finite = math.isfinite(self.energy)
+        return {
+            "from": self.from_state,
+            "to": self.to_state,
+            "energy": self.energy if finite else None,
+            "pass_kind": self.pass_kind,
+            "fold_angles": list(self.fold_angles),
+            "contacts": list(self.contacts),
+            "residual": None if math.isnan(self.residual) else self.residual,
+            "mesh_energy": self.mesh_energy if math.isfinite(self.mesh_energy) else None,
+            "lower_bound": self.why,
+            "path": [
+                {"fold_angles": p, "energy": u}
+                for p, u in zip(self.path.tolist(), self.path_energy.tolist(), strict=True)
+            ],
+        }
+
+
+@dataclass(frozen=True)
+class Critical:
+    """An exact critical state that may be a pass.
+
+    x: [n].  rows: closed contacts.  index: directions of negative curvature on the loaded contacts.
+    residual: of stationarity, closure and contacts (scaled).  kind: see `PassKind`.
+    direction: unit vector of negative curvature [n], or None.
+    """
+
+    x: np.ndarray
+    rows: tuple[Row, ...]
+    index: int
+    residual: float
+    kind: PassKind
+    direction: np.ndarray | None = field(repr=False, default=None)
+
+
+@dataclass(frozen=True)
+class Descent:
+    """A path down from a pass: states [m, n] from next to the pass to where it ends.
+
+    lands_on: position of the minimum it ends in among those given, or None.
+    """
+
+    states: np.ndarray = field(repr=False)
+    lands_on: int | None
+
+
+def critical_near(model: Model, starts: np.ndarray, reach: float) -> list[Critical]:
+    """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
+    found: list[Critical] = []
+    tried: set[tuple[int, tuple[Row, ...]]] = set()
+    for k, x in enumerate(starts):
+        contacts = closed_contacts(model, x, model.local(x).gaps, reach)
+        sets: list[tuple[Row, ...]] = [()]
+        for rows in contacts.combinations() or [contacts.base]:
+            sets += [(row,) for row in rows]
+            sets += list(itertools.combinations(rows, 2))
+        for rows in dict.fromkeys(sets):
+            if len(rows) > model.freedom or (k, rows) in tried:
+                continue
+            tried.add((k, rows))
+            state, _ = newton(model, x, rows)
+            if state is None or not state.converged or np.abs(state.x - x).max() > reach:
+                continue
+            if any(np.abs(state.x - c.x).max() <= 1e-7 for c in found):
+                continue
+            what = critical_at(model, state.x)
+            if what is not None and what.index == 1 and is_admissible(model, state.x):
+                found.append(what)
+    return found
+
+
+def critical_at(model: Model, x: np.ndarray) -> Critical | None:
+    """Judge a polished state: its index on the pieces of the feasible set; None if it is not stationary on each."""
+    local = model.local(x)
+    contacts = closed_contacts(model, x, local.gaps)
+    choices = contacts.combinations() or [contacts.base]
+    judged = [judge_branch(model, x, rows, local) for rows in choices]
+    size = 1.0 + float(np.abs(local.gradient).max())
+    residual = max(b.multipliers.residual for b in judged) / size
+    residual = max(residual, float(np.abs(local.closure).max()))
+    if residual > 1e-9:
+        return None
+    index, direction = 0, None
+    for b in judged:
+        scale = max(1e-300, float(np.abs(b.eigenvalues).max(initial=0.0)))
+        below = int((b.eigenvalues < -CURVED * scale).sum())
+        if below >= index:
+            index, direction = below, b.direction
+    if (np.linalg.svd(local.closure_jacobian, compute_uv=False) <= RANK_TOLERANCE).any():
+        kind: PassKind = "flat state" if np.abs(x).max() <= 1e-9 else "singular"
+    elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
+        kind = "corner"
+    else:
+        kind = "contact saddle" if judged[0].rows else "saddle"
+    if direction is None and index:
+        direction = _bent_down(model, x, judged[0].rows)
+    if direction is not None:
+        direction = direction / np.linalg.norm(direction)
+    return Critical(x, judged[0].rows, index, residual, kind, direction)
+
+
+def _bent_down(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray | None:
+    """Return the direction of lowest curvature with `rows` held closed."""
+    from origami_nlp.path.curve import evaluate  # only where a verdict left it out
+
+    point = evaluate(model, x, rows)
+    return None if point is None else point.tangent / np.sqrt(model.multiplicity)
+
+
+def slide(
+    model: Model, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
+) -> Descent | None:
+    """Descend from an admissible state; None if the start is not admissible."""
+    try:
+        path = follow(model, start, most_steps=most_steps)
+    except ValueError:
+        return None
+    near = [float(np.abs(path.end - m).max()) for m in minima]
+    lands = int(np.argmin(near)) if near and min(near) <= 1e-5 else None
+    return Descent(path.states, lands)
+
+
+def both_sides(
+    model: Model, pass_: Critical, minima: Sequence[np.ndarray]
+) -> tuple[Descent, Descent] | None:
+    """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state."""
+    if pass_.direction is None:
+        return None
+    sides = []
+    for sign in (1.0, -1.0):
+        for off in OFF:
+            held = pass_.rows if pass_.kind == "contact saddle" else ()
+            y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
+            y = np.clip(y, -model.bound, model.bound)
+            lower = model.energy_change(pass_.x, y) < 0
+            if residual <= 1e-12 and lower and is_admissible(model, y):
+                down = slide(model, y, minima)
+                if down is not None:
+                    sides.append(down)
+                    break
+        else:
+            return None
+    return sides[0], sides[1]
+
+
+def leg_is_below(
+    model: Model, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
+) -> np.ndarray | None:
+    """Return states on the straight way from `top` to x, pulled onto closure, if all are admissible and not above
+    `level` (rounding allowed); else None."""
+    t = np.linspace(0, 1, steps + 1)[1:-1, None]
+    out = []
+    for want in top + t * (x - top):
+        y, residual = project(model, want, ())
+        if residual > 1e-11 or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
+            return None
+        out.append(np.clip(y, -model.bound, model.bound))
+    states = np.array(out)
+    slack = 1e-12 * max(abs(level), model.scale)
+    if not feasible(model, states).all() or (energies(model, states) > level + slack).any():
+        return None
+    return states

@@ -1,0 +1,321 @@
+"""The boundary of the admissible set over a chart: contact boundaries traced by continuation, seeded by a grid.
+
+Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
+edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
+missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
+(`boundary_curve.advance`: closure and contact to 1e-13 at every point) both ways, to where another contact
+closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.chart.boundary_walk import LONGEST, walk
+from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
+from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt.loads import row_name, row_weight
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.kkt.thin import thin_at
+from origami_nlp.path.curve import BoundaryCurve, Point, correct, evaluate
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
+
+CLOSED = 1e-6
+"""Gap [rad] of a contact at a bisected point, before Newton closes it."""
+CORNER = 1e-4
+"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is rounding."""
+SAME, SHORT = 1e-7, 1e-3
+"""States closer than this [rad] are one corner; shorter lines are dropped."""
+HIDDEN = 1e-6
+"""Extent [rad] in the chart of a line that is one point there."""
+NEAR = 0.35
+"""A bisected point within this many cells of a line belongs to it."""
+
+
+@dataclass(frozen=True)
+class BoundaryLine:
+    """One contact boundary between two corners.
+
+    contacts, rows: held closed.  branch: of the chart.  points: chart coordinates [m, 2].  fold_angles: [m, N].
+    s: arclength in the space of all N fold angles [m], 0 at the start.  start, end: why it ends there.
+    thin: the states around exist only on this line (a 1-handle of the paper).
+    """
+
+    contacts: tuple[str, ...]
+    rows: tuple[Row, ...] = field(repr=False)
+    branch: int
+    points: np.ndarray = field(repr=False)
+    fold_angles: np.ndarray = field(repr=False)
+    s: np.ndarray = field(repr=False)
+    start: str
+    end: str
+    thin: bool = False
+
+    @property
+    def length(self) -> float:
+        """Arclength [rad] in the space of all N fold angles."""
+        return float(self.s[-1])
+
+    @property
+    def hidden(self) -> bool:
+        """Whether all its states share one point of the chart."""
+        return bool(np.ptp(self.points, axis=0).max() < HIDDEN)
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """All boundary lines of a scene's chart.
+
+    crossings: bisected boundary points between the cells of the grid, per branch [k, 2].
+    missed: those that no line passes within `NEAR` cells; where there are any, the boundary is not complete.
+    cell: size of a cell in both coordinates.
+    """
+
+    lines: tuple[BoundaryLine, ...]
+    crossings: tuple[np.ndarray, ...] = field(repr=False)
+    missed: tuple[np.ndarray, ...] = field(repr=False)
+    cell: tuple[float, float]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every boundary point that the grid saw lies on a line."""
+        return not any(len(m) for m in self.missed)
+
+
+def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
+    """Trace the boundary of the admissible set of `scene` over its chart.
+
+    Parameters
+    ----------
+    size
+        Cells along each coordinate of the grid that seeds the lines, >= 8.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no chart of two coordinates, or full contact is not asked for: other boundaries of a
+        chart are no contacts.
+    """
+    chart = chart_of(scene)
+    if chart is None or scene.contact != "full":
+        raise OptionError(
+            "the boundary is traced for scenes with two symmetric freedoms, a closed-form chart "
+            f"and contact = 'full', not symmetry {scene.group.name}, contact = {scene.contact!r}"
+        )
+    model = scene.model()
+    x0, x1, y0, y1 = chart_limits(chart)
+    cell = ((x1 - x0) / size, (y1 - y0) / size)
+    lines: list[BoundaryLine] = []
+    crossings, missed = [], []
+    for branch in range(len(chart.signs)):
+        at, states = crossings_of(chart, branch, size)
+        crossings.append(at)
+        left = np.ones(len(at), dtype=bool)
+        tried = np.zeros(len(at), dtype=bool)
+        while (left & ~tried).any():
+            # from the middle of what is left: ends of lines are corners, where contacts are ambiguous
+            waiting = np.flatnonzero(left & ~tried)
+            k = int(waiting[len(waiting) // 2])
+            tried[k] = True
+            line = _line_at(chart, model, branch, states[k])
+            if line is not None:
+                lines.append(line)
+                left &= distance_from(at / cell, line.points / cell) > NEAR
+        missed.append(at[left])
+    lines += _thin_lines(chart, model, lines, cell)
+    lines += _hidden_lines(chart, model, lines)
+    lines = [piece for line in lines for piece in _pieces(model, line, lines)]
+    return Boundary(tuple(lines), tuple(crossings), tuple(missed), cell)
+
+
+def with_energy(model: Model, line: BoundaryLine) -> BoundaryCurve:
+    """Evaluate a scene's energy, its derivatives and the contact moments along a line."""
+    at = model.reduce(line.fold_angles)
+    root = np.sqrt(model.multiplicity)
+    along = np.gradient(at * root, axis=0)
+    points: list[Point] = []
+    kept = []
+    for k, x in enumerate(at):
+        size = float(np.linalg.norm(along[k]))
+        point = evaluate(model, x, line.rows, along[k] / size) if size > 0 else None
+        if point is not None and point.dimension == 1:
+            points.append(point)
+            kept.append(k)
+    weights = np.array([row_weight(model, row) for row in line.rows])
+    return BoundaryCurve(
+        contacts=line.contacts,
+        rows=line.rows,
+        s=line.s[kept],
+        fold_angles=line.fold_angles[kept],
+        energy=np.array([model.energy(p.x) for p in points]),
+        slope=model.scale * np.array([p.slope for p in points]),
+        stiffness=model.scale * np.array([p.stiffness for p in points]),
+        springs=model.scale * np.array([p.springs for p in points]),
+        multipliers=model.scale * np.array([p.multipliers for p in points]) / weights,
+        pressed=np.array([p.pressed for p in points], dtype=bool),
+        start=line.start,
+        end=line.end,
+        dimension=1,
+    )
+
+
+# ---------------------------------------------------------------- pieces between corners
+
+
+def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list[BoundaryLine]:
+    """Cut a line where others end on it, and say of each piece which contacts are closed and whether it is thin."""
+    at = model.reduce(line.fold_angles)
+    s, points = line.s, line.points
+    cuts = {0, len(s) - 1}
+    corners = [(ln.fold_angles[k], ln.points[k]) for ln in lines for k in (0, -1)]
+    for phi, point in corners:
+        x = model.reduce(phi)
+        local = model.local(x)
+        values = row_values(model, x, line.rows, local.gaps, local.gaps_jacobian)[0]
+        if np.abs(values).max() > CORNER:
+            continue
+        exact = correct(model, x, line.rows)
+        if exact is None or np.abs(exact - x).max() > 10 * CORNER:
+            continue
+        x = exact
+        away = np.linalg.norm((at - x) * np.sqrt(model.multiplicity), axis=1)
+        k = int(away.argmin())
+        if away[k] <= SAME:
+            cuts.add(k)
+        elif away[k] <= LONGEST and 0 < k < len(s) - 1:
+            k += bool(away[k + 1] < away[k - 1])
+            at, points = np.insert(at, k, x, axis=0), np.insert(points, k, point, axis=0)
+            s = np.insert(s, k, s[k - 1] + float(away[k - 1] if away[k - 1] <= LONGEST else 0.0))
+            cuts = {c + (c >= k) for c in cuts} | {k}
+    out = []
+    ends = sorted(cuts)
+    for i, (a, b) in enumerate(itertools.pairwise(ends)):
+        if s[b] - s[a] < SHORT or b - a < 2:
+            continue
+        middle = at[(a + b) // 2]
+        closed = closed_contacts(model, middle, model.local(middle).gaps)
+        rows = (closed.combinations() or [closed.base])[0] or line.rows
+        here = slice(a, b + 1)
+        out.append(
+            BoundaryLine(
+                tuple(row_name(model, row) for row in rows),
+                rows,
+                line.branch,
+                points[here],
+                model.expand(at[here]),
+                s[here] - s[a],
+                line.start if i == 0 else "another boundary ends here",
+                line.end if b == ends[-1] else "another boundary ends here",
+                bool(thin_at(model, middle)),
+            )
+        )
+    return out
+
+
+# ---------------------------------------------------------------- continuation
+
+
+def _line_at(
+    chart: Chart, model: Model, branch: int, fold_angles: np.ndarray
+) -> BoundaryLine | None:
+    """Trace the boundary through a bisected state [N]; None at a corner, or where no contact closes."""
+    x = model.reduce(fold_angles)
+    contacts = closed_contacts(model, x, model.local(x).gaps, CLOSED)
+    choices = contacts.combinations() or [contacts.base]
+    for row in dict.fromkeys(row for rows in choices for row in rows):
+        start = correct(model, x.copy(), (row,))
+        if start is None or np.abs(start - x).max() > 1e-3 or not is_admissible(model, start):
+            continue
+        line = _trace(chart, model, branch, start, (row,))
+        if line is not None:
+            return line
+    return None
+
+
+def _thin_lines(
+    chart: Chart, model: Model, lines: list[BoundaryLine], cell: tuple[float, float]
+) -> list[BoundaryLine]:
+    """Trace the sets on the edge of the chart that exist only while several contacts stay closed."""
+    x0, x1, y0, y1 = chart_limits(chart)
+    t = (np.arange(24) + 0.5) / 24
+    edges = [(np.full_like(t, x), y0 + t * (y1 - y0)) for x in (x0, x1)]
+    edges += [(x0 + t * (x1 - x0), np.full_like(t, y)) for y in (y0, y1)]
+    found: list[BoundaryLine] = []
+    for branch in range(len(chart.signs)):
+        for x, y in edges:
+            good, states = allowed(chart, branch, x, y)
+            for k in np.flatnonzero(good):
+                at = np.array([[x[k], y[k]]])
+                known = [ln for ln in (*lines, *found) if ln.branch == branch]
+                if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
+                    continue
+                start = model.reduce(states[k])
+                rows = thin_at(model, start)
+                if not rows or not is_admissible(model, start):
+                    continue
+                line = _trace(chart, model, branch, start, rows)
+                if line is not None:
+                    found.append(line)
+    return found
+
+
+def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list[BoundaryLine]:
+    """Trace from corners the contacts whose whole line is one point of the chart, which no cell sees."""
+    found: list[BoundaryLine] = []
+    for line in lines:
+        for phi in line.fold_angles[[0, -1]]:
+            x = model.reduce(phi)
+            closed = closed_contacts(model, x, model.local(x).gaps)
+            for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
+                if not _stays(chart, model, x, row):
+                    continue
+                # dependent contacts describe one line twice
+                if any(distance_from(phi[None], ln.fold_angles)[0] < SHORT for ln in found):
+                    continue
+                new = _trace(chart, model, line.branch, x, (row,))
+                if new is not None and new.length > SHORT:
+                    found.append(new)
+    return found
+
+
+def _stays(chart: Chart, model: Model, x: np.ndarray, row: Row) -> bool:
+    """Tell whether moving from x along the zero set of `row` stays on the same point of the chart."""
+    point = evaluate(model, x, (row,))
+    if point is None or point.dimension != 1:
+        return False
+    y = correct(model, x + 1e-3 * point.tangent / np.sqrt(model.multiplicity), (row,))
+    if y is None:
+        return False
+    both = chart_points(chart, model.expand(np.array([x, y])))
+    return bool(np.ptp(both, axis=0).max() < HIDDEN)
+
+
+def _trace(
+    chart: Chart, model: Model, branch: int, x: np.ndarray, rows: tuple[Row, ...]
+) -> BoundaryLine | None:
+    """Follow `rows` from the admissible state x [n] both ways; None where no motion keeps them closed."""
+    walked = walk(model, x, rows)
+    if walked is None:
+        return None
+    phi = model.expand(walked.states)
+    names = tuple(row_name(model, row) for row in rows)
+    points = chart_points(chart, phi)
+    return BoundaryLine(names, rows, branch, points, phi, walked.s, walked.start, walked.end)
+
+
+def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
+    """Return the chart coordinates of states [m, N], shape [m, 2]."""
+    if chart.kind == "degree6":
+        return fold_angles[:, [_crease(chart, 1), _crease(chart, 2)]]
+    elevation = [wedge_elevation(chart.scene, phi) for phi in fold_angles]
+    return np.stack([fold_angles[:, _crease(chart, 1)], elevation], axis=-1)
+
+
+def _crease(chart: Chart, ray: int) -> int:
+    return crease_number(chart.scene, ray) - 1

@@ -1,0 +1,197 @@
+"""The paper's coordinates of a scene with two symmetric freedoms, from the generated closed forms.
+
+- D_1, degree 6: (phi_2, phi_3), the fold angles between the mirror creases; one branch
+  (`closed_forms.degree6`, paper eq. phi1-6-fold).
+- D_n, n >= 2, wedge of three creases (degree 4 n): (phi_2, elevation upsilon of crease 1, paper's sign:
+  F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`).
+
+A chart ends where a family of states shares one point (`family_of`) and where branches meet; it is not
+the manifold.  Radians; everything vectorised over states.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
+from origami_nlp.folding.embedding import crossing_depth, fold_vertex
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.pattern.scene import Scene
+
+CROSSING = 1e-9
+"""Facets that cross deeper than this (sine of an angle) are excluded; touching ones are not."""
+SAME_LINE = 1e-6
+"""Creases whose directions differ by less (sine of the angle) lie on one line for `family_of`."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Closed states over two coordinates.
+
+    kind: ``"degree6"`` or ``"wedge"``.
+    coordinates: names of (x, y); creases are numbered as in the scene.
+    signs: one entry per branch (+1 and -1 for a wedge, +1 alone for degree 6).
+    """
+
+    scene: Scene
+    kind: str
+    coordinates: tuple[str, str]
+    signs: tuple[int, ...]
+
+    def fold_angles(self, branch: int, x: Any, y: Any) -> np.ndarray:
+        """All N fold angles at coordinates x, y (broadcast to shape S), shape S + (N,).
+
+        NaN where the branch has no closed state and, with contact, where mirror creases of a wedge
+        are on the wrong side of the axis.  Admissibility is not looked at: see `admissible`.
+        """
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        rays = self.scene.group.rays
+        if self.kind == "degree6":
+            value = degree6(rays[0].sector, rays[1].sector, x, y).value
+            piece = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
+        else:
+            point = wedge_point(self.scene, y, x, self.signs[branch])
+            value = point.value
+            if self.scene.contact == "full":  # mirror creases past the axis cross their images
+                value = np.where(point.own_side[..., None], value, np.nan)
+            piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
+        return piece[..., list(self.scene.group.orbit)]
+
+    def locate(self, fold_angles: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
+        """Branches on which the state [N] lies (the best first) and its coordinates (x, y)."""
+        phi = np.asarray(fold_angles, dtype=float)
+        if self.kind == "degree6":
+            x, y = (float(phi[crease_number(self.scene, r) - 1]) for r in (1, 2))
+            return (0,), (x, y)
+        return _locate_on_wedge(self, phi)
+
+
+def chart_of(scene: Scene) -> Chart | None:
+    """The chart of a scene with two symmetric freedoms, or None where no closed form is known."""
+    group = scene.group
+    if not scene.vertex.flat or group.kind != "D" or any(ray.crease is None for ray in group.rays):
+        return None
+    if (group.order, len(group.rays)) == (1, 4):
+        x, y = (f"phi_{crease_number(scene, r)}" for r in (1, 2))
+        return Chart(scene, "degree6", (x, y), (1,))
+    if group.order >= 2 and len(group.rays) == 3:
+        number = crease_number(scene, 0)
+        names = (f"phi_{crease_number(scene, 1)}", f"upsilon (elevation of crease {number})")
+        return Chart(scene, "wedge", names, (1, -1))
+    return None
+
+
+def wedge_point(scene: Scene, elevation: Any, phi2: Any, sign: int) -> ChartPoint:
+    """`closed_forms.wedge3` at the scene's order and sector angle."""
+    return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
+
+
+def crease_number(scene: Scene, ray: int) -> int:
+    """Crease number (1-based) of a ray of the wedge."""
+    crease = scene.group.rays[ray].crease
+    assert crease is not None
+    return crease + 1
+
+
+def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
+    """Tell which closed states [K, N] keep the contact that the scene asks for, shape [K].
+
+    Adjacent facets by |phi| <= pi; non-adjacent ones by crossing of their arcs (pairs that the
+    symmetry maps to one another are looked at once).  Layers of touching facets are not ordered.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    good = np.isfinite(phi).all(axis=-1)
+    if scene.contact == "none":
+        return good
+    good &= (np.abs(phi) <= math.pi + 1e-12).all(axis=-1)
+    if scene.contact != "full":
+        return good
+    alive = np.flatnonzero(good)
+    creases, _ = fold_vertex(scene.vertex, phi[alive])
+    ends = np.roll(creases, -1, axis=-2)
+    for i, j in facet_pairs(scene):
+        first = np.stack([creases[:, i], ends[:, i]], axis=-2)
+        second = np.stack([creases[:, j], ends[:, j]], axis=-2)
+        keep = crossing_depth(first, second) <= CROSSING
+        alive, creases, ends = alive[keep], creases[keep], ends[keep]
+    good[:] = False
+    good[alive] = True
+    return good
+
+
+def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
+    """Pairs of non-adjacent facets, one for each class under the scene's symmetry."""
+    n, group = scene.degree, scene.group
+    step = n // group.order
+    first = group.rays[0].crease
+    # crease i -> s - i sends facet (i, i+1) to s - 1 - i; a mirror through a facet needs no thrift
+    maps = [[(f + m * step) % n for f in range(n)] for m in range(group.order)]
+    if group.kind == "D" and first is not None:
+        maps += [[(2 * first - 1 - g) % n for g in row] for row in maps]
+    pairs: list[tuple[int, int]] = []
+    seen: set[frozenset[int]] = set()
+    for i in range(n):
+        for j in range(i + 2, n):
+            if (j - i) % n == n - 1 or frozenset((i, j)) in seen:
+                continue
+            seen |= {frozenset((row[i], row[j])) for row in maps}
+            pairs.append((i, j))
+    return pairs
+
+
+def family_of(scene: Scene, phi: np.ndarray) -> str:
+    """Say why a whole family of states shares the chart point of `phi`, or return ''."""
+    group = scene.group
+    first, last = crease_number(scene, 0), crease_number(scene, len(group.rays) - 1)
+    pairs = [(first, last)]
+    if group.order == 2:  # crease 1 and its image under the half turn, both in one plane
+        pairs.append((first, (first - 1 + scene.degree // 2) % scene.degree + 1))
+    creases, _ = fold_vertex(scene.vertex, phi)
+    for i, j in pairs:
+        a, b = creases[i - 1], creases[j - 1]
+        if np.linalg.norm(np.cross(a, b)) < SAME_LINE:
+            how = "form one straight line" if a @ b < 0 else "coincide"
+            return f"creases {i} and {j} {how}, about which the vertex folds freely"
+    return ""
+
+
+def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> float:
+    """Return the elevation upsilon of crease 1 of a D_n state with a wedge of three creases [rad].
+
+    In the frame of the folded wedge (ray 1 at e1) the last mirror has the inward normal H n_k,
+    n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
+    H n_k = (sin pi/n cos upsilon, -cos pi/n, sin pi/n sin upsilon).
+    """
+    n = scene.group.order
+    azimuth, h = 0.0, quat.IDENTITY
+    for r, ray in enumerate(scene.group.rays):
+        half = fold_angles[crease_number(scene, r) - 1] / (2 if r == 1 else 4)
+        axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
+        h = quat.multiply(h, quat.fold(math.cos(half), math.sin(half), axis))  # type: ignore[assignment]
+        azimuth += ray.sector
+    normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
+    return math.atan2(normal[2], normal[0])
+
+
+def _locate_on_wedge(chart: Chart, phi: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
+    scene = chart.scene
+    wedge = np.array([phi[crease_number(scene, r) - 1] for r in range(3)])
+    v = wedge_elevation(scene, phi)
+    # on the fold J = 0, where the branches meet, rounding can move v to where no state is: look around
+    nearby = v + np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
+    misfit, own = [], []
+    for sign in chart.signs:
+        point = wedge_point(scene, nearby, wedge[1], sign)
+        error = np.abs(point.value - wedge[[0, 2]]).max(axis=-1)
+        error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
+        misfit.append(float(error.min()))
+        own.append(bool(point.own_side[0]))
+    tie = abs(misfit[0] - misfit[1]) < 1e-2 if np.isfinite(misfit).all() else misfit[0] == misfit[1]
+    order = [0, 1] if misfit[0] <= misfit[1] else [1, 0]
+    if tie:
+        order.sort(key=lambda k: (not own[k], misfit[k]))
+    return tuple(order if tie else order[:1]), (float(wedge[1]), v)

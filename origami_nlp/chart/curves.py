@@ -1,0 +1,135 @@
+"""One-dimensional sets of closed states, traced by a predictor and a Newton corrector."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from origami_nlp.kkt.starts import StartStream, broken_gap
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.model import Model
+
+CLOSED = 1e-12
+"""Largest entry of loop closure at a traced point."""
+STARTS = 96
+"""Projected random states from which curves are looked for; the same every time."""
+SHORTEST = 8
+"""Pieces with fewer points are dropped."""
+LONGEST = 6000
+"""Points after which a curve is given up as endless."""
+
+
+def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
+    """Trace the closed states of a scene with one freedom, inside |phi| <= pi.
+
+    Parameters
+    ----------
+    step
+        Distance of successive points in the space of the model's variables [rad].
+
+    Returns
+    -------
+    curves
+        Each a list of states [m, n] in the model's variables, in order along the curve.  Curves
+        may cross (at the flat state they do): each goes straight through.  For contact ``"full"``
+        states beyond a mirror or axis contact, or on the sheet q = -1, are cut away.
+    """
+    model = scene.model()
+    curves: list[np.ndarray] = []
+    for start in itertools.islice(StartStream(model, 0), STARTS):
+        x, residual = _correct(model, start.x)
+        if residual > CLOSED or np.abs(x).max() > math.pi + 1e-12:
+            continue
+        if any(np.linalg.norm(c - x, axis=1).min() < step for c in curves):
+            continue
+        tangent = _tangent(model, x, None)
+        if tangent is None:  # a singular point: some other start finds its curves
+            continue
+        ahead, loop = _walk(model, x, tangent, step)
+        behind = [] if loop else _walk(model, x, -tangent, step)[0]
+        curves.append(np.array([*behind[::-1], x, *ahead]))
+    # next to flat-folded states the tangent is ambiguous, and stubs of a few points can appear
+    return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
+
+
+def _correct(model: Model, x: np.ndarray, held: int | None = None) -> tuple[np.ndarray, float]:
+    """Newton onto loop closure (least change); variable `held` stays. Returns state and residual."""
+    residual = math.inf
+    for _ in range(12):
+        g, jac = model.closure(x)
+        residual = float(np.abs(g).max())
+        if residual <= 1e-14:
+            break
+        if held is not None:
+            jac = jac.copy()
+            jac[:, held] = 0.0
+        x = x - np.linalg.pinv(jac, rcond=1e-8) @ g
+    return x, residual
+
+
+def _tangent(model: Model, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
+    """Unit tangent at x; where curves cross, the one most nearly along `before`."""
+    _, s, vt = np.linalg.svd(model.closure(x)[1])
+    null = vt[int((s > 1e-3).sum()) :]
+    if before is None:
+        return null[0] if len(null) == 1 else None
+    t = null.T @ (null @ before)
+    length = float(np.linalg.norm(t))
+    return t / length if length > 0.1 else before
+
+
+def _walk(
+    model: Model, x: np.ndarray, tangent: np.ndarray, step: float
+) -> tuple[list[np.ndarray], bool]:
+    """Follow the curve from x until it leaves |phi| <= pi; tells whether it came back to x."""
+    start, points = x, []
+    for count in range(LONGEST):
+        for stretch in (1.0, 2.0, 0.5, 4.0):  # a crossing point can spoil one Newton step, not all
+            y, residual = _correct(model, x + stretch * step * tangent)
+            moved = y - x
+            if residual <= CLOSED and 0.2 * step < np.linalg.norm(moved) < 8 * step:
+                break
+        else:
+            break
+        beyond = np.abs(y) - math.pi
+        if beyond.max() > 0:
+            last = _end_point(model, x, y)
+            if last is not None:
+                points.append(last)
+            break
+        points.append(y)
+        if count > 3 and np.linalg.norm(y - start) < 0.75 * step:
+            return points, True
+        tangent = _tangent(model, y, moved / np.linalg.norm(moved))  # type: ignore[assignment]
+        x = y
+    return points, False
+
+
+def _end_point(model: Model, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
+    """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
+    room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), 1e-300)
+    room[np.abs(y) <= math.pi] = math.inf
+    k = int(np.argmin(room))
+    z = x + room[k] * (y - x)
+    z[k] = math.copysign(math.pi, y[k])
+    z, residual = _correct(model, z, held=k)
+    if residual > CLOSED or np.abs(z).max() > math.pi + 1e-9:
+        return None
+    return np.clip(z, -math.pi, math.pi)
+
+
+def _keep(model: Model, curve: np.ndarray) -> list[np.ndarray]:
+    """Cut a curve where it leaves the sheet q = +1 or passes a mirror or axis contact."""
+    gaps = bool(model.structure.gaps)
+    good = [
+        model.on_sheet(x) and not (gaps and broken_gap(model, model.local(x).gaps) is not None)
+        for x in curve
+    ]
+    pieces = []
+    for value, run in itertools.groupby(range(len(curve)), key=lambda k: good[k]):
+        indices = list(run)
+        if value and len(indices) > 1:
+            pieces.append(curve[indices])
+    return pieces

@@ -1,0 +1,66 @@
+"""Admissibility on a grid of chart points, and the boundary points between its cells, bisected to rounding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.chart.chart import Chart, admissible
+
+BISECTIONS = 50
+"""Halvings of the step between two cells: to rounding."""
+
+
+def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
+    """Return the chart's extent (x low, x high, y low, y high) [rad]."""
+    reach = math.pi / 2 if chart.kind == "wedge" and chart.scene.contact == "full" else math.pi
+    return -math.pi, math.pi, -reach, reach
+
+
+def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Bisect between admissible cell centres and excluded neighbours; return points [k, 2], states [k, N]."""
+    x0, x1, y0, y1 = chart_limits(chart)
+    x = x0 + (x1 - x0) * (np.arange(size) + 0.5) / size
+    y = y0 + (y1 - y0) * (np.arange(size) + 0.5) / size
+    good = allowed(chart, branch, *np.meshgrid(x, y))[0]
+    pairs: list[tuple[np.ndarray, np.ndarray]] = []
+    padded = np.pad(good, 1)
+    px, py = np.r_[x0, x, x1], np.r_[y0, y, y1]
+    rows, columns = np.nonzero(good)
+    for dr, dc in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        outside = ~padded[rows + 1 + dr, columns + 1 + dc]
+        r, c = rows[outside] + 1, columns[outside] + 1
+        pairs.append(
+            (np.stack([px[c], py[r]], axis=-1), np.stack([px[c + dc], py[r + dr]], axis=-1))
+        )
+    inside = np.concatenate([a for a, _ in pairs])
+    beyond = np.concatenate([b for _, b in pairs])
+    at_edge = allowed(chart, branch, beyond[:, 0], beyond[:, 1])[0]
+    inside = np.where(at_edge[:, None], beyond, inside)
+    for _ in range(BISECTIONS):
+        middle = (inside + beyond) / 2
+        ok = allowed(chart, branch, middle[:, 0], middle[:, 1])[0][:, None]
+        inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)
+    states = allowed(chart, branch, inside[:, 0], inside[:, 1])[1]
+    return inside, states
+
+
+def allowed(
+    chart: Chart, branch: int, x: np.ndarray, y: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Tell which chart points have an admissible state, and return the states, shape S + (N,)."""
+    phi = chart.fold_angles(branch, x, y)
+    closed = np.isfinite(phi).all(axis=-1)
+    good = np.zeros(closed.shape, dtype=bool)
+    good[closed] = admissible(chart.scene, phi[closed])
+    return good, phi
+
+
+def distance_from(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Distance of each point [k, d] from a polyline [m, d], shape [k]."""
+    a, d = line[:-1], np.diff(line, axis=0)
+    size = np.maximum((d * d).sum(axis=1), 1e-300)
+    t = np.clip(((points[:, None] - a) * d).sum(axis=2) / size, 0.0, 1.0)
+    away = points[:, None] - (a + t[..., None] * d)
+    return np.asarray(np.sqrt((away * away).sum(axis=2)).min(axis=1))

@@ -1,0 +1,264 @@
+"""The energy landscape of a scene over the paper's coordinates, as plain data.
+
+Three forms, by the scene's symmetric degrees of freedom:
+
+- D_1, degree 6 (two freedoms): (phi_2, phi_3), the fold angles between the mirror creases; the rest
+  from `closed_forms.degree6` (paper, eq. phi1-6-fold).
+- D_n, n >= 2, wedge of three creases (degree 4 n; two freedoms): (phi_2, elevation upsilon of crease
+  1, paper's sign: F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches, from `closed_forms.wedge3`.
+- one freedom: the curves of closed states, traced numerically, over one of their fold angles.
+
+Anything else has no chart: `Landscape.reason` says why.  Radians; energies in the scene's units.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, check_type, check_whole
+from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
+from origami_nlp.errors import OptionError
+from origami_nlp.folding.embedding import examine
+from origami_nlp.pattern.scene import Scene
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One sheet of the landscape (an area, or one curve).
+
+    name: empty where there is only one.
+    axes: grid values of each coordinate: x [nx] and y [ny] for an area (cell centres, so that
+        states that exist only at phi = +-pi exactly take no area), x [m] along a curve.
+    energy: [ny, nx] or [m], NaN where no state is admissible with the contact of the scene.
+    fold_angles: all N fold angles, [ny, nx, N] or [m, N], NaN in the same places.
+    """
+
+    name: str
+    axes: tuple[np.ndarray, ...]
+    energy: np.ndarray = field(repr=False)
+    fold_angles: np.ndarray = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a state lies on the landscape.
+
+    branch: index into `Landscape.branches`.
+    point: its coordinates; for a curve (coordinate, energy).
+    family: empty, or why a whole family of states shares this point of the chart.
+    drawn: False where |phi| > pi at some crease, which no chart covers.
+    """
+
+    branch: int
+    point: tuple[float, float]
+    family: str = ""
+    drawn: bool = True
+
+
+LARGEST_SIZE = 8192
+"""Cells along each coordinate; that many take about 5 GB."""
+
+
+@dataclass(frozen=True)
+class Landscape:
+    """Energy over the coordinates of a scene.
+
+    kind: ``"area"`` (two coordinates), ``"curve"`` (one) or ``"none"``.
+    coordinates: names, such as ``("phi_2", "phi_3")``; creases are numbered as in the scene.
+    branches: at least one, unless kind is ``"none"``.
+    reason: why there is no landscape, in words; empty otherwise.
+    handles: curves [m, 2] in the coordinates, along which states exist only at a fold angle of +-pi
+        exactly (the paper's 1-handles; looked for on the border of the degree-6 chart).
+    """
+
+    scene: Scene
+    kind: str
+    coordinates: tuple[str, ...]
+    branches: tuple[Branch, ...]
+    reason: str = ""
+    handles: tuple[np.ndarray, ...] = ()
+
+    def place(self, fold_angles: object) -> Place:
+        """Return where the state with all N `fold_angles` [rad] lies.
+
+        Raises
+        ------
+        OptionError
+            If there is no landscape.
+        AngleError
+            If `fold_angles` are not those of one state.
+        """
+        if self.kind == "none":
+            raise OptionError(f"this scene has no landscape: {self.reason}")
+        phi = check_angles("fold_angles", fold_angles, self.scene.degree, one=True)
+        if self.kind == "curve":
+            place = _place_on_curve(self, phi)
+        else:
+            place = _place_on_area(self, phi)
+        return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + 1e-9))
+
+
+def landscape(scene: Scene, size: int = 401) -> Landscape:
+    """Evaluate the energy landscape of `scene`.
+
+    Parameters
+    ----------
+    size
+        Cells along each coordinate, 8 to 8,192 (for curves: along a full turn of a fold angle).
+
+    Raises
+    ------
+    OptionError
+        If `scene` is no scene, or `size` no such number.
+    """
+    check_type("scene", scene, Scene)
+    size = check_whole("size", size, 8, LARGEST_SIZE)
+    chart = chart_of(scene)
+    if chart is not None:
+        return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
+    group = scene.group
+    variables = sum(ray.crease is not None for ray in group.rays)
+    freedom = variables - {("C", 1): 3, ("D", 1): 2}.get((group.kind, group.order), 1)
+    if freedom == 1:
+        return _curves(scene, size)
+    what = f"{freedom} degrees of freedom keep the symmetry {group.name}"
+    if freedom <= 0:
+        why = f"the vertex is rigid within the symmetry {group.name}"
+    elif freedom == 2:
+        why = f"{what}, but no closed-form chart is known for this arrangement of creases"
+    else:
+        why = f"{what}: too many for a plane"
+    return Landscape(scene, "none", (), (), why)
+
+
+def cells(low: float, high: float, size: int) -> np.ndarray:
+    """Return the centres of `size` equal cells between low and high."""
+    return low + (high - low) * (np.arange(size) + 0.5) / size
+
+
+def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> Branch:
+    """One branch over the grid of `axes`, inadmissible states blanked out."""
+    phi = chart.fold_angles(branch, *np.meshgrid(*axes))
+    closed = np.isfinite(phi).all(axis=-1)
+    states = phi[closed]
+    states[~admissible(chart.scene, states)] = np.nan
+    phi[closed] = states
+    phi[~closed] = np.nan
+    return Branch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
+
+
+def _degree6(chart: Chart, size: int) -> Landscape:
+    axis = cells(-math.pi, math.pi, size)
+    branch = _area(chart, 0, "", (axis, axis))
+    handles = _handles(chart, branch) if chart.scene.contact == "full" else ()
+    return Landscape(chart.scene, "area", chart.coordinates, (branch,), handles=handles)
+
+
+def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
+    """Stretches of the chart's border with admissible states and none beside them, inside."""
+    scene, size = chart.scene, branch.energy.shape[0]
+    t = np.linspace(-math.pi, math.pi, 65)
+    cell = np.minimum(((t + math.pi) / (2 * math.pi) * size).astype(int), size - 1)
+    found = []
+    for side, edge in ((-math.pi, 0), (math.pi, size - 1)):
+        border = np.full_like(t, side)
+        for x, y, inside in (
+            (border, t, branch.energy[cell, edge]),
+            (t, border, branch.energy[edge, cell]),
+        ):
+            states = chart.fold_angles(0, x, y)
+            alone = np.isnan(inside) & admissible(scene, states)
+            # facets lie on each other there: the layers decide
+            alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
+            for kept, run in itertools.groupby(range(len(t)), key=alone.__getitem__):
+                k = list(run)
+                if kept and len(k) > 2:
+                    found.append(np.stack([x[k], y[k]], axis=-1))
+    return tuple(found)
+
+
+def _wedge(chart: Chart, size: int) -> Landscape:
+    scene = chart.scene
+    reach = math.pi / 2 if scene.contact == "full" else math.pi
+    phi2 = cells(-math.pi, math.pi, size)
+    branches = []
+    for k, sign in enumerate(chart.signs):
+        # a coarse look first: each branch fills only a part of the elevations
+        coarse = cells(-reach, reach, 81)
+        look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
+        rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
+        low, high = -reach, reach
+        if rows.size:
+            cell = 2 * reach / 81
+            low = max(low, coarse[rows[0]] - 1.5 * cell)
+            high = min(high, coarse[rows[-1]] + 1.5 * cell)
+            if scene.group.order == 2:  # branches of D_2 end at upsilon = 0 exactly
+                low = 0.0 if abs(low) < 2 * cell else low
+                high = 0.0 if abs(high) < 2 * cell else high
+        elevation = cells(low, high, size)
+        branches.append(_area(chart, k, f"branch {sign:+d}", (phi2, elevation)))
+    return Landscape(scene, "area", chart.coordinates, tuple(branches))
+
+
+def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
+    chart = chart_of(picture.scene)
+    assert chart is not None
+    candidates, point = chart.locate(phi)
+    rows = [b.axes[1] for b in picture.branches]
+    # on both branches: prefer the one that is drawn here
+    drawn = [k for k in candidates if rows[k][0] <= point[1] <= rows[k][-1]]
+    return Place((drawn or candidates)[0], point, family_of(picture.scene, phi))
+
+
+# ---------------------------------------------------------------- one freedom: curves
+
+
+def _curves(scene: Scene, size: int) -> Landscape:
+    from origami_nlp.chart.curves import trace_curves  # builds the CasADi model
+
+    curves = trace_curves(scene, 2 * math.pi / size)
+    orbit = list(scene.group.orbit)
+    pieces = []
+    for x in curves:
+        phi = x[:, _variables(scene)[orbit]]
+        good = admissible(scene, phi)
+        if scene.contact == "full":  # few states: the order of touching layers too
+            good[good] = [examine(scene.vertex, state).admissible for state in phi[good]]
+        if good.sum() > 1:
+            pieces.append((x, np.where(good[:, None], phi, np.nan)))
+    if not pieces:
+        return Landscape(
+            scene,
+            "none",
+            (),
+            (),
+            f"no admissible curve leaves the flat state with {scene.group.name}",
+        )
+    # the fold angle over which every curve is widest, or some would be drawn upright
+    width = np.min([np.nanmax(phi, axis=0) - np.nanmin(phi, axis=0) for _, phi in pieces], axis=0)
+    crease = int(np.argmax(np.round(width, 3)))
+    branches = tuple(
+        Branch(
+            f"curve {k}" if len(pieces) > 1 else "",
+            (phi[:, crease],),
+            np.asarray(scene.energy(phi)),
+            phi,
+        )
+        for k, (_, phi) in enumerate(pieces, start=1)
+    )
+    return Landscape(scene, "curve", (f"phi_{crease + 1}",), branches)
+
+
+def _variables(scene: Scene) -> np.ndarray:
+    """For each ray of the piece, the position of its crease among the variables."""
+    return np.cumsum([ray.crease is not None for ray in scene.group.rays]) - 1
+
+
+def _place_on_curve(chart: Landscape, phi: np.ndarray) -> Place:
+    crease = int(chart.coordinates[0].removeprefix("phi_")) - 1
+    away = [np.nanmin(np.linalg.norm(b.fold_angles - phi, axis=1)) for b in chart.branches]
+    return Place(int(np.argmin(away)), (float(phi[crease]), float(chart.scene.energy(phi))))

@@ -1,0 +1,60 @@
+"""The admissible set over a chart as exact polygons, put together from its boundary lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origami_nlp.chart.boundary_lines import Boundary
+from origami_nlp.chart.chart import chart_of
+from origami_nlp.chart.grid import allowed
+from origami_nlp.pattern.scene import Scene
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+CORNER = 1e-4
+"""Ends of lines closer than this [rad] are one corner of the polygons."""
+
+SLIVER = 1e-10
+"""Faces with less area [rad^2] are rounding between two lines that touch."""
+
+
+def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPolygon:
+    """Return the admissible part of one branch of the chart as polygons in its coordinates [rad].
+
+    The boundary lines cut the chart into faces; a face belongs to the region if a point inside it is admissible.
+    Thin sets (1-handles) bound no face.  Between the points of a line, which lie on the boundary to rounding, the
+    polygon is straight.
+    """
+    import shapely
+
+    chart = chart_of(scene)
+    assert chart is not None
+    corners: list[np.ndarray] = []
+
+    def corner(p: np.ndarray) -> np.ndarray:
+        for known in corners:
+            if np.abs(known - p).max() <= CORNER:
+                return known
+        corners.append(p)
+        return p
+
+    pieces: list[Any] = []
+    for line in boundary.lines:
+        if line.branch != branch or line.thin or line.hidden:
+            continue
+        points = line.points.copy()
+        points[0], points[-1] = corner(points[0]), corner(points[-1])
+        pieces.append(shapely.LineString(points))
+    faces = list(shapely.polygonize([shapely.unary_union(pieces)]).geoms) if pieces else []
+    inside = []
+    for face in faces:
+        if face.area < SLIVER:
+            continue
+        at = face.representative_point()
+        if allowed(chart, branch, np.array([at.x]), np.array([at.y]))[0][0]:
+            inside.append(face)
+    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
+    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])

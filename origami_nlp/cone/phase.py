@@ -1,0 +1,135 @@
+"""The phase diagram of a cone: numbers of branch minima over (nu_0, r_k), and the curves that bound them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
+from origami_nlp.cone.count_map import CountMap, count_map
+from origami_nlp.cone.flaps import check_degree
+from origami_nlp.cone.minima import check_depth, check_ratio
+from origami_nlp.cone.phase_curves import Boundary, phase_boundaries
+from origami_nlp.cone.phase_energy import rest_range
+from origami_nlp.errors import OptionError
+
+RATIOS = (1e-2, 1e2)
+"""Smallest and largest ratio of a diagram."""
+LARGEST_SIZE = 2000
+LARGEST_DEGREE = 200
+"""Of the boundaries: 7,500 classes of both directions at degree 200."""
+
+
+@dataclass(frozen=True)
+class PhaseDiagram:
+    """Map and boundaries.
+
+    map: minima by kind, shape [ratios, elevations].  contact: whether those at the end of a branch count (pinned by
+    contact, or at a cut).
+    boundaries: of every class; those of kind "end" move a minimum between inside and end.
+    """
+
+    map: CountMap
+    contact: bool
+    boundaries: tuple[Boundary, ...] = field(repr=False)
+
+    @property
+    def degree(self) -> int:
+        """N."""
+        return self.map.degree
+
+    @cached_property
+    def minima(self) -> np.ndarray:
+        """Number of branch minima [ratios, elevations]."""
+        return self.map.total if self.contact else self.map.interior
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers that occur."""
+        return tuple(int(x) for x in np.unique(self.minima))
+
+
+def phase_diagram(
+    degree: int,
+    *,
+    size: int = 200,
+    ratios: tuple[float, float] = RATIOS,
+    rest_elevations: tuple[float, float] | None = None,
+    depth: float = 0.0,
+    rest: str = "waterbomb",
+    end: str = "contract",
+    contact: bool = True,
+    progress: Callable[[int], None] | None = None,
+) -> PhaseDiagram:
+    """Compute a phase diagram.
+
+    Parameters
+    ----------
+    size
+        Points of the map along each coordinate, at the centres of its cells.
+    ratios
+        Smallest and largest r_k; spaced geometrically.
+    rest_elevations
+        Lowest and highest nu_0 [rad]; default: all before contact (for the printed rest formula, the paper's).
+    depth, rest, end
+        See `cone_minima.branch_minima`.
+    contact
+        Whether minima at the end of a branch count.
+    progress
+        Called with the number of columns of the map that are done.
+
+    Raises
+    ------
+    OptionError, AngleError
+        For values out of range.
+    """
+    check_degree(degree, LARGEST_DEGREE)
+    check_size(size)
+    check_flag("contact", contact)
+    check_callback("progress", progress)
+    bottom, top = (check_ratio(r, "ratios") for r in _pair("ratios", ratios))
+    low, high = rest_range(degree, rest)
+    if rest_elevations is not None:
+        pair = _pair("rest_elevations", rest_elevations)
+        low, high = (check_number("rest_elevations", v, low, high) for v in pair)
+    if not (bottom < top and low < high):
+        raise OptionError(
+            f"ratios = {ratios!r} and rest_elevations = ({low}, {high}) must increase"
+        )
+    cells = (np.arange(size) + 0.5) / size
+    r = bottom * (top / bottom) ** cells
+    nu = low + (high - low) * cells
+    nu = nu[nu != 0]  # on that line no branch has a minimum but the flat state
+    counts = count_map(
+        degree, r, nu, depth=check_depth(depth), rest=rest, end=end, progress=progress
+    )
+    curves = phase_boundaries(degree, depth=depth, rest=rest, end=end)
+    inside = [b for b in curves if _within(b, (low, high), (bottom, top))]
+    return PhaseDiagram(counts, contact, tuple(inside))
+
+
+def check_size(size: object) -> None:
+    """Complain about a size of a map that is no number of points.
+
+    Raises
+    ------
+    OptionError
+        Unless 2 <= size <= `LARGEST_SIZE`.
+    """
+    check_whole("size", size, 2, LARGEST_SIZE)
+
+
+def _pair(name: str, value: object) -> tuple[Any, Any]:
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise OptionError(f"{name} = {shown(value)} must be two numbers, low and high")
+    return value[0], value[1]
+
+
+def _within(curve: Boundary, nu: tuple[float, float], ratio: tuple[float, float]) -> bool:
+    """Whether a curve runs through the window of a diagram."""
+    x, y = curve.rest_elevation, curve.ratio
+    return bool(((x >= nu[0]) & (x <= nu[1]) & (y >= ratio[0]) & (y <= ratio[1])).any())

@@ -1,0 +1,80 @@
+"""A state in three dimensions with its active contacts drawn on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from origami_nlp.kkt.classification import ContactForce
+from origami_nlp.programme.model import Model
+from origami_nlp.show.drawing import Pose, draw_state, pose_state
+
+LOADED, IDLE = "#b5179e", "#6c757d"
+"""Contacts that push, and contacts that only touch."""
+
+
+def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return the creases and facets (1-based) of a contact with all its images under the symmetry."""
+    orbit = model.variable_of_crease
+    n = len(orbit)
+    wanted = {orbit[c - 1] for c in contact.creases}
+    creases = tuple(i + 1 for i in range(n) if orbit[i] in wanted)
+    pairs = {frozenset((orbit[f - 1], orbit[f % n])) for f in contact.facets}
+    facets = tuple(f + 1 for f in range(n) if frozenset((orbit[f], orbit[(f + 1) % n])) in pairs)
+    return creases, facets
+
+
+def draw_contacts(
+    model: Model, fold_angles: object, contacts: Sequence[ContactForce], title: str = ""
+) -> Figure:
+    """Draw a state; creases in contact are thick lines, facets in contact are outlined.
+
+    Magenta contacts push, grey ones carry nothing; images under the symmetry are drawn as well.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    figure = Figure(figsize=(4.2, 4.4), dpi=100, facecolor="white")
+    axes = figure.add_axes((0.02, 0.02, 0.96, 0.88))
+    draw_state(axes, model.scene.vertex, phi)
+    pose = pose_state(model.scene.vertex, phi)
+    lowest = float((pose.creases + pose.offsets)[:, 1].min(initial=0.0))
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], lowest - 0.25))  # nothing is drawn below
+    for contact in contacts:
+        colour = LOADED if contact.multiplier_range[1] > 0 else IDLE
+        creases, facets = images(model, contact)
+        for c in creases:
+            _line(axes, _crease(pose, c - 1), colour, 4.0)
+        for f in facets:
+            _line(axes, _facet(pose, f - 1), colour, 2.4)
+    if title:
+        figure.suptitle(title, fontsize=10)
+    return figure
+
+
+def _line(axes, points: np.ndarray, colour: str, width: float) -> None:  # type: ignore[no-untyped-def]
+    axes.plot(
+        points[:, 0],
+        points[:, 1],
+        color=colour,
+        lw=width,
+        alpha=0.85,
+        solid_capstyle="round",
+        path_effects=[withStroke(linewidth=width + 1.6, foreground="white", alpha=0.7)],
+    )
+
+
+def _crease(pose: Pose, i: int) -> np.ndarray:
+    shift = (pose.offsets[i] + pose.offsets[i - 1]) / 2
+    return np.array([shift, pose.creases[i] + shift])
+
+
+def _facet(pose: Pose, f: int) -> np.ndarray:
+    """Outline of a facet: apex, arc, apex."""
+    a, b = pose.creases[f], pose.creases[(f + 1) % len(pose.creases)]
+    angle = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    t = np.linspace(0, 1, 24)[:, None]
+    arc = (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / math.sin(angle)
+    return np.vstack([np.zeros(3), arc, np.zeros(3)]) + pose.offsets[f]

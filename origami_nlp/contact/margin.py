@@ -1,0 +1,425 @@
+"""How large a perturbation load a pinned state bears before one of its contacts opens.
+
+A load is a moment m_i [N m] added to the torque of each crease: the energy becomes U - m . phi.  In the metric of
+all N fold angles (y = sqrt(multiplicity) x for the model's variables x, so |y| is the 2-norm over all
+creases, and likewise |f| of the load f) the loaded state with its contacts held solves
+
+    grad U - f - J' lambda - A' mu = 0,   closure = 0,   rows = 0,
+
+whose implicit derivative gives mu(f) = mu + D f to first order (the state moves along its contacts, which is part of
+D).  Contact i opens first under f = -mu_i D_i / |D_i|^2, of norm mu_i / |D_i|: the margin is the smallest
+of these, exact to first order.  It is then refined without linearisation: the load is relinearised at
+the loaded state until it is parallel to D_i there and mu_i = 0 (the smallest such load, locally), and
+its critical factor is found by re-solving along that direction.
+
+The states keep the scene's symmetry, so the loads do too: creases of one orbit carry equal moments.  With
+``symmetry = "none"`` the margin is over all loads.  The margin is that of multi-configuration
+rigidity (paper, introduction: Dorn, Li, Pellegrino): below it the contacts stay closed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.contact.force_cone import distance_to_boundary
+from origami_nlp.kkt.certificates import judge_branch, null_space
+from origami_nlp.kkt.descent import follow
+from origami_nlp.kkt.loads import (
+    Sensitivity,
+    loaded_model,
+    moments_of,
+    row_name,
+    row_weight,
+    sensitivity,
+)
+from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.polishing import newton, polish
+from origami_nlp.minima.search import Record, solve_without_crossing
+from origami_nlp.programme.contacts import CLOSED, Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
+
+CARRIES = 1e-10
+"""Multipliers (energy divided by the mean stiffness) up to this carry nothing."""
+BESIDE = 1e-3
+"""The re-solves of a check use the critical load times 1 -+ this."""
+MOST_REFINEMENTS = 60
+FARTHEST = 0.2
+"""A re-solved state farther than this [rad] from where it was expected has jumped to another basin."""
+AJAR = 1e-6
+"""Opening [rad] of the contact in the states that checks start from."""
+
+Status = Literal["exact", "zero", "unbounded", "bound", "none"]
+Ending = Literal["opens", "closes", "softens", "cap", "lost"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One re-solve with a load, from a state with the contact slightly open.
+
+    factor: of the critical load.  by: ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because
+    the loaded state is shallow, ``descent`` (`judge.follow`, which cannot jump).  gap: opening of
+    the contact in question [rad].  multiplier: what it carries [N m per rad, at each single
+    contact].  moved: distance of the state from the unloaded one [rad, 2-norm over all creases].
+    closed: whether the contact is closed there.
+    """
+
+    factor: float
+    by: Literal["IPOPT", "descent"]
+    gap: float
+    multiplier: float
+    moved: float
+    closed: bool
+
+
+@dataclass(frozen=True)
+class CreaseMargin:
+    """Largest moment on each crease of one orbit alone, in either direction [N m].
+
+    creases: 1-based.  positive: towards valley; negative: towards mountain (given as a positive number).
+    first_order: the same two numbers from the sensitivities.  inf: no contact opens up to `cap`.
+    ends: what happens at the two loads, see `LoadMargin.ends`.
+    """
+
+    creases: tuple[int, ...]
+    positive: float
+    negative: float
+    first_order: tuple[float, float]
+    ends: tuple[Ending, Ending]
+
+
+@dataclass(frozen=True)
+class LoadMargin:
+    """The load margin of one state.
+
+    status
+        ``exact``: contacts with unique multipliers; `norm` is where one opens.  ``zero``: a closed contact
+        carries nothing, so that arbitrarily small loads open it.  ``unbounded``: the contacts lock
+        one another, no load balances by opening them.  ``bound``: dependent contacts, `norm` is
+        the distance to the boundary of the cone of contact forces with the state held still.
+        ``none``: not given, see `reason`.
+    norm
+        Largest 2-norm [N m] of a load over all N creases that the contacts bear, whatever its direction.
+    first_order
+        The same without refinement.
+    moments
+        The worst load [N m], N entries, of norm `norm`.
+    opens
+        The contact that opens, in words.
+    ends
+        What happens at `moments`: ``opens``, or earlier than any opening another contact ``closes`` or the
+        state ``softens`` (its tangential stiffness reaches zero); ``cap`` or ``lost`` (no Newton
+        solution) where the search ended.
+    creases
+        Margins for loads on one orbit of creases alone.
+    cap
+        Loads on single orbits are tried up to this 2-norm [N m]: 2 pi times the sum of all stiffnesses.
+    symmetry
+        Group that the loads keep; ``none`` means that all loads are covered.
+    below, above
+        Re-solves at `moments` times 1 - 1e-3 and 1 + 1e-3.
+    checked
+        Whether these found the contact closed and loaded below, and open above.
+    reason
+        Words on how the number came about, or why there is none.
+    """
+
+    status: Status
+    norm: float
+    first_order: float
+    moments: tuple[float, ...]
+    opens: str
+    ends: Ending
+    creases: tuple[CreaseMargin, ...]
+    cap: float
+    symmetry: str
+    below: Check | None
+    above: Check | None
+    checked: bool
+    reason: str
+
+
+def load_margin(model: Model, x: np.ndarray, *, check: bool = True) -> LoadMargin:
+    """Find the load margin of a minimum x [n] of `model`.
+
+    Parameters
+    ----------
+    check
+        Whether to re-solve just below and just above the critical load.
+    """
+    root = np.sqrt(model.multiplicity)
+    local = model.local(x)
+    choices = closed_contacts(model, x, local.gaps).combinations()
+    if choices is None:
+        return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
+    if choices == [()]:
+        return _nothing(model, "none", "no contact is closed")
+    judged = [judge_branch(model, x, rows, local) for rows in choices]
+    if any(b.multipliers.residual > 1e-9 * (1 + np.abs(local.gradient).max()) for b in judged):
+        return _nothing(model, "none", "no multipliers balance the springs on some piece")
+    dependent = [b for b in judged if not (b.regular and b.multipliers.unique)]
+    if dependent:
+        b = dependent[0]
+        z = null_space(local.closure_jacobian / root)
+        _, a = row_values(model, x, b.rows, local.gaps, local.gaps_jacobian)
+        return _dependent(model, x, b.rows, a / root @ z, z, local.gradient / root, check)
+    weak = {
+        row: None
+        for b in judged
+        for row, value in zip(b.rows, b.multipliers.smallest, strict=True)
+        if value <= CARRIES
+    }
+    if weak:
+        words = "; ".join(row_name(model, row) for row in weak)
+        return _nothing(model, "zero", "closed but carrying nothing: any load may open it", words)
+    # where pieces of the feasible set meet, the state must stay a minimum on each of them
+    pieces = [_regular(model, x, b.rows, check) for b in judged]
+    least = min(pieces, key=lambda margin: margin.norm)
+    creases = tuple(_smaller([p.creases[v] for p in pieces]) for v in range(model.size))
+    return replace(least, creases=creases)
+
+
+def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
+    """Combine the margins of one orbit over pieces of the feasible set."""
+    up = min(margins, key=lambda m: m.positive)
+    down = min(margins, key=lambda m: m.negative)
+    first = (min(m.first_order[0] for m in margins), min(m.first_order[1] for m in margins))
+    return CreaseMargin(up.creases, up.positive, down.negative, first, (up.ends[0], down.ends[1]))
+
+
+def _nothing(model: Model, status: Status, reason: str, opens: str = "") -> LoadMargin:
+    norm = {"zero": 0.0, "unbounded": math.inf}.get(status, math.nan)
+    return LoadMargin(
+        status, norm, norm, (), opens, "lost", (), _cap(model), model.scene.group.name,
+        None, None, False, reason,
+    )  # fmt: skip
+
+
+def _cap(model: Model) -> float:
+    return 2 * math.pi * sum(model.scene.stiffness)
+
+
+def _regular(model: Model, x: np.ndarray, rows: tuple[Row, ...], check: bool) -> LoadMargin:
+    first = sensitivity(model, x, rows)
+    sizes = np.linalg.norm(first.response, axis=1)
+    margins = first.multipliers / np.maximum(sizes, 1e-300)
+    best: tuple[float, np.ndarray, _Event] | None = None
+    for i in range(len(rows)):
+        direction = _refine(model, x, rows, i, first)
+        event = _critical(model, x, rows, direction, 4 * float(margins[i]))
+        if best is None or event.load < best[0]:
+            best = (event.load, event.load * direction, event)
+    assert best is not None
+    _, load, event = best
+    ending, i = event.ending, event.row
+    cap = _cap(model)
+    creases = tuple(_orbit(model, x, rows, v, first, cap) for v in range(model.size))
+    below = above = None
+    if check and ending == "opens":
+        below = _resolve(model, x, event.state, rows, i, (1 - BESIDE) * load, 1 - BESIDE)
+        above = _resolve(model, x, event.state, rows, i, (1 + BESIDE) * load, 1 + BESIDE)
+    checked = (
+        below is not None
+        and above is not None
+        and below.closed
+        and below.multiplier > 0
+        and not above.closed
+    )
+    norm = float(model.scale * np.linalg.norm(load))
+    reason = "smallest load with a vanishing multiplier, found by re-solving under load"
+    if ending != "opens":
+        reason = f"the load path ends before a contact opens: {ending}"
+    return LoadMargin(
+        "exact", norm, float(model.scale * margins.min()),
+        tuple(moments_of(model, load).tolist()), row_name(model, rows[i]), ending, creases, cap,
+        model.scene.group.name, below, above, checked, reason,
+    )  # fmt: skip
+
+
+def _refine(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...], i: int, first: Sensitivity
+) -> np.ndarray:
+    """Return the unit direction of the smallest load at which multiplier i vanishes.
+
+    Relinearises mu_i at the loaded state: f <- D_i (D_i . f - mu_i) / |D_i|^2, damped where the loaded
+    state cannot be solved for.  Falls back on the first-order direction.
+    """
+    d, mu = first.response[i], first.multipliers[i]
+    start = -mu * d / (d @ d)
+    load, y, damping = np.zeros(model.size), x, 1.0
+    wanted = start
+    for _ in range(MOST_REFINEMENTS):
+        trial = load + damping * (wanted - load)
+        solved, _ = newton(loaded_model(model, trial), y, rows)
+        if solved is None or not solved.converged:
+            damping /= 2
+            if damping < 1e-2:
+                return start / np.linalg.norm(start)
+            continue
+        here = sensitivity(loaded_model(model, trial), solved.x, rows)
+        d, mu = here.response[i], here.multipliers[i]
+        step = float(np.linalg.norm(trial - load))
+        load, y = trial, solved.x
+        wanted = d * (d @ load - mu) / (d @ d)
+        if step <= 1e-9 * np.linalg.norm(load) and damping == 1.0:
+            return load / np.linalg.norm(load)
+        damping = min(1.0, 2 * damping) if step < 0.5 * np.linalg.norm(load) else damping
+    return start / np.linalg.norm(start)
+
+
+@dataclass(frozen=True)
+class _Event:
+    """First event along a load path: load (scaled), what happens, to which row, and the state there."""
+
+    load: float
+    ending: Ending
+    row: int
+    state: np.ndarray
+
+
+def _critical(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...], direction: np.ndarray, cap: float
+) -> _Event:
+    """Follow the state under tau * direction from tau = 0 with `rows` held, to the first event.
+
+    The load is bisected to 1e-8 relative.
+    """
+    unloaded = sensitivity(model, x, rows).stiffness
+
+    def look(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int] | None:
+        loaded = loaded_model(model, tau * direction)
+        solved, mu = newton(loaded, near, rows)
+        if solved is None or not solved.converged or np.linalg.norm(solved.x - near) > FARTHEST:
+            return None
+        if mu.min() < 0:
+            return solved.x, "opens", int(mu.argmin())
+        if sensitivity(loaded, solved.x, rows).stiffness <= 0:
+            return solved.x, "softens", 0
+        return solved.x, None if is_admissible(model, solved.x) else "closes", 0
+
+    low, near, step = 0.0, x, cap / 32
+    ending: Ending = "lost"
+    row = 0
+    while True:
+        high = min(low + step, cap)
+        found = look(high, near)
+        if found is not None and found[1] is None:
+            low, near = high, found[0]
+            if low >= cap:
+                return _Event(cap, "cap", 0, near)
+            step *= 1.5
+            continue
+        if found is not None and found[1] is not None:
+            ending, row = found[1], found[2]
+        step /= 2
+        if step <= 1e-8 * high:
+            break
+    if ending == "lost":
+        # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
+        left = sensitivity(loaded_model(model, low * direction), near, rows).stiffness
+        ending = "softens" if left <= 1e-2 * unloaded else "lost"
+    return _Event(high, ending, row, near)
+
+
+def _orbit(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...], v: int, first: Sensitivity, cap: float
+) -> CreaseMargin:
+    """Return the margins for moments on the creases of variable v alone."""
+    root = math.sqrt(model.multiplicity[v])
+    values, linear, ends = [], [], []
+    for sign in (1.0, -1.0):
+        direction = np.zeros(model.size)
+        direction[v] = sign
+        slope = first.response @ direction
+        falls = slope < -1e-14
+        predicted = np.min(-first.multipliers[falls] / slope[falls]) if falls.any() else math.inf
+        event = _critical(model, x, rows, direction, cap / model.scale)
+        tau = math.inf if event.ending == "cap" else event.load
+        values.append(float(model.scale * tau / root))
+        linear.append(float(model.scale * predicted / root))
+        ends.append(event.ending)
+    return CreaseMargin(
+        model.creases_of(v), values[0], values[1], (linear[0], linear[1]), (ends[0], ends[1])
+    )
+
+
+def _resolve(
+    model: Model,
+    x: np.ndarray,
+    near: np.ndarray,
+    rows: tuple[Row, ...],
+    i: int,
+    load: np.ndarray,
+    factor: float,
+) -> Check:
+    """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
+    loaded = loaded_model(model, load)
+    local = model.local(near)
+    _, a = row_values(model, near, rows, local.gaps, local.gaps_jacobian)
+    jac = np.vstack([local.closure_jacobian, a])
+    wanted = np.zeros(len(jac))
+    wanted[len(local.closure) + i] = AJAR
+    start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
+    start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
+    by: Literal["IPOPT", "descent"] = "IPOPT"
+    answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
+    y = answer.x
+    if np.linalg.norm(y - near) > FARTHEST and is_admissible(model, start):
+        by, y = "descent", follow(loaded, start).end
+    at = loaded.local(y)
+    values, _ = row_values(loaded, y, rows, at.gaps, at.gaps_jacobian)
+    gap = abs(float(values[i]))  # on another piece of the feasible set it opens to the other side
+    multiplier = 0.0
+    if gap <= CLOSED:  # the same touch may have been described by another row: read it as row i
+        mu = sensitivity(loaded, y, rows).multipliers[i]
+        multiplier = float(model.scale * mu / row_weight(model, rows[i]))
+    moved = float(np.linalg.norm(np.sqrt(model.multiplicity) * (y - x)))
+    return Check(factor, by, gap, multiplier, moved, gap <= CLOSED)
+
+
+def _dependent(
+    model: Model,
+    x: np.ndarray,
+    rows: tuple[Row, ...],
+    gradients: np.ndarray,
+    z: np.ndarray,
+    pull: np.ndarray,
+    check: bool,
+) -> LoadMargin:
+    """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces.
+
+    gradients: of the rows in the tangent space z of closure, [r, t].  pull: grad U in the metric [n].
+    """
+    found = distance_to_boundary(gradients.T, z.T @ pull)
+    names = "; ".join(row_name(model, row) for row in rows)
+    if found is None:
+        return _nothing(
+            model,
+            "unbounded",
+            "the contacts lock one another: their forces balance every load that is normal to the "
+            "set on which all stay closed; other loads move the state along that set",
+            names,
+        )
+    distance, normal = found
+    load = z @ normal * distance
+
+    def balanced(factor: float) -> Multipliers:
+        return find_multipliers(gradients.T, z.T @ (pull - factor * load))
+
+    size = 1e-10 * (1 + float(np.abs(pull).max()))
+    checked = False
+    if check:
+        below, above = balanced(1 - BESIDE), balanced(1 + BESIDE)
+        checked = below.residual <= size < above.residual
+    held = null_space(gradients).shape[1] == 0
+    still = "the state is a corner and does not move" if held else "with the state held still"
+    reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
+    norm = float(model.scale * distance)
+    return LoadMargin(
+        "bound", norm, norm, tuple(moments_of(model, load).tolist()), names, "opens", (),
+        _cap(model), model.scene.group.name, None, None, checked, reason,
+    )  # fmt: skip

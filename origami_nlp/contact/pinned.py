@@ -1,0 +1,85 @@
+"""What holds each minimum in contact: contact moments, stiffness along the contact, load margin."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.contact.margin import LoadMargin, load_margin
+from origami_nlp.contact.segments import STIFFNESS, SegmentReport, find_segments
+from origami_nlp.errors import OptionError
+from origami_nlp.minima.find import MinimaResult, Minimum
+
+SOFT = STIFFNESS
+"""A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
+
+
+@dataclass(frozen=True)
+class PinnedState:
+    """One minimum with closed contacts.
+
+    number: of the minimum (1-based).  stiffness: tangential stiffness [N m/rad], eigenvalues of the Hessian on
+    the space that keeps the loaded contacts closed, per unit length in the space of all N fold
+    angles; empty where that space is a point.  softness: the smallest over the sum of all k; inf where there is none.
+    """
+
+    number: int
+    minimum: Minimum
+    stiffness: tuple[float, ...]
+    softness: float
+    margin: LoadMargin
+
+    @property
+    def soft(self) -> bool:
+        """Whether the state is soft along its contact (scale-free, see `SOFT`)."""
+        return self.softness <= SOFT
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """The pinned states of a result, and, if asked for, its metastable segments."""
+
+    result: MinimaResult
+    states: tuple[PinnedState, ...]
+    segments: SegmentReport | None
+
+
+def report_contacts(
+    result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
+) -> ContactReport:
+    """Report on the minima of `result` that have closed contacts.
+
+    Parameters
+    ----------
+    state
+        Number (1-based) of the only minimum to report on.
+    segments
+        Whether to follow the contact boundaries as well.
+    check
+        Whether to re-solve beside each critical load.
+
+    Raises
+    ------
+    OptionError
+        If there is no minimum of that number.
+    """
+    count = len(result.minima)
+    if state is not None and not 1 <= state <= count:
+        raise OptionError(f"state = {state} must be the number of a minimum, 1 to {count}")
+    total = sum(result.scene.stiffness)
+    states = []
+    for number, minimum in enumerate(result.minima, start=1):
+        if not minimum.contacts or state not in (None, number):
+            continue
+        margin = load_margin(
+            result.model, result.model.reduce(np.array(minimum.fold_angles)), check=check
+        )
+        if minimum.local_dimension == 0:
+            why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
+            margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
+        stiffness = minimum.hessian_eigenvalues
+        softness = min(stiffness, default=float("inf")) / total
+        states.append(PinnedState(number, minimum, stiffness, softness, margin))
+    return ContactReport(result, tuple(states), find_segments(result) if segments else None)

@@ -1,0 +1,324 @@
+"""Metastable segments: stretches of a contact boundary along which the energy is nearly flat.
+
+A boundary is followed from every stable state with a closed contact (`boundary_curve`), the contact
+held.  A stretch of it is metastable where, at every point,
+
+- |dU/ds| / (pi sum k) <= 5e-3: the paper's own tolerance for a stationary state;
+- |d2U/ds2| / (sum k) <= 5e-2: then the slope needs at least 0.1 pi rad = 18 degrees of arclength to cross half of
+  that band, so that the flat part is long on the scale of a fold angle (5e-3 pi / 5e-2 = 0.1 pi).  N equal
+  springs along a straight path would give 1/N, 0.17 for degree 6;
+- every held contact pushes (its multiplier is positive): the state is pinned across the boundary.
+
+All three are free of units: they do not change with the scale of stiffness, and s is a fold angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.chart.boundary_lines import BoundaryLine, trace_boundary, with_energy
+from origami_nlp.chart.chart import chart_of
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.minima.find import MinimaResult
+from origami_nlp.path.curve import BoundaryCurve, correct, follow_boundary
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
+
+SLOPE = 5e-3
+"""Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
+STIFFNESS = 5e-2
+"""Largest |d2U/ds2| / (sum k) of a metastable segment."""
+SAMPLES = 12
+"""Random states tried on each contact when boundaries without a stable state are looked for."""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One metastable stretch of a boundary curve.
+
+    curve: position in `SegmentReport.curves`.  start, end: arclength [rad].  states: numbers (1-based) of the
+    stable states on it.  energy_change: largest less smallest energy on it.  slope, stiffness: largest
+    |dU/ds| / (pi sum k) and |d2U/ds2| / (sum k) on it.  springs: largest t . K t / (sum k) on it: above the
+    threshold, only cancellation between springs and the bend of the boundary makes it flat; below, the
+    creases that move are soft anyway.  moment: smallest contact moment on it [N m].
+    """
+
+    curve: int
+    start: float
+    end: float
+    states: tuple[int, ...]
+    energy_change: float
+    slope: float
+    stiffness: float
+    springs: float
+    moment: float
+
+    @property
+    def length(self) -> float:
+        """Arclength [rad] in the space of all N fold angles."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True)
+class SegmentReport:
+    """Boundary curves of a scene, the stable states on them, and their metastable segments.
+
+    curves, states: in the same order; states[i] are the numbers (1-based) of the minima that curve i starts
+    from, () for curves found by sampling.  segments: in order of curve and arclength.
+    slope, stiffness: the thresholds used.
+    """
+
+    scene: Scene
+    curves: tuple[BoundaryCurve, ...]
+    states: tuple[tuple[int, ...], ...]
+    segments: tuple[Segment, ...]
+    slope: float
+    stiffness: float
+
+    @property
+    def length(self) -> float:
+        """Total length of all metastable segments [rad]."""
+        return sum(segment.length for segment in self.segments)
+
+
+def find_segments(
+    result: MinimaResult,
+    *,
+    every_boundary: bool = False,
+    slope: float = SLOPE,
+    stiffness: float = STIFFNESS,
+    seed: int = 0,
+) -> SegmentReport:
+    """Follow the contact boundaries of a scene from its stable states, and find their metastable segments.
+
+    Curves from a state whose contacts push end where one of them stops to; where a state only touches (its
+    contacts carry nothing) each contact is held alone, and the curve goes on through changes of sign.
+
+    Parameters
+    ----------
+    every_boundary
+        Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
+        of the scene's chart where it has one (`boundary_lines.trace_boundary`), and those found from random states
+        on each contact; no curve then ends where a contact stops pushing.
+    slope, stiffness
+        The thresholds of the module's docstring.
+    seed
+        Of the random states.
+    """
+    model = result.model
+    curves: list[BoundaryCurve] = []
+    states: list[tuple[int, ...]] = []
+    for number, minimum in enumerate(result.minima, start=1):
+        x = model.reduce(np.array(minimum.fold_angles))
+        pinned = any(contact.multiplier_range[1] > 0 for contact in minimum.contacts)
+        for rows in _held(model, x, one_at_a_time=not pinned):
+            known = _on_known(model, x, rows, curves)
+            if known is not None:
+                if number not in states[known]:
+                    states[known] = (*states[known], number)
+                continue
+            curve = follow_boundary(model, x, rows, stop_at_release=pinned and not every_boundary)
+            if curve is not None and len(curve.s) > 1:
+                curves.append(curve)
+                states.append((number,))
+    if every_boundary:
+        for line in _chart_lines(result.scene):
+            middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
+            if _on_known(model, middle, line.rows, curves) is not None:
+                continue
+            curve = with_energy(model, line)
+            if len(curve.s) > 1:
+                curves.append(curve)
+                states.append(())
+        for x, row in _boundary_states(model, np.random.default_rng(seed)):
+            if _on_known(model, x, (row,), curves) is not None:
+                continue
+            curve = follow_boundary(model, x, (row,), stop_at_release=False)
+            if curve is not None and len(curve.s) > 1:
+                curves.append(curve)
+                states.append(())
+    total = sum(result.scene.stiffness)
+    angles = [np.array(m.fold_angles) for m in result.minima]
+    segments = [
+        segment
+        for number, curve in enumerate(curves)
+        for segment in flat_parts(curve, number, total, slope, stiffness, angles)
+    ]
+    return SegmentReport(
+        result.scene, tuple(curves), tuple(states), tuple(segments), slope, stiffness
+    )
+
+
+def _held(model: Model, x: np.ndarray, *, one_at_a_time: bool) -> list[tuple[Row, ...]]:
+    """Return the sets of contacts to hold at a state; alternatives that describe one boundary are both listed."""
+    contacts = closed_contacts(model, x, model.local(x).gaps)
+    choices = contacts.combinations() or [contacts.base]
+    choices = [rows for rows in choices if rows]
+    if one_at_a_time:
+        choices = list(dict.fromkeys((row,) for rows in choices for row in rows))
+    return choices
+
+
+def _on_known(
+    model: Model, x: np.ndarray, rows: tuple[Row, ...], curves: list[BoundaryCurve]
+) -> int | None:
+    """Return the curve that already runs along x with the same contacts closed, if there is one."""
+    root = np.sqrt(model.multiplicity)
+    for number, curve in enumerate(curves):
+        at = model.reduce(curve.fold_angles)
+        distance = np.linalg.norm((at - x) * root, axis=1)
+        k = int(distance.argmin())
+        step = np.abs(np.diff(curve.s)).max(initial=1e-3)
+        if distance[k] > step:
+            continue
+        # the same boundary may be described by other contacts: they stay closed along it
+        near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
+        values = [
+            row_values(model, y, rows, local.gaps, local.gaps_jacobian)[0]
+            for y, local in ((y, model.local(y)) for y in near)
+        ]
+        if np.abs(values).max() <= 1e-7:
+            return number
+    return None
+
+
+def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
+    """Return all contact boundaries of the scene's chart; none where it has no chart or not all contacts."""
+    if scene.contact != "full" or chart_of(scene) is None:
+        return ()
+    return trace_boundary(scene).lines
+
+
+def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, Row]]:
+    """Yield admissible states with one contact held closed, spread at random over every contact."""
+    rows = [Row("limit", v, side) for v in range(model.size) for side in (-1, 1)]
+    if not model.structure.limits or model.freedom != 2:
+        rows = []
+    for index, gap in enumerate(model.structure.gaps):
+        sides = (1, -1) if gap.type == "facet-pair" else (1,)
+        rows += [Row("gap", index, side) for side in sides] if rows else []
+    for row in rows:
+        for _ in range(SAMPLES):
+            x = rng.uniform(-math.pi, math.pi, model.size)
+            y, residual = project(model, x, (row,))
+            if residual > 1e-11 or (np.abs(y) > math.pi).any():
+                continue
+            exact = correct(model, y, (row,))
+            if exact is None or not is_admissible(model, exact):
+                continue
+            touching = closed_contacts(model, exact, model.local(exact).gaps)
+            sets = touching.combinations() or [touching.base]
+            # a crease in the plane of a facet, but beside it, is no contact
+            if any(row in choice for choice in sets):
+                yield exact, row
+
+
+def flat_parts(
+    curve: BoundaryCurve,
+    number: int,
+    total: float,
+    slope: float,
+    stiffness: float,
+    angles: list[np.ndarray],
+) -> list[Segment]:
+    """Cut the metastable stretches out of one curve; their ends are interpolated between points."""
+    steep = np.abs(curve.slope) / (math.pi * total)
+    bent = np.abs(curve.stiffness) / total
+    excess = np.maximum(steep / slope, bent / stiffness) - 1
+    flat = (excess <= 0) & curve.pressed
+    out = []
+    edges = np.flatnonzero(np.diff(np.r_[False, flat, False].astype(int)))
+    for first, last in zip(edges[::2], edges[1::2] - 1, strict=True):
+        start = _edge(curve, excess, first, first - 1)
+        end = _edge(curve, excess, last, last + 1)
+        if end <= start:
+            continue
+        inside = slice(first, last + 1)
+        energy = curve.energy[inside]
+        on = []
+        for state, phi in enumerate(angles, start=1):
+            distance = np.linalg.norm(curve.fold_angles[inside] - phi, axis=1).min()
+            if distance <= 1e-6:
+                on.append(state)
+        out.append(
+            Segment(
+                number,
+                float(start),
+                float(end),
+                tuple(on),
+                float(energy.max() - energy.min()),
+                float(steep[inside].max()),
+                float(bent[inside].max()),
+                float(curve.springs[inside].max()) / total,
+                float(curve.multipliers[inside].min()),
+            )
+        )
+    return out
+
+
+def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -> float:
+    """Return the arclength at which a segment ends between a point inside and its neighbour outside."""
+    if not 0 <= outside < len(excess):  # end of the curve
+        return float(curve.s[inside])
+    part = 1.0
+    if excess[outside] > 0:
+        part = -excess[inside] / (excess[outside] - excess[inside])
+    if not curve.pressed[outside]:  # where the moment that changes sign vanishes
+        here, there = curve.multipliers[inside], curve.multipliers[outside]
+        for m, n in zip(here, there, strict=True):
+            if n <= 0 < m:
+                part = min(part, m / (m - n))
+    return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
+
+
+def segments_to_dict(report: SegmentReport) -> dict[str, Any]:
+    """Return the report as plain JSON data; schema ``origami-nlp/segments/1``."""
+    return {
+        "schema": "origami-nlp/segments/1",
+        "scene": scene_to_dict(report.scene),
+        "thresholds": {
+            "slope_over_pi_sum_k": report.slope,
+            "stiffness_over_sum_k": report.stiffness,
+            "multiplier": "> 0",
+        },
+        "curves": [
+            {
+                "contacts": list(curve.contacts),
+                "states": list(states),
+                "start": curve.start,
+                "end": curve.end,
+                "dimension": curve.dimension,
+                "s": curve.s.tolist(),
+                "energy": curve.energy.tolist(),
+                "slope": curve.slope.tolist(),
+                "stiffness": curve.stiffness.tolist(),
+                "spring_stiffness": curve.springs.tolist(),
+                "multipliers": curve.multipliers.tolist(),
+                "pressed": curve.pressed.tolist(),
+                "fold_angles": curve.fold_angles.tolist(),
+            }
+            for curve, states in zip(report.curves, report.states, strict=True)
+        ],
+        "segments": [
+            {
+                "curve": s.curve + 1,
+                "start": s.start,
+                "end": s.end,
+                "length": s.length,
+                "states": list(s.states),
+                "energy_change": s.energy_change,
+                "largest_slope_over_pi_sum_k": s.slope,
+                "largest_stiffness_over_sum_k": s.stiffness,
+                "largest_spring_stiffness_over_sum_k": s.springs,
+                "smallest_moment": s.moment,
+            }
+            for s in report.segments
+        ],
+    }

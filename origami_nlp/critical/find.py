@@ -1,0 +1,339 @@
+"""All critical points of the energy on the contact-admissible symmetric set X, and the Morse identity.
+
+X has two dimensions, with edges where one contact is closed, vertices where more are, one-dimensional handles, and
+the flat state, where two sheets of X meet in a point.  A state p contributes 1 - chi(lower link of p) to the Euler
+characteristic of X (Goresky and MacPherson, Stratified Morse theory, part I; for a polyhedron Banchoff, 1967):
+
+- interior: grad U vanishes on the tangent plane; (-1)^index.
+- edge: grad U vanishes along the edge; with mu > 0 (the energy rises into X) (-1)^index along the edge, with
+  mu < 0 nothing, because half of the link is lower and it is one arc.
+- vertex, handle, singular state, or a multiplier or curvature that vanishes: counted on the link itself.
+
+Interior points come from Newton on the KKT system from thousands of states spread over X, edge points from Newton from
+every point of every traced edge; each sign change of dU/ds along an edge must be met by one of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_flag, check_type, check_whole
+from origami_nlp.critical import batch
+from origami_nlp.critical.count import count_links, in_degrees, links_of, shape_of, springs
+from origami_nlp.critical.edges import Edge, tangent_of, touches
+from origami_nlp.critical.link import RADII, closed_rows
+from origami_nlp.critical.result import (
+    ROUNDING,
+    CriticalPoint,
+    CriticalPoints,
+    Kind,
+    MinimaComparison,
+    Stratum,
+)
+from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
+from origami_nlp.kkt.certificates import null_space
+from origami_nlp.kkt.loads import row_name, row_weight
+from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.minima.find import MinimaResult
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.contacts import row_values as one_row_values
+from origami_nlp.programme.model import Model
+
+SAME = 1e-6
+"""KKT points that differ by less [rad] are one."""
+FIRM = 1e-7
+"""Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
+MATCH = 1e-4
+"""Minima of two lists that differ by less [rad] are one."""
+
+
+MOST_SAMPLES = 10_000_000
+"""Random states that memory bears."""
+
+
+def find_critical_points(
+    scene: Scene,
+    minima: MinimaResult | None = None,
+    *,
+    samples: int = FACE_SAMPLES,
+    seed: int = 0,
+    all_links: bool = False,
+) -> CriticalPoints:
+    """Find every critical point of the energy of `scene` on its contact-admissible symmetric set.
+
+    Parameters
+    ----------
+    minima
+        Result of `find_minima` on the same scene; the lists of minima are then compared.
+    samples
+        Random states that are spread over X as starts of Newton.
+    seed
+        Of those states.
+    all_links
+        Also count the sampled link of every regular point, and report disagreement as a doubt.
+
+    Raises
+    ------
+    OptionError
+        If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
+    """
+    check_type("scene", scene, Scene)
+    if minima is not None:
+        check_type("minima", minima, MinimaResult)
+    check_whole("samples", samples, 1, MOST_SAMPLES)
+    check_whole("seed", seed, 0)
+    check_flag("all_links", all_links)
+    strata = strata_of(scene, samples=samples, seed=seed)
+    model = scene.model()
+    doubts: list[str] = []
+    points = [_vertex_point(model, vertex, doubts) for vertex in strata.vertices]
+    vertices = np.array([v.x for v in strata.vertices]).reshape(-1, model.size)
+    points += _interior_points(model, strata, doubts, all_links)
+    points += _edge_points(model, strata, vertices, doubts, all_links)
+    _warn_of_neighbours(model, points, vertices, doubts)
+    points.sort(key=lambda p: (round(p.energy / model.scale, 9), p.fold_angles))
+    found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
+    return found if minima is None else compare_minima(found, minima)
+
+
+def _interior_points(
+    model: Model, strata: Strata, doubts: list[str], all_links: bool
+) -> list[CriticalPoint]:
+    """Critical points at which nothing touches."""
+    starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
+    x, _, residual = _distinct(model, batch.kkt_newton(model, starts))
+    # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
+    tips = [v.x for v in strata.vertices if v.links and len(v.links[0].circles) != 1]
+    out = []
+    for state, error in zip(x, residual, strict=True):
+        if _touching(model, state):
+            continue  # the strata of closed contacts are looked at by themselves
+        if any(np.abs(state - tip).max() <= RADII[-1] for tip in tips):
+            continue
+        local = model.local(state)
+        lam = np.linalg.lstsq(local.closure_jacobian.T, local.gradient, rcond=1e-10)[0]
+        h = batch.lagrangian_hessian(model, state[None], lam[None], ())[0]
+        z = null_space(local.closure_jacobian)
+        curvature = np.linalg.eigvalsh(z.T @ h @ z)
+        index, contribution, kind, how = count_links(model, links_of(model, state, doubts), doubts)
+        if np.abs(curvature).min() > FIRM * springs(model)[0].min():
+            index = int((curvature < 0).sum())
+            regular: Kind = ("minimum", "saddle", "maximum")[index]
+            if all_links and contribution != (-1) ** index:
+                doubts.append(f"link and index disagree at {in_degrees(model, state)}")
+            contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
+        out.append(
+            _point(model, state, index, contribution, "interior", kind, (), (), float(error), how)
+        )
+    return out
+
+
+def _edge_points(
+    model: Model,
+    strata: Strata,
+    vertices: np.ndarray,
+    doubts: list[str],
+    all_links: bool,
+) -> list[CriticalPoint]:
+    """Critical points along the edges, handles included."""
+    stiffness, rest = springs(model)
+    out: list[CriticalPoint] = []
+    found = np.zeros((0, model.size))
+    for row in dict.fromkeys(edge.row for edge in strata.edges):
+        edges = [(edge, side) for edge, side in zip(strata.edges, strata.sides, strict=True)]
+        edges = [(edge, side) for edge, side in edges if edge.row == row]
+        starts = np.concatenate([edge.x for edge, _ in edges])
+        x, multipliers, residual = _distinct(model, batch.kkt_newton(model, starts, (row,)))
+        for state, push, error in zip(x, multipliers[:, 0], residual, strict=True):
+            known = np.concatenate([vertices, found])
+            if len(known) and np.abs(known - state).max(axis=1).min() <= SAME:
+                continue
+            if not is_admissible(model, state) or not _is_on(model, state, row):
+                continue
+            found = np.concatenate([found, state[None]])
+            side = min(edges, key=lambda e: np.abs(e[0].x - state).max(axis=1).min())[1]
+            out.append(
+                _edge_point(model, state, row, side, float(push), float(error), doubts, all_links)
+            )
+        for edge, _ in edges:
+            doubts += _unmet(model, edge, (edge.x - rest) * stiffness, found, vertices)
+    return out
+
+
+def _warn_of_neighbours(
+    model: Model, points: list[CriticalPoint], vertices: np.ndarray, doubts: list[str]
+) -> None:
+    """Record points so near to a vertex that the vertex's link may have counted them already."""
+    for p in points:
+        if p.stratum in ("interior", "boundary", "handle"):
+            x = model.reduce(np.array(p.fold_angles))
+            if np.abs(vertices - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
+                doubts.append(f"{in_degrees(model, x)} lies inside the sampled link of a vertex")
+
+
+def _is_on(model: Model, x: np.ndarray, row: Row) -> bool:
+    """Tell whether the row is a contact at x, not only a facet's plane met beside the facet."""
+    return row.kind == "limit" or touches(model, x, row)
+
+
+def _edge_point(
+    model: Model,
+    x: np.ndarray,
+    row: Row,
+    side: int,
+    push: float,
+    residual: float,
+    doubts: list[str],
+    all_links: bool,
+) -> CriticalPoint:
+    """Judge one critical point of an edge; `side` is the sign of the opening inside X, 0 on handles and slits."""
+    local = model.local(x)
+    _, a = one_row_values(model, x, (row,), local.gaps, local.gaps_jacobian)
+    weights = np.linalg.lstsq(
+        np.vstack([local.closure_jacobian, a]).T, local.gradient, rcond=1e-10
+    )[0]
+    tangent = tangent_of(model, x, row)
+    assert tangent is not None  # Newton does not settle where closure and contact are dependent
+    h = batch.lagrangian_hessian(model, x[None], weights[None], (row,))[0]
+    curvature = float(tangent @ h @ tangent)
+    soft = float(springs(model)[0].min())
+    index = int(curvature < 0) if abs(curvature) > FIRM * soft else None
+    stratum: Stratum = "boundary" if side else "handle"
+    # a handle is held from two sides: its multipliers are not unique
+    moment = (side * push * model.scale / row_weight(model, row),) if side else ()
+    contacts = _contact_names(model, x) or (row_name(model, row),)
+    by_formula = side and index is not None and abs(push) > FIRM * soft
+    if not by_formula or all_links:
+        _, contribution, kind, how = count_links(model, links_of(model, x, doubts), doubts)
+    if by_formula:
+        pushes = side * push > 0
+        expected = (-1) ** index if pushes else 0  # type: ignore[operator]
+        if all_links and contribution != expected:
+            doubts.append(f"link and multiplier disagree at {in_degrees(model, x)}")
+        contribution = expected
+        kind = "regular" if not pushes else ("minimum", "saddle")[index]  # type: ignore[index]
+        how = (
+            f"multiplier {'> 0' if pushes else '< 0: not essential'}, index {index} along the edge"
+        )
+    return _point(model, x, index, contribution, stratum, kind, contacts, moment, residual, how)
+
+
+def _unmet(
+    model: Model, edge: Edge, pull: np.ndarray, found: np.ndarray, vertices: np.ndarray
+) -> list[str]:
+    """Name sign changes of dU/ds along an edge at which no critical point was found."""
+    slope = np.einsum("kj,kj->k", pull, edge.tangent)
+    size = 1e-9 * float(np.abs(pull).max())
+    known = np.concatenate([found, vertices])
+    out = []
+    for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
+        if max(abs(slope[k]), abs(slope[k + 1])) <= size:
+            continue
+        a, b = edge.x[k], edge.x[k + 1]
+        reach = 1.5 * float(np.linalg.norm(b - a)) + SAME
+        away = np.linalg.norm(known - 0.5 * (a + b), axis=1).min(initial=np.inf)
+        if away > reach:
+            name = row_name(model, edge.row)
+            out.append(
+                f"dU/ds changes sign on '{name}' near {in_degrees(model, a)}: no point found"
+            )
+    return out
+
+
+def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
+    """Judge a vertex by its link."""
+    x = vertex.x
+    contacts = closed_contacts(model, x, model.local(x).gaps)
+    rows = tuple(dict.fromkeys((*contacts.base, *(r for o in contacts.branches for r in o[0]))))
+    local = model.local(x)
+    _, a = one_row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    z = null_space(local.closure_jacobian)
+    found = find_multipliers((a @ z).T, z.T @ local.gradient)
+    multipliers: tuple[float, ...] = ()
+    if rows and found.residual <= 1e-9 and (found.smallest >= 0).all():
+        weights = np.array([row_weight(model, r) for r in rows])
+        values = found.smallest * model.scale / weights
+        multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
+    names = tuple(dict.fromkeys(row_name(model, r) for r in rows))
+    if vertex.reason:
+        doubts.append(f"the link of {in_degrees(model, x)} is not known: {vertex.reason}")
+    _, contribution, kind, how = count_links(model, vertex.links, doubts)
+    smooth = bool(vertex.links) and all(
+        len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links
+    )
+    stratum: Stratum = "corner" if smooth else "singular"
+    closure = float(np.abs(local.closure).max())
+    if not smooth and vertex.links:
+        how += "; " + shape_of(vertex.links[-1])
+    return _point(model, x, None, contribution, stratum, kind, names, multipliers, closure, how)
+
+
+def _distinct(model: Model, points: batch.KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
+    order = np.argsort(points.residual, kind="stable")
+    order = order[batch.is_admissible(model, points.x[order])] if len(order) else order
+    order = order[batch.distinct(points.x[order], SAME)]
+    return points.x[order], points.multipliers[order], points.residual[order]
+
+
+def _touching(model: Model, x: np.ndarray) -> bool:
+    """Tell whether any contact is closed at x, to the accuracy at which KKT points are told apart."""
+    return any(_is_on(model, x, row) for row in closed_rows(model, x))
+
+
+def _contact_names(model: Model, x: np.ndarray) -> tuple[str, ...]:
+    """Name the closed contacts of a state, one description for each."""
+    found = closed_contacts(model, x, model.local(x).gaps)
+    rows = [*found.base, *(r for options in found.branches for r in options[0])]
+    return tuple(dict.fromkeys(row_name(model, row) for row in rows))
+
+
+def _point(
+    model: Model,
+    x: np.ndarray,
+    index: int | None,
+    contribution: int,
+    stratum: Stratum,
+    kind: Kind,
+    contacts: tuple[str, ...],
+    multipliers: tuple[float, ...],
+    residual: float,
+    how: str,
+) -> CriticalPoint:
+    """Pack a point in the scene's units."""
+    fold_angles = tuple(model.expand(x + 0.0).tolist())
+    energy = model.energy(x)
+    return CriticalPoint(
+        fold_angles,
+        energy,
+        index,
+        contribution,
+        stratum,
+        kind,
+        contacts,
+        multipliers,
+        residual,
+        how,
+    )
+
+
+def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
+    """Return the same points with their minima matched, in fold angles, to those of a search."""
+    here = [k for k, p in enumerate(found.points) if p.kind == "minimum"]
+    pairs = []
+    for j, other in enumerate(minima.minima):
+        for k in here:
+            apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
+            if apart <= MATCH:
+                pairs.append((k, j))
+                break
+    lists = MinimaComparison(
+        tuple(pairs),
+        tuple(k for k in here if k not in {p[0] for p in pairs}),
+        tuple(j for j in range(len(minima.minima)) if j not in {p[1] for p in pairs}),
+    )
+    return replace(found, comparison=lists)

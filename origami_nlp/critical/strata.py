@@ -1,0 +1,141 @@
+"""The pieces of the admissible set X of a scene with two symmetric freedoms: faces, edges, vertices.
+
+They depend on sector angles, symmetry and contact only, not on stiffness and rest angles, and are found once for
+all energies on the same geometry.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from origami_nlp.critical import batch
+from origami_nlp.critical.edges import Edge, possible_rows, trace_edges
+from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.kkt.starts import flat_foldings
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.model import Model
+
+FACE_SAMPLES = 8192
+"""Random states that are projected onto closure; those in X are spread over its faces."""
+CORNER_SEEDS = 24
+"""Random states projected onto each pair of contacts."""
+SAME = 1e-7
+"""States that differ by less [rad] are one vertex."""
+
+
+@dataclass(frozen=True)
+class StratumVertex:
+    """A state that is a stratum by itself: a corner, an end of a handle, a flat folding, a singular state.
+
+    x: [n].  links: its link at the radii of `critical_link.RADII`; empty with a `reason` where it is not known.
+    """
+
+    x: np.ndarray
+    links: tuple[Link, ...]
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Strata:
+    """Faces as a cloud of states [S, n] in X, edges and vertices of X.
+
+    sides: for each edge the sign of its contact's opening inside X; 0 where X is not one half-plane beside the
+    edge, as on handles.
+    """
+
+    model: Model
+    faces: np.ndarray
+    edges: tuple[Edge, ...]
+    sides: tuple[int, ...]
+    vertices: tuple[StratumVertex, ...]
+
+
+def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> Strata:
+    """Return the strata of X; scenes that differ in stiffness and rest angles share them.
+
+    Raises
+    ------
+    OptionError
+        If the scene has not two symmetric freedoms, or its contact is not ``"full"``: X is not compact
+        without contact, and its boundary is another one with fold limits only.
+    """
+    model = scene.model()
+    if model.freedom != 2:
+        raise OptionError(
+            f"symmetry = {scene.symmetry!r} leaves {model.freedom} freedoms: critical points are "
+            "found for 2 (degree 6 with D1, degree 8 with D2)"
+        )
+    if scene.contact != "full":
+        raise OptionError(
+            f"contact = {scene.contact!r}: critical points are found with contact = 'full'"
+        )
+    return _strata(scene.vertex, scene.group.name, scene.mirror, samples, seed)
+
+
+@lru_cache(maxsize=32)
+def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int) -> Strata:
+    """Find the strata with springs that have the symmetry of the vertex: all equal."""
+    n = vertex.degree
+    model = Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror).model()
+    rng = np.random.default_rng(seed)
+    cloud, residual = batch.project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
+    cloud = cloud[(residual <= 1e-12) & batch.is_admissible(model, cloud)]
+    edges = trace_edges(model, rng)
+    ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
+    found = [*flat_foldings(model), *_corners(model, rng), *ends]
+    states = np.array([_settled(model, x) for x in found]).reshape(-1, model.size)
+    states = states[batch.distinct(states, SAME)]
+    keep = [x for x in states if is_admissible(model, x)]
+    sides = tuple(_side(model, edge) for edge in edges)
+    return Strata(model, cloud, edges, sides, tuple(_vertex(model, x) for x in keep))
+
+
+def _settled(model: Model, x: np.ndarray) -> np.ndarray:
+    """Close a vertex to rounding, with its fold limits held; contacts and closure may be dependent there."""
+    rows = tuple(row for row in closed_rows(model, x, SAME) if row.kind == "limit")
+    y, residual = batch.project(model, x[None], rows, steps=6, cutoff=1e-4)
+    return y[0] if residual[0] <= 1e-13 and np.abs(y[0] - x).max() <= SAME else x
+
+
+def _side(model: Model, edge: Edge) -> int:
+    """Return the sign of the contact's opening in X beside the middle of an edge, 0 if X is on neither or both."""
+    circles = link_of(model, edge.x[len(edge.x) // 2], RADII[-1], 24).circles
+    if len(circles) != 1:
+        return 0
+    values = batch.row_values(model, circles[0].x, (edge.row,))[0][:, 0]
+    inside = circles[0].inside
+    signs = np.unique(np.sign(values[inside & (np.abs(values) > 1e-9)]))
+    return int(signs[0]) if len(signs) == 1 else 0
+
+
+def _vertex(model: Model, x: np.ndarray) -> StratumVertex:
+    """Look at the link of a vertex."""
+    try:
+        return StratumVertex(x, tuple(link_of(model, x, radius) for radius in RADII))
+    except ValueError as error:
+        return StratumVertex(x, (), str(error))
+
+
+def _corners(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
+    """Return the admissible states at which two contacts close whose gradients and closure's are independent."""
+    corners: list[np.ndarray] = []
+    for pair in itertools.combinations(possible_rows(model), 2):
+        if pair[0].kind == pair[1].kind == "limit" and pair[0].index == pair[1].index:
+            continue
+        start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
+        x, residual = batch.project(model, start, pair)
+        x = x[(residual <= 1e-13) & batch.is_admissible(model, x)]
+        if not len(x):
+            continue
+        x = x[batch.distinct(x, SAME)]
+        _, jac = batch.held_constraints(model, x, pair)
+        corners += list(x[np.linalg.svd(jac, compute_uv=False)[:, -1] > 1e-6])
+    return corners

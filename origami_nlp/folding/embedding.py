@@ -1,0 +1,194 @@
+"""Does a folded vertex close, and may its facets be where they are?
+
+A folded vertex is a closed spherical polygon with vertices c_i.  It is admissible when it is weakly
+simple: no two arcs cross, and where arcs lie on top of each other some order of the layers lets the
+paper avoid itself, with every closed crease (phi = +-pi) turning to its own side.  Weakly simple
+polygons are the limits of simple ones, so this also rejects states that pass a pairwise test only
+because touching facets have no order there.
+
+Written with NumPy from the fold angles alone, independent of the CasADi model.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, check_number, check_type, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.folding.layers import layer_problem
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.numerics.vectors import cross
+from origami_nlp.pattern.vertex import Vertex
+
+SNAP = 1e-8
+"""Distance on the unit sphere below which two features are taken to touch [rad]."""
+
+
+LARGEST_TOLERANCE = 0.01
+"""Wider, and facets that stand apart would be ordered as if they touched [rad]."""
+
+
+@dataclass(frozen=True)
+class Embedding:
+    """What is wrong with a state as a piece of paper, if anything.
+
+    admissible: whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not
+    cross.
+    reason: why not, in words; empty when admissible.
+    closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to
+    close).
+    touching: whether non-adjacent parts touch (then layers were ordered).
+    """
+
+    admissible: bool
+    reason: str
+    closure_residual: float
+    touching: bool
+
+
+def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fold a vertex with its last facet held fixed (paper, eq. fold-map).
+
+    Parameters
+    ----------
+    fold_angles
+        Shape [..., N].
+
+    Returns
+    -------
+    creases
+        Deformed unit creases c_i = F_{i-1} b_i, shape [..., N, 3].
+    q
+        Product of all folds, and of the turn by `Vertex.excess` about e3 that closes the unrolled sheet of a
+        vertex that is not flat, as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
+        Every embedded vertex has +1: simple spherical polygons are deformed into each other through simple
+        ones, along which the sign cannot change.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    half = phi / 2
+    q = tuple(np.full(phi.shape[:-1], v, dtype=float) for v in quat.IDENTITY)
+    creases = []
+    for i, b in enumerate(vertex.creases):
+        creases.append(np.stack(quat.rotate(q, b), axis=-1))
+        q = quat.multiply(q, quat.fold(np.cos(half[..., i]), np.sin(half[..., i]), b))
+    if not vertex.flat:
+        turn = vertex.excess / 2
+        q = quat.multiply(q, (math.cos(turn), 0.0, 0.0, math.sin(turn)))
+    return np.stack(creases, axis=-2), np.stack(q, axis=-1)
+
+
+def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return how deep two arcs cross, 0 where they do not.
+
+    Parameters
+    ----------
+    first, second
+        Ends of the arcs (each shorter than pi), shape [..., 2, 3].
+
+    Returns
+    -------
+    depth
+        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape
+        [...].
+    """
+    a, b = first[..., 0, :], first[..., 1, :]
+    c, d = second[..., 0, :], second[..., 1, :]
+    n1, n2 = cross(a, b), cross(c, d)
+    n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), 1e-300)
+    n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), 1e-300)
+    s = np.stack(
+        [
+            np.einsum("...i,...i", n1, c),
+            -np.einsum("...i,...i", n1, d),
+            -np.einsum("...i,...i", n2, a),
+            np.einsum("...i,...i", n2, b),
+        ],
+        axis=-1,
+    )
+    # all of one sign: the ends alternate around a common point (mixed signs: they miss, or meet antipodally)
+    return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
+
+
+def _check_elements(elements: object) -> None:
+    if not isinstance(elements, tuple | list) or not all(
+        isinstance(e, tuple) and len(e) == 2 and isinstance(e[0], int) and isinstance(e[1], bool)
+        for e in elements
+    ):
+        raise OptionError(
+            f"elements = {shown(elements)} must be pairs (shift, mirrored) such as scene.group.elements"
+        )
+
+
+def examine(
+    vertex: Vertex,
+    fold_angles: np.ndarray,
+    *,
+    tolerance: float = SNAP,
+    elements: tuple[tuple[int, bool], ...] = (),
+) -> Embedding:
+    """Tell whether a state of a vertex is admissible with full contact, and why not if not.
+
+    With `elements` of a group (`Symmetry.elements`), which the fold angles have, touching layers must have an
+    order with that symmetry as well: equal fold angles do not make a stack symmetric.
+
+    Parameters
+    ----------
+    fold_angles
+        Of one state, shape [N] [rad].
+    tolerance
+        Distance below which features touch [rad], 0 to 0.01.
+
+    Raises
+    ------
+    AngleError
+        If `fold_angles` are not N finite numbers.
+    OptionError
+        If another argument is not what it must be.
+    """
+    check_type("vertex", vertex, Vertex)
+    phi = check_angles("fold_angles", fold_angles, vertex.degree, one=True)
+    check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
+    _check_elements(elements)
+    creases, q = fold_vertex(vertex, phi)
+    residual = float(np.linalg.norm(q[1:]))
+
+    def bad(reason: str) -> Embedding:
+        return Embedding(False, reason, residual, False)
+
+    if residual > tolerance:
+        return bad(f"does not close: |vec q| = {residual:.1e}")
+    if q[0] < 0:
+        return bad("closes with q = -1: not a sheet of paper")
+    over = np.abs(phi) - math.pi
+    if over.max() > tolerance:
+        crease = int(over.argmax()) + 1
+        return bad(
+            f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
+        )
+    n = len(phi)
+    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
+    i, j = np.triu_indices(n, 2)
+    apart = ~((i == 0) & (j == n - 1))
+    i, j = i[apart], j[apart]
+    depth = crossing_depth(arcs[i], arcs[j])
+    if depth.size and depth.max() > tolerance:
+        m = int(depth.argmax())
+        return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")
+    problem = layer_problem(creases, phi, tolerance)
+    if problem is None:
+        return Embedding(True, "", residual, False)
+    if not problem.solvable():
+        return Embedding(
+            False, "touching facets have no layer order without crossing", residual, True
+        )
+    if len(elements) > 1 and not problem.with_symmetry(elements, n).solvable():
+        return Embedding(
+            False,
+            "touching facets have a layer order, but none with the symmetry",
+            residual,
+            True,
+        )
+    return Embedding(True, "", residual, True)

@@ -1,0 +1,59 @@
+"""Does a vertex with mountains and valleys fold flat?
+
+Kawasaki's and Maekawa's conditions are necessary.  A sector smaller than both neighbours must have one mountain
+and one valley, and may then be crimped: folded away, so that two creases and two sectors fewer are left, which
+fold flat exactly when the whole does (Bern and Hayes, "The complexity of flat origami", 1996).  Where equal
+sectors leave no such choice, the layers are ordered (`model.embedding.examine`).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from origami_nlp.folding.embedding import examine
+from origami_nlp.pattern.fold_vertices import FoldVertex, make_vertex
+
+FLAT = 1e-4
+"""Gaps [rad] that noise in coordinates may leave in a flat folding."""
+GRAIN = FLAT / 1000
+"""Sector angles [rad] are rounded to this before layers are ordered: vertices equal but for noise are one."""
+
+
+def folds_flat(v: FoldVertex) -> bool | None:
+    """Tell whether `v` folds flat with its mountains and valleys; None where not all are stated."""
+    if v.reason or v.maekawa is None:
+        return None
+    if v.maekawa or v.kawasaki is None or v.kawasaki > 100 * FLAT:
+        return False
+    total = math.fsum(v.sector_angles)
+    if v.kawasaki < FLAT / 2 and abs(total - 2 * math.pi) < FLAT / 2:
+        answer = crimped(v.sector_angles, v.assignment)
+        if answer is not None:
+            return answer
+    return _ordered(tuple(round(a / GRAIN) * GRAIN for a in v.sector_angles), v.assignment)
+
+
+def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:
+    """Crimp smallest sectors until two are left; None where equal ones leave no smallest.
+
+    Sector i lies between creases i and i + 1; the conditions of Kawasaki and Maekawa hold.
+    """
+    a, s = list(sectors), letters
+    while len(a) > 2:
+        i = a.index(min(a)) - 1
+        a, s = a[i:] + a[:i], s[i:] + s[:i]  # the smallest is the second
+        if a[1] > min(a[0], a[2]) - FLAT:
+            return None
+        if s[1] == s[2]:
+            return False
+        a, s = [a[0] - a[1] + a[2], *a[3:]], s[0] + s[3:]
+    return s[0] == s[1]
+
+
+@lru_cache(maxsize=100_000)
+def _ordered(sectors: tuple[float, ...], letters: str) -> bool:
+    phi = np.array([math.pi if letter == "V" else -math.pi for letter in letters])
+    return examine(make_vertex(sectors), phi, tolerance=FLAT).admissible

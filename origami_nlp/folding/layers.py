@@ -1,0 +1,318 @@
+"""Order of touching layers: is a degenerate closed spherical polygon the limit of simple ones?
+
+Arcs that lie on top of each other run through common segments between nodes (polygon vertices,
+merged where they coincide).  The polygon is weakly simple exactly when the strands in each segment
+can be ordered from left to right such that at every node no two passages interleave (Chang,
+Erickson and Xu, "Detecting weakly simple polygons").  A crease folded to phi = +pi turns to the
+left seen from outside, to -pi to the right, which fixes the order of its two strands.  The unknowns
+are booleans "strand a is left of strand b"; each pair of passages at a node, and each three strands
+of a segment (an order is transitive), allow a table of values.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from origami_nlp.numerics.vectors import cross
+
+Strand = tuple[int, int]
+"""(arc, piece): the piece-th part of facet `arc`, cut at the nodes that lie on it."""
+Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
+"""A walk through a node: incoming and outgoing strand, each with the node at its far end."""
+Pair = tuple[Strand, Strand]
+"""Two strands of one segment, smaller first: the boolean 'the first is left of the second'."""
+
+Table = tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]
+"""Pairs, and the truth values that they may take together."""
+
+
+@dataclass
+class LayerProblem:
+    """The layer orders that a touching polygon allows.
+
+    segments: for each segment (u, v), u < v, its strands with their direction (+1: from u to v).
+    tables: constraints, each a tuple of pairs and the set of truth values that they may take.
+    fixed: pairs whose order the folds decide.
+    """
+
+    segments: dict[tuple[int, int], list[tuple[Strand, int]]]
+    tables: list[Table] = field(default_factory=list)
+    fixed: dict[Pair, bool] = field(default_factory=dict)
+    feasible: bool = True
+
+    def solvable(self, assume: dict[Pair, bool] | None = None) -> bool:
+        """Tell whether some layer order exists (that also has the orders in `assume`)."""
+        if not self.feasible:
+            return False
+        start = dict(self.fixed)
+        for pair, value in (assume or {}).items():
+            if start.setdefault(pair, value) != value:
+                return False
+        return _solvable(tuple(self.tables), frozenset(start.items()))
+
+    def order(self) -> dict[Pair, bool] | None:
+        """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
+        found = _solve(self.tables, dict(self.fixed)) if self.feasible else None
+        if found is None:
+            return None
+        for strands in self.segments.values():  # two strands alone in a segment may be in no table
+            for (a, _), (b, _) in itertools.combinations(strands, 2):
+                pair, _ = ordered(a, b)
+                if pair not in found:
+                    found = _solve(self.tables, {**found, pair: True})
+                    assert found is not None
+                    found.setdefault(pair, True)
+        return found
+
+    def forced_side(self, one: Strand, other: Strand) -> int:
+        """Tell on which side strand `one` must lie of `other`, in the direction of their segment.
+
+        Returns +1 (left), -1 (right) or 0 (both are possible, or they share no segment).
+        """
+        pair, flip = ordered(one, other)
+        left = self.solvable({pair: not flip})
+        right = self.solvable({pair: flip})
+        return int(left) - int(right)
+
+    def with_symmetry(self, elements: tuple[tuple[int, bool], ...], degree: int) -> LayerProblem:
+        """Ask the layers to have a symmetry: elements (s, mirrored) of the group of a `degree`-crease vertex.
+
+        Seen along its own direction, a strand has another on its left exactly when their images do: a
+        mirror swaps left and right, and turns the direction of the walk round.
+        """
+        pieces: dict[int, int] = {}
+        run: dict[Strand, int] = {}
+        for strands in self.segments.values():
+            for (arc, piece), direction in strands:
+                pieces[arc] = max(pieces.get(arc, 0), piece + 1)
+                run[arc, piece] = direction
+        tables = list(self.tables)
+        feasible = self.feasible
+        for shift, mirrored in elements:
+            for strands in self.segments.values():
+                for (a, _), (b, _) in itertools.combinations(strands, 2):
+                    a2, b2 = (_image(c, shift, mirrored, degree, pieces) for c in (a, b))
+                    one, flip_one = ordered(a, b)
+                    two, flip_two = ordered(a2, b2)
+                    # the first of a pair is left of the second, along the direction of a: v != odd
+                    odd_one, odd_two = flip_one != (run[a] < 0), flip_two != (run[a2] < 0)
+                    if one == two:
+                        feasible = feasible and odd_one == odd_two
+                        continue
+                    equal = odd_one == odd_two
+                    allowed = {(v, v == equal) for v in (False, True)}
+                    tables.append(((one, two), frozenset(allowed)))
+        return LayerProblem(self.segments, tables, self.fixed, feasible)
+
+
+def _image(
+    strand: Strand, shift: int, mirrored: bool, degree: int, pieces: dict[int, int]
+) -> Strand:
+    """Return the strand that an element of the group sends a strand to."""
+    arc, piece = strand
+    if not mirrored:
+        return (arc + shift) % degree, piece
+    target = (shift - arc - 1) % degree
+    return target, pieces[target] - 1 - piece
+
+
+def ordered(a: Strand, b: Strand) -> tuple[Pair, bool]:
+    """Return the pair with the smaller strand first, and whether that swapped them."""
+    return ((a, b), False) if a < b else ((b, a), True)
+
+
+def layer_problem(
+    creases: np.ndarray, fold_angles: np.ndarray, tolerance: float
+) -> LayerProblem | None:
+    """Pose the layer problem of a polygon, or return None where nothing touches.
+
+    Parameters
+    ----------
+    creases
+        Polygon vertices c_i, shape [N, 3]; facets must not cross properly.
+    fold_angles
+        Needed for the side to which closed creases turn, shape [N].
+    """
+    n = len(creases)
+    gram = np.linalg.norm(creases[:, None] - creases[None], axis=-1)
+    node = np.arange(n)
+    for i, j in zip(*np.nonzero(np.triu(gram <= tolerance, 1)), strict=True):
+        node[node == node[j]] = node[i]
+    nodes = sorted(set(node.tolist()))
+    paths = [_nodes_on_arc(creases, node, nodes, i, tolerance) for i in range(n)]
+    if len(nodes) == n and all(len(path) == 2 for path in paths):
+        return None
+    segments: dict[tuple[int, int], list[tuple[Strand, int]]] = {}
+    walk: list[tuple[Strand, int, int]] = []  # strands in order, with the nodes they join
+    for i, path in enumerate(paths):
+        for piece, (u, v) in enumerate(itertools.pairwise(path)):
+            segments.setdefault((min(u, v), max(u, v)), []).append(((i, piece), 1 if u < v else -1))
+            walk.append(((i, piece), u, v))
+    problem = LayerProblem(segments)
+    _add_transitivity(problem)
+    _add_passages(problem, walk, creases, fold_angles)
+    return problem
+
+
+def _nodes_on_arc(
+    creases: np.ndarray, node: np.ndarray, nodes: list[int], i: int, tolerance: float
+) -> list[int]:
+    """Return the nodes along arc i in order, its two ends included."""
+    n = len(creases)
+    a, b = creases[i], creases[(i + 1) % n]
+    normal = cross(a, b)
+    normal /= np.linalg.norm(normal)
+    ends = (int(node[i]), int(node[(i + 1) % n]))
+    length = np.arctan2(np.dot(cross(a, b), normal), a @ b)
+    inside = []
+    for w in nodes:
+        if w in ends:
+            continue
+        c = creases[w]
+        along = np.arctan2(np.dot(cross(a, c), normal), a @ c)
+        if abs(c @ normal) <= tolerance and 0 < along < length:
+            inside.append((along, w))
+    return [ends[0], *(w for _, w in sorted(inside)), ends[1]]
+
+
+def _add_transitivity(problem: LayerProblem) -> None:
+    for strands in problem.segments.values():
+        for a, b, c in itertools.combinations(sorted(s for s, _ in strands), 3):
+            allowed = frozenset(
+                v
+                for v in itertools.product((False, True), repeat=3)
+                if v
+                not in ((True, True, False), (False, False, True))  # a<b<c<a and its mirror image
+            )
+            problem.tables.append((((a, b), (b, c), (a, c)), allowed))
+
+
+def _add_passages(
+    problem: LayerProblem,
+    walk: list[tuple[Strand, int, int]],
+    creases: np.ndarray,
+    fold_angles: np.ndarray,
+) -> None:
+    """Let no two passages interleave at a node, and closed creases turn to their side."""
+    passages: dict[int, list[tuple[tuple[Strand, int], tuple[Strand, int]]]] = {}
+    for (s, u, w), (t, w2, v) in zip(walk, walk[1:] + walk[:1], strict=True):
+        assert w == w2
+        passages.setdefault(w, []).append(
+            ((s, u), (t, v))
+        )  # each end: strand, node at its far side
+        if u == v:  # a closed crease; facet of the outgoing strand starts at it
+            crease = t[0]
+            pair, flip = ordered(t, s)
+            outgoing_left = fold_angles[crease] > 0
+            canonical = u < w  # the incoming strand runs along the direction of its segment
+            value = (outgoing_left == canonical) != flip
+            if problem.fixed.setdefault(pair, bool(value)) != value:
+                problem.feasible = False
+    for w, here in passages.items():
+        angle = _directions(creases, w, {end[1] for passage in here for end in passage})
+        for one, two in itertools.combinations(here, 2):
+            table = _interleaving_table(w, angle, one, two)
+            if table is None:
+                continue
+            if not table[1]:
+                problem.feasible = False
+            problem.tables.append(table)
+
+
+def _directions(creases: np.ndarray, w: int, far: set[int]) -> dict[int, float]:
+    """Angle of the segment towards each far node, counter-clockwise seen from outside."""
+    c = creases[w]
+    x = cross(c, [1.0, 0.0, 0.0] if abs(c[0]) < 0.9 else [0.0, 1.0, 0.0])
+    x /= np.linalg.norm(x)
+    y = cross(c, x)
+    return {v: float(np.arctan2(creases[v] @ y, creases[v] @ x)) for v in far}
+
+
+def _interleaving_table(
+    w: int, angle: dict[int, float], one: Passage, two: Passage
+) -> tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]] | None:
+    """Return the pairs that two passages compare at node w, and the values that keep them apart."""
+    ends = [*one, *two]
+    rank = {v: k for k, v in enumerate(sorted({v for _, v in ends}, key=angle.__getitem__))}
+    names = sorted({s for s, _ in ends})
+    pairs, allowed = _interleaving_pattern(
+        tuple(rank[v] for _, v in ends),
+        tuple(names.index(s) for s, _ in ends),
+        tuple(w < v for _, v in ends),
+    )
+    if not pairs and allowed:
+        return None
+    return tuple((names[a], names[b]) for a, b in pairs), allowed
+
+
+@lru_cache(maxsize=4096)
+def _interleaving_pattern(
+    segment: tuple[int, ...], strand: tuple[int, ...], starts_here: tuple[bool, ...]
+) -> tuple[tuple[tuple[int, int], ...], frozenset[tuple[bool, ...]]]:
+    """Enumerate the orders of the four ends of two passages around a node (ends 0, 1 and ends 2, 3).
+
+    segment: rank of each end's segment, counter-clockwise.  strand: number of its strand.  starts_here: whether
+    the segment's direction leaves the node.  Returns the pairs of strands to compare and their allowed values.
+    """
+    pairs = []
+    for k, m in itertools.combinations(range(4), 2):
+        if segment[k] == segment[m] and strand[k] != strand[m]:
+            pair = (min(strand[k], strand[m]), max(strand[k], strand[m]))
+            if pair not in pairs:
+                pairs.append(pair)
+    allowed = set()
+    for values in itertools.product((False, True), repeat=len(pairs)):
+        left = dict(zip(pairs, values, strict=True))
+
+        def before(k: int, m: int, left: dict[tuple[int, int], bool] = left) -> bool:
+            """Tell whether end k comes before end m, counter-clockwise around the node."""
+            if segment[k] != segment[m]:
+                return segment[k] < segment[m]
+            a, b = strand[k], strand[m]
+            is_left = left[a, b] if a < b else not left[b, a]
+            # left of the segment's direction is counter-clockwise where it starts, clockwise at its end
+            return is_left != starts_here[k]
+
+        order = [sum(before(m, k) for m in range(4) if m != k) for k in range(4)]
+        if sorted(order) != [0, 1, 2, 3]:
+            continue  # not an order: transitivity forbids these values anyway
+        a, b = sorted(order[:2])
+        if sum(a < o < b for o in order[2:]) != 1:
+            allowed.add(values)
+    return tuple(pairs), frozenset(allowed)
+
+
+@lru_cache(maxsize=4096)
+def _solvable(tables: tuple[Table, ...], start: frozenset[tuple[Pair, bool]]) -> bool:
+    """Tell whether the tables have a solution; states of one combinatorial kind ask the same question."""
+    return _solve(list(tables), dict(start)) is not None
+
+
+def _solve(tables: list[Table], assigned: dict[Pair, bool]) -> dict[Pair, bool] | None:
+    """Depth-first search with propagation over table constraints; returns a solution, or None."""
+    assigned = dict(assigned)
+    changed = True
+    while changed:
+        changed = False
+        for pairs, allowed in tables:
+            fits = [
+                v
+                for v in allowed
+                if all(assigned.get(p, x) == x for p, x in zip(pairs, v, strict=True))
+            ]
+            if not fits:
+                return None
+            for k, pair in enumerate(pairs):
+                if pair not in assigned and len({v[k] for v in fits}) == 1:
+                    assigned[pair] = fits[0][k]
+                    changed = True
+    for pairs, _ in tables:
+        for pair in pairs:
+            if pair not in assigned:
+                answers = (_solve(tables, {**assigned, pair: v}) for v in (False, True))
+                return next((a for a in answers if a is not None), None)
+    return assigned

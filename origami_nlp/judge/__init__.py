@@ -1,1 +1,0 @@
-"""What a solved state is: multipliers, certificates, and the minima of a scene."""

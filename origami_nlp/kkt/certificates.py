@@ -1,0 +1,230 @@
+"""Is a state a local minimum on one smooth piece of the feasible set, {closure = 0, rows >= 0}?
+
+Certificates, strongest first (numbers as in the report):
+1. regular interior: reduced Hessian positive definite;
+2. regular contact: multipliers positive, Hessian positive definite on the critical cone;
+3. sharp: grad U . d > 0 for every d != 0 in the linearised feasible cone, which contains the
+tangent cone, so that no
+   constraint qualification is needed;
+4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient
+without constraint
+   qualification as well;
+5. where closure loses rank: sharp in the directions that closure leaves to second order (`second_order`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
+from origami_nlp.kkt.second_order import has_no_level_direction
+from origami_nlp.numerics.linear import nearest_in_cone
+from origami_nlp.programme.contacts import Row, gap_weights, row_values
+from origami_nlp.programme.model import Local, Model
+
+RANK_TOLERANCE = 1e-7
+"""Singular values of the closure Jacobian below this count as zero."""
+STATIONARY = 1e-11
+"""Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""
+CURVED = 1e-12
+"""Eigenvalues of the scaled reduced Hessian below this do not count as positive."""
+
+BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
+
+Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
+
+
+@dataclass(frozen=True)
+class BranchJudgement:
+    """What one piece says.
+
+    verdict, certificate: the decision and its reason in words.
+    level: number of the certificate (module docstring), 0 for none.
+    rows, multipliers: closed contacts of the piece and the set of their multipliers.
+    regular: whether closure has full rank.  eigenvalues: of the Hessian of the Lagrangian on the
+    subspace that keeps the
+        loaded contacts closed, in the metric of all N fold angles, scaled energy.
+    direction: a direction of descent of the linearised problem, or of negative curvature, if one
+    was found.
+    cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its
+    relative interior [n].
+    held: rows that the cone keeps closed (implicit equalities).
+    """
+
+    verdict: Verdict
+    certificate: str
+    level: int
+    rows: tuple[Row, ...]
+    multipliers: Multipliers
+    regular: bool
+    eigenvalues: np.ndarray
+    direction: np.ndarray | None
+    cone_dimension: int
+    tangent: np.ndarray | None
+    held: tuple[Row, ...]
+
+
+def null_space(a: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """Return an orthonormal basis of the kernel of a, shape [n, n - rank]."""
+    if a.shape[0] == 0:
+        return np.eye(a.shape[1])
+    _, s, vt = np.linalg.svd(a)
+    return vt[int((s > tolerance).sum()) :].T
+
+
+def judge_branch(
+    model: Model,
+    x: np.ndarray,
+    rows: tuple[Row, ...],
+    local: Local,
+    stationary: float = STATIONARY,
+) -> BranchJudgement:
+    """Judge state x on the piece where `rows` (all closed at x) are the contacts."""
+    # metric of all N fold angles: y = sqrt(multiplicity) x
+    root = np.sqrt(model.multiplicity)
+    jac = local.closure_jacobian / root
+    gradient = local.gradient / root
+    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    a = a / root
+    singular = np.linalg.svd(jac, compute_uv=False)
+    regular = bool((singular > RANK_TOLERANCE).all())
+    z = null_space(jac)
+    multipliers = find_multipliers((a @ z).T, z.T @ gradient)
+    dimension, y, held = cone(a @ z, rows)
+    tangent = None if y is None else z @ y / root
+    size = 1.0 + np.abs(gradient).max()
+
+    def say(verdict: Verdict, why: str, level: int, eig=(), direction=None) -> BranchJudgement:  # type: ignore[no-untyped-def]
+        return BranchJudgement(
+            verdict,
+            why,
+            level,
+            rows,
+            multipliers,
+            regular,
+            np.asarray(eig, dtype=float),
+            direction,
+            dimension,
+            tangent,
+            held,
+        )
+
+    if dimension == 0:
+        return say("minimum", "isolated: the linearised feasible cone is a point", 3)
+    if multipliers.residual > stationary * size:
+        if not regular and _rises(model, x, jac, z, root, gradient, a):
+            return say("minimum", BY_CLOSURE, 5)
+        d = _descent(z, a, gradient)
+        verdict: Verdict = "not stationary" if regular and not held else "undecided"
+        return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
+    loaded = multipliers.upper > 10 * stationary * size
+    s = z @ null_space(a[loaded] @ z)
+    if s.shape[1] == 0:
+        return say(
+            "minimum", "sharp: the energy grows to first order in every feasible direction", 3
+        )
+    best: tuple[float, np.ndarray, np.ndarray] | None = None
+    for mu in multipliers.vertices:
+        for lam in _closure_multipliers(jac, gradient - a.T @ mu, regular):
+            h = model.hessian(x, -lam, -gap_weights(model, rows, mu)) / np.outer(root, root)
+            values, vectors = np.linalg.eigh(s.T @ h @ s)
+            if best is None or values[0] > best[0]:
+                best = (values[0], values, s @ vectors)
+    assert best is not None
+    lowest, values, vectors = best
+    scale = max(1e-300, np.abs(values).max())
+    if lowest > CURVED * scale:
+        if regular and multipliers.unique:
+            why = "regular contact: " if rows else "regular interior: "
+            where = "on the critical cone" if rows else "on the tangent space"
+            return say(
+                "minimum", why + f"Hessian positive definite {where}", 2 if rows else 1, values
+            )
+        return say(
+            "minimum",
+            "second order: a multiplier of the set makes the Hessian positive definite",
+            4,
+            values,
+        )
+    weak = a[~loaded]
+    for column in range(vectors.shape[1]):
+        if values[column] >= -CURVED * scale:
+            break
+        for sign in (1.0, -1.0):
+            d = sign * vectors[:, column]
+            if (weak @ d >= -1e-9).all() and regular and multipliers.unique:
+                return say(
+                    "saddle", "negative curvature along a feasible direction", 0, values, d / root
+                )
+    if not regular and _rises(model, x, jac, z, root, gradient, a):
+        return say("minimum", BY_CLOSURE, 5, values)
+    return say("undecided", "neither first nor second order decides", 0, values)
+
+
+def _rises(
+    model: Model,
+    x: np.ndarray,
+    jac: np.ndarray,
+    z: np.ndarray,
+    root: np.ndarray,
+    gradient: np.ndarray,
+    a: np.ndarray,
+) -> bool:
+    """Tell whether the energy grows in every direction that closure leaves to second order (all in the metric)."""
+    u, values, _ = np.linalg.svd(jac)
+    none = np.zeros(len(model.structure.gaps))
+    lost = u.T[int((values > RANK_TOLERANCE).sum()) :]
+    forms = [z.T @ (model.hessian(x, w, none, 0.0) / np.outer(root, root)) @ z for w in lost]
+    return has_no_level_direction(forms, np.vstack([a @ z, -(gradient @ z)[None]]))
+
+
+def cone(
+    rows: np.ndarray, names: tuple[Row, ...]
+) -> tuple[int, np.ndarray | None, tuple[Row, ...]]:
+    """Describe the cone {y: rows y >= 0}, rows [r, t].
+
+    Returns its dimension, a direction in its relative interior (None for a point), and the rows
+    that it holds at zero.
+    """
+    r, t = rows.shape
+    if t == 0:
+        return 0, None, names
+    if r == 0:
+        return t, np.ones(t) / np.sqrt(t), ()
+    interior, free = np.zeros(t), []
+    for i in range(r):
+        if i in free:
+            continue
+        y = nearest_in_cone(rows[i], rows)
+        opens = float(np.linalg.norm(y))  # how fast row i can open, at unit speed
+        if opens > 1e-9:
+            y /= opens
+            interior += y
+            free += [k for k in range(r) if rows[k] @ y > 1e-9 and k not in free]
+    held = [i for i in range(r) if i not in free]
+    space = null_space(rows[held]) if held else np.eye(t)
+    if space.shape[1] == 0:
+        return 0, None, tuple(names[i] for i in held)
+    if np.abs(interior).max() == 0:  # every row is held: any direction of the kernel
+        interior = space[:, 0]
+    return space.shape[1], interior / np.linalg.norm(interior), tuple(names[i] for i in held)
+
+
+def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+    """Return the steepest feasible direction of the linearised problem."""
+    if a.shape[0] == 0:
+        return -z @ (z.T @ gradient)
+    return z @ nearest_in_cone(-z.T @ gradient, a @ z)
+
+
+def _closure_multipliers(jac: np.ndarray, right: np.ndarray, regular: bool) -> list[np.ndarray]:
+    """Solve J' lam = right; where J loses rank, also try shifts along its left kernel."""
+    lam = np.linalg.lstsq(jac.T, right, rcond=1e-9)[0]
+    if regular:
+        return [lam]
+    left = null_space(jac.T)
+    shifts = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
+    return [lam + shift * left[:, k] for k in range(left.shape[1]) for shift in shifts]

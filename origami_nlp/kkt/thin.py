@@ -1,0 +1,110 @@
+"""Sets of states that exist only while several contacts stay exactly closed: the paper's 1-handles.
+
+A solver that needs an interior rarely ends on such a thin set, so they are looked for on purpose:
+states with one or two fold angles held at +-pi are closed by Gauss-Newton; where the linearised
+feasible cone has fewer dimensions than the model has freedoms, the state lies on a thin set, and
+the energy is minimised along it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from origami_nlp.kkt.certificates import cone, null_space
+from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.polishing import newton
+from origami_nlp.kkt.starts import BATCH, project_batch
+from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.model import Model
+
+MOST_BATCHES = 4
+SAMPLES_ON_A_LIMIT = 8
+MOST_ON_A_SET = 4
+"""States from which the energy is minimised along one thin set."""
+
+
+def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
+    """Return candidate minima on thin sets, each minimal along its set; empty where there are none."""
+    if not model.structure.limits or model.freedom < 1:
+        return []
+    ends: list[np.ndarray] = []
+    tried: dict[tuple[Row, ...], int] = {}
+    for x in _states_on_limits(model, np.random.default_rng(seed)):
+        held = thin_at(model, x)
+        if not held or tried.get(held, 0) >= MOST_ON_A_SET or not is_admissible(model, x):
+            continue
+        tried[held] = tried.get(held, 0) + 1
+        end = minimise_along(model, x, held)
+        if all(np.abs(end - known).max() > 1e-6 for known in ends):
+            ends.append(end)
+    return ends
+
+
+def _states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
+    """Return closed states within the fold limits that have one or two fold angles at +-pi."""
+    n = model.size
+    single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
+    faces = [(v, s) for v in range(n) for s in (-1, 1)]
+    double = [pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]] * 3
+    patterns = (single[:BATCH] + double)[: MOST_BATCHES * BATCH] if n > 4 else single + double
+    patterns = patterns[: MOST_BATCHES * BATCH]
+    x = rng.uniform(-math.pi, math.pi, (len(patterns), n))
+    frozen = np.zeros_like(x, dtype=bool)
+    for row, pattern in enumerate(patterns):
+        for v, s in pattern:
+            x[row, v], frozen[row, v] = s * math.pi, True
+    x, residual = project_batch(model, x, frozen)
+    x = np.where(np.abs(np.abs(x) - math.pi) <= 1e-9, np.sign(x) * math.pi, x)
+    good = (residual <= 1e-11) & (np.abs(x) <= math.pi).all(axis=1)
+    return [state for state in x[good] if model.on_sheet(state)]
+
+
+def thin_at(model: Model, x: np.ndarray) -> tuple[Row, ...]:
+    """Return the contacts that all neighbours of x keep closed, or () where the feasible set is full."""
+    local = model.local(x)
+    contacts = closed_contacts(model, x, local.gaps)
+    if len(contacts.base) + len(contacts.branches) < 2:
+        return ()  # one smooth contact bounds a full-dimensional set
+    z = null_space(local.closure_jacobian)
+    common: set[Row] | None = None
+    for rows in contacts.combinations() or [contacts.base]:
+        _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+        dimension, _, held = cone(a @ z, rows)
+        if dimension == z.shape[1] or dimension == 0:
+            return ()
+        common = set(held) if common is None else common & set(held)
+    return tuple(sorted(common or ()))
+
+
+def minimise_along(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> np.ndarray:
+    """Minimise the energy along the set where `held` stay closed, by projected steps in the stiffness metric."""
+    n = model.size
+    root = np.sqrt(model.parameters[-2 * n : -n])
+    for _ in range(200):
+        local = model.local(x)
+        _, a = row_values(model, x, held, local.gaps, local.gaps_jacobian)
+        z = null_space(np.vstack([local.closure_jacobian, a]) / root)
+        d = -(z @ (z.T @ (local.gradient / root))) / root
+        size = float(np.linalg.norm(d))
+        if size <= 1e-2:  # close enough for Newton
+            state, _ = newton(model, x, held)
+            if state is not None and np.abs(state.x - x).max() <= 0.1:
+                return state.x
+        if size <= 1e-13:
+            break
+        slope = float(local.gradient @ d)
+        step = min(1.0, 0.3 / size)
+        while step * size > 1e-10:
+            y, residual = project(model, x + step * d, held)
+            change = model.energy_change(x, y) / model.scale
+            inside = (np.abs(y) <= math.pi).all()
+            if residual <= 1e-12 and inside and change < 1e-4 * step * slope:
+                break
+            step /= 2
+        else:
+            break
+        x = y
+    return x

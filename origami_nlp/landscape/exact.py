@@ -1,0 +1,166 @@
+"""A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
+
+The energy is evaluated on a grid (`tell.landscape`); what bounds it is not: the admissible region is put together from
+contact boundaries traced to rounding (`judge.boundary_lines`), so that the grid's size decides how smooth the colours
+are and nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_type
+from origami_nlp.chart.boundary_lines import Boundary, trace_boundary, with_energy
+from origami_nlp.chart.landscape import Landscape, Place, landscape
+from origami_nlp.chart.region import admissible_region
+from origami_nlp.contact.segments import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.minima.find import MinimaResult
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+PIECE = 0.01
+"""Spacing [rad of arclength] of the points of a metastable stretch."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A metastable stretch of a contact boundary: where the energy is nearly flat (`judge.segments`).
+
+    branch: of the chart.  points: chart coordinates [m, 2].  length: arclength in all N fold angles [rad].
+    contacts: held closed along it.  hidden: all of it shares one point of the chart.
+    """
+
+    branch: int
+    points: np.ndarray = field(repr=False)
+    length: float
+    contacts: tuple[str, ...]
+    hidden: bool
+
+
+@dataclass(frozen=True)
+class ExactLandscape:
+    """Energy over the chart, its exact boundary, and the exact minima with their places.
+
+    boundary, regions: None and () where the boundary is not traced (contact other than full).  places: of the
+    minima.  metastable: in the order of the boundary's lines.
+    """
+
+    result: MinimaResult = field(repr=False)
+    chart: Landscape = field(repr=False)
+    boundary: Boundary | None
+    regions: tuple[MultiPolygon, ...] = field(repr=False)
+    places: tuple[Place, ...]
+    metastable: tuple[Stretch, ...]
+
+    @property
+    def counts(self) -> tuple[int, int | None, int | None]:
+        """N_sym, N_not-ruled-out, N_full: symmetric minima, those not unstable and those stable in the full space.
+
+        The last two are None if the full space was not asked about.
+        """
+        verdicts = [m.full_space.verdict for m in self.result.minima if m.full_space]
+        if len(verdicts) < len(self.result.minima):
+            return len(self.result.minima), None, None
+        stable = verdicts.count("stable")
+        return len(verdicts), stable + verdicts.count("undecided"), stable
+
+    @property
+    def one_plane(self) -> bool:
+        """Whether all branches fit into one picture, each on its own side of zero."""
+        return len(self.chart.branches) == 1 or (
+            self.chart.scene.contact == "full" and self.chart.scene.group.order == 2
+        )
+
+
+def exact_landscape(
+    result: MinimaResult, size: int = 401, *, boundary: Boundary | None = None
+) -> ExactLandscape:
+    """Put a landscape together.
+
+    Parameters
+    ----------
+    result
+        Minima of the scene, judged in the full space if verdicts are wanted.
+    size
+        Cells along each coordinate at which the energy is evaluated.
+    boundary
+        Of a scene with the same vertex, symmetry and contact, to save tracing it again.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be.
+    """
+    check_type("result", result, MinimaResult)
+    if boundary is not None:
+        check_type("boundary", boundary, Boundary)
+    scene = result.scene
+    chart = landscape(scene, size)
+    places = tuple(chart.place(m.fold_angles) for m in result.minima) if chart.branches else ()
+    if chart.kind != "area" or scene.contact != "full":
+        return ExactLandscape(result, chart, None, (), places, ())
+    boundary = boundary or trace_boundary(scene)
+    regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
+    return ExactLandscape(
+        result, chart, boundary, regions, places, metastable_stretches(result, boundary)
+    )
+
+
+def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stretch, ...]:
+    """Find the metastable stretches of every boundary line, with the thresholds of `judge.segments`."""
+    total = sum(result.scene.stiffness)
+    angles = [np.array(m.fold_angles) for m in result.minima]
+    out = []
+    for number, line in enumerate(boundary.lines):
+        curve = with_energy(result.model, line)
+        if len(curve.s) < 3:
+            continue
+        for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
+            s = np.linspace(part.start, part.end, 2 + int(part.length / PIECE))
+            points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
+            out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))
+    return tuple(out)
+
+
+def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
+    """Return everything as named NumPy arrays, for `numpy.savez_compressed`.
+
+    x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N], admissible_b [ny, nx] of branch b; boundary_k_points,
+    boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts, boundary_thin;
+    minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
+    metastable_k_points with metastable_branch; coordinates: their names.
+    """
+    chart, result = exact.chart, exact.result
+    arrays: dict[str, Any] = {
+        "coordinates": np.array(chart.coordinates),
+        "branches": np.array([b.name for b in chart.branches]),
+    }
+    for b, branch in enumerate(chart.branches):
+        arrays[f"x_{b}"], arrays[f"y_{b}"] = branch.axes
+        arrays[f"energy_{b}"] = branch.energy
+        arrays[f"fold_angles_{b}"] = branch.fold_angles
+        arrays[f"admissible_{b}"] = np.isfinite(branch.energy)
+    lines = exact.boundary.lines if exact.boundary else ()
+    arrays["boundary_branch"] = np.array([line.branch for line in lines], dtype=int)
+    arrays["boundary_contacts"] = np.array(["; ".join(line.contacts) for line in lines], dtype=str)
+    arrays["boundary_thin"] = np.array([line.thin for line in lines], dtype=bool)
+    for k, line in enumerate(lines):
+        arrays[f"boundary_{k}_points"] = line.points
+        arrays[f"boundary_{k}_fold_angles"] = line.fold_angles
+        arrays[f"boundary_{k}_s"] = line.s
+    minima, degree = result.minima, result.scene.degree
+    arrays["minima_fold_angles"] = np.array([m.fold_angles for m in minima]).reshape(-1, degree)
+    arrays["minima_energy"] = np.array([m.energy for m in minima])
+    arrays["minima_kind"] = np.array([m.kind for m in minima], dtype=str)
+    verdicts = [m.full_space.verdict if m.full_space else "not asked" for m in minima]
+    arrays["minima_verdict"] = np.array(verdicts, dtype=str)
+    arrays["minima_points"] = np.array([p.point for p in exact.places]).reshape(-1, 2)
+    arrays["minima_branch"] = np.array([p.branch for p in exact.places], dtype=int)
+    arrays["metastable_branch"] = np.array([m.branch for m in exact.metastable], dtype=int)
+    for k, part in enumerate(exact.metastable):
+        arrays[f"metastable_{k}_points"] = part.points
+    return arrays

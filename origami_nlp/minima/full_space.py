@@ -1,0 +1,198 @@
+"""Is a state that is stable within its symmetry stable in the full contact-admissible space?
+
+The state is classified anew in the model without symmetry, with the certificates of `judge.branch`.
+A state that is no
+minimum there gets a descent that anyone can replay: states that close, are admissible, have
+strictly falling energy, and end at a lower stable state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.kkt.certificates import RANK_TOLERANCE, null_space
+from origami_nlp.kkt.classification import Classification, classify
+from origami_nlp.kkt.descent import Followed, follow
+from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
+from origami_nlp.programme.model import Model
+
+FullVerdict = Literal["stable", "unstable", "undecided"]
+
+
+@dataclass(frozen=True)
+class LandsOn:
+    """The stable state at the end of a descent.
+
+    fold_angles, energy, kind, certificate: of that state.  symmetric: number (1-based) of the
+    symmetric minimum that it is, or None for a state that breaks the symmetry.
+    """
+
+    fold_angles: tuple[float, ...]
+    energy: float
+    kind: str
+    certificate: str
+    symmetric: int | None
+
+
+@dataclass(frozen=True)
+class FullSpace:
+    """Verdict on one state in the full contact-admissible space.
+
+    verdict: ``stable``, ``unstable`` or ``undecided``.  certificate: why, in words.
+    kind, local_dimension: as in `judge.minima.Minimum`, in the full space (stable states only).
+    hessian_eigenvalues: of the Hessian of the Lagrangian on the closed states' tangent space [N
+    m/rad]; empty where closure loses rank.  breaking_eigenvalues: of its block on perturbations
+    that break the symmetry.
+    unstable_mode: what symmetry the first step of the descent keeps.
+    descent: states and energies, or None.  lands_on: where it ends, or None.
+    """
+
+    verdict: FullVerdict
+    certificate: str
+    kind: str | None
+    local_dimension: int
+    hessian_eigenvalues: tuple[float, ...]
+    breaking_eigenvalues: tuple[float, ...]
+    unstable_mode: str | None
+    descent: tuple[tuple[tuple[float, ...], float], ...] | None
+    lands_on: LandsOn | None
+
+
+def full_scene(scene: Scene) -> Scene:
+    """Return the same vertex, springs and contact without imposed symmetry."""
+    return replace(scene, symmetry="none", mirror=None)
+
+
+def judge_in_full_space(
+    scene: Scene, fold_angles: np.ndarray, others: tuple[np.ndarray, ...] = ()
+) -> FullSpace:
+    """Decide a symmetric minimum of `scene` in the full contact-admissible space.
+
+    Parameters
+    ----------
+    fold_angles
+        All N fold angles of the state.
+    others
+        Fold angles of the scene's symmetric minima, in order, to name where a descent lands.
+    """
+    model = full_scene(scene).model()
+    x = np.asarray(fold_angles, dtype=float)
+    eigenvalues, breaking = hessian_spectra(model, scene, x)
+    what = classify(model, x)
+    if what.verdict == "minimum":
+        return FullSpace(
+            "stable",
+            what.reason,
+            what.kind,
+            what.local_dimension,
+            eigenvalues,
+            breaking,
+            None,
+            None,
+            None,
+        )
+    path = follow(model, x)
+    if len(path.states) < 2:
+        why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"
+        return _undecided(why, eigenvalues, breaking)
+    mode = mode_symmetry(scene, path.states[1] - path.states[0])
+    descent = tuple(
+        (tuple(state.tolist()), float(energy))
+        for state, energy in zip(path.states, path.energies, strict=True)
+    )
+    if path.what.verdict != "minimum":
+        why = f"lower states exist, but the descent stopped at no minimum: {path.what.reason}"
+        return FullSpace("unstable", why, None, 0, eigenvalues, breaking, mode, descent, None)
+    return FullSpace(
+        "unstable",
+        f"{what.verdict}: {what.reason}; a descent of {len(descent)} admissible states ends lower",
+        None,
+        0,
+        eigenvalues,
+        breaking,
+        mode,
+        descent,
+        _landing(path, others),
+    )
+
+
+def _undecided(why: str, eigenvalues: tuple[float, ...], breaking: tuple[float, ...]) -> FullSpace:
+    return FullSpace("undecided", why, None, 0, eigenvalues, breaking, None, None, None)
+
+
+def _landing(path: Followed, others: tuple[np.ndarray, ...]) -> LandsOn:
+    what: Classification = path.what
+    near = [float(np.abs(np.asarray(o) - path.end).max()) for o in others]
+    same = int(np.argmin(near)) + 1 if near and min(near) <= 1e-6 else None
+    return LandsOn(
+        tuple(path.end.tolist()), float(path.energies[-1]), str(what.kind), what.reason, same
+    )
+
+
+def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
+    """Return the crease permutations of the scene's imposed group, with a name for each.
+
+    Rotations are named by their angle, mirrors by the creases (or facets) on them.
+    """
+    n = scene.degree
+    i = np.arange(n)
+    out = []
+    for s, mirrored in scene.group.elements:
+        if mirrored:
+            fixed = [str(j + 1) for j in range(n) if (2 * j - s) % n == 0]
+            name = f"mirror through crease{'s' * (len(fixed) > 1)} {', '.join(fixed)}"
+            out.append((name if fixed else "mirror through facets", (s - i) % n))
+        else:
+            turn = 360 * s // n
+            out.append(("identity" if s == 0 else f"rotation by {turn} deg", (i + s) % n))
+    return out
+
+
+def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = 1e-6) -> str:
+    """Say which elements of the scene's group a change of the fold angles keeps."""
+    size = float(np.abs(direction).max())
+    kept = [
+        name
+        for name, p in permutations(scene)
+        if np.abs(direction[p] - direction).max() <= tolerance * size
+    ]
+    if len(kept) == len(permutations(scene)):
+        return f"keeps {scene.group.name}"
+    kept.remove("identity")
+    return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
+
+
+def hessian_spectra(
+    model: Model, scene: Scene, x: np.ndarray
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
+    block.
+
+    The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent
+    space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
+    appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
+    """
+    local = model.local(x)
+    jac = local.closure_jacobian
+    if (np.linalg.svd(jac, compute_uv=False) <= RANK_TOLERANCE).any():
+        return (), ()
+    contacts = closed_contacts(model, x, local.gaps)
+    choices = contacts.combinations() or [contacts.base]
+    rows = choices[0]
+    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    z = null_space(jac)
+    mu = find_multipliers((a @ z).T, z.T @ local.gradient)
+    if mu.residual > 1e-9 * (1 + np.abs(local.gradient).max()):
+        return (), ()
+    lam = np.linalg.lstsq(jac.T, local.gradient - a.T @ mu.smallest, rcond=None)[0]
+    h = z.T @ model.hessian(x, -lam, -gap_weights(model, rows, mu.smallest)) @ z
+    average = np.mean([np.eye(len(x))[p] for _, p in permutations(scene)], axis=0)
+    breaking = null_space(average @ z, 1e-9)
+    full = np.linalg.eigvalsh(h) * model.scale
+    block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * model.scale
+    return tuple(full.tolist()), tuple(block.tolist())

@@ -1,0 +1,118 @@
+"""Exact singular sets of states: book folds, half-closed nets and flat foldings, and their lowest states.
+
+Where some creases lie at 0 or +-pi and all others on one line, those turn about it as the hinges of one
+book: with sigma_i = +-1 the direction of hinge i along the line, the product of all folds is a turn by
+sum sigma_i phi_i about the line, so that the states that close make up a polytope
+
+    { sum sigma_i phi_i = c,  |phi_i| <= pi },      c a multiple of pi,
+
+of one dimension less than there are hinges: a segment for two, a polygon for three.  The energy is a
+convex quadratic on it, whose lowest point is found in closed form up to one number.  Such a set has
+more dimensions than closure leaves elsewhere, or keeps creases at exactly +-pi; a solver that ends next to
+one is not to be believed, so the sets are searched on purpose.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.kkt.polishing import CLOSES
+from origami_nlp.programme.model import Model
+
+MOST_VARIABLES = 8
+"""Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
+MOST_STATES = 2000
+"""Lowest states of sets that are kept, those of lowest energy first."""
+ON_LINE = 1e-12
+"""Sine of the angle below which a crease lies on the hinge line: exact relations hold to 1e-14."""
+INSIDE = 1e-12
+"""Hinges nearer to +-pi [rad] are shut: that state belongs to another set."""
+
+
+def hinge_minima(model: Model) -> list[np.ndarray]:
+    """Return the lowest state [n] of each polytope of states that hinge about one line.
+
+    Only those strictly within the polytope: its faces belong to sets with fewer hinges, its corners to the
+    flat foldings.  Candidates only: whether facets cross is not asked here.
+    """
+    n = model.size
+    if not model.structure.limits or n > MOST_VARIABLES:
+        return []
+    weight = model.parameters[-2 * n : -n]
+    rest = model.parameters[-n:]
+    states: list[np.ndarray] = []
+    for fixed, moving, turn, c in _sets(model):
+        lowest = _lowest(weight[moving], rest[moving], turn, c)
+        if lowest is None:
+            continue
+        x = fixed.copy()
+        x[moving] = lowest
+        inside = (math.pi - np.abs(lowest) > INSIDE).all()
+        if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
+            states.append(x)  # (a piece of a symmetric state may close once round, or wind)
+    states.sort(key=model.energy)
+    return states[:MOST_STATES]
+
+
+def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, float]]:
+    """Yield the polytopes as (fixed fold angles, moving variables, their turn about the line, c)."""
+    n = model.size
+    vertex, group = model.scene.vertex, model.variable_of_crease
+    for kinds in itertools.product((0, 1, 2), repeat=n):  # 0 flat, 1 shut, 2 moving
+        kind = np.array(kinds)
+        moving = kind == 2
+        hinges = moving[group]
+        if hinges.sum() < 2:
+            continue
+        flat = np.where(kind == 1, math.pi, 0.0)
+        creases, q = fold_vertex(vertex, flat[group])
+        line = creases[int(np.argmax(hinges))]
+        off = np.linalg.norm(np.cross(creases, line), axis=1)
+        if (off[hinges] > ON_LINE).any() or np.linalg.norm(np.cross(q[1:], line)) > ON_LINE:
+            continue
+        if (off[(kind == 0)[group]] <= ON_LINE).any():
+            continue  # that crease may turn as well: part of a larger set
+        sigma = np.round(creases @ line)
+        turn = np.bincount(group[hinges], sigma[hinges], n)[moving]
+        needed = -2 * math.atan2(q[1:] @ line, q[0])
+        shut = np.flatnonzero(kind == 1)
+        size = np.bincount(group, minlength=n)[shut]
+        for signs in itertools.product((1, -1), repeat=len(shut)):
+            # each fold by -pi in place of +pi changes the sign of q: half a turn of 4 pi
+            flips = int(size[np.array(signs) < 0].sum()) if len(shut) else 0
+            fixed = flat.copy()
+            fixed[shut] *= signs
+            reach = float(np.abs(turn).sum()) * math.pi
+            for k in range(-n, n + 1):
+                c = needed + 2 * math.pi * flips + 4 * math.pi * k
+                if abs(c) < reach - 1e-9:
+                    yield fixed, np.flatnonzero(moving), turn, c
+
+
+def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) -> np.ndarray | None:
+    """Minimise sum weight (x - rest)^2 over turn . x = c, |x| <= pi.
+
+    x = clip(rest + s turn / weight) for the s at which turn . x, which grows with s, is c.
+    """
+    if not turn.any():
+        return rest if abs(c) < 1e-9 else None
+    slope = turn / weight
+
+    def at(s: float) -> np.ndarray:
+        return np.clip(rest + s * slope, -math.pi, math.pi)
+
+    used = turn != 0
+    bends = np.concatenate([(b - rest[used]) / slope[used] for b in (-math.pi, math.pi)])
+    bends = np.sort(bends)
+    values = np.array([turn @ at(s) for s in bends])
+    k = int(np.searchsorted(values, c))
+    if k == 0 or k == len(bends):
+        return at(float(bends[min(k, len(bends) - 1)]))
+    low, high = bends[k - 1], bends[k]
+    share = (c - values[k - 1]) / (values[k] - values[k - 1])
+    return at(float(low + share * (high - low)))

@@ -1,1 +1,0 @@
-"""The scene as a nonlinear programme: closure, contact and energy in CasADi; geometry of folded states."""

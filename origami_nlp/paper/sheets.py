@@ -1,0 +1,240 @@
+"""The paper's 3x3 sheets of landscapes: figure 3 (degree 6) and figure 4 (degree 8).
+
+Columns are sector angles, rows stiffness ratios.  The boundary depends on the column alone and is traced once for each;
+searches, boundaries and pictures are spread over processes.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from rich.table import Table
+from rich.text import Text
+
+from origami_nlp.chart.axes import angle_ticks, coordinate_label
+from origami_nlp.chart.boundary_lines import Boundary, trace_boundary
+from origami_nlp.errors import OptionError
+from origami_nlp.landscape.exact import ExactLandscape, exact_landscape
+from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
+from origami_nlp.minima.find import find_minima
+from origami_nlp.minima.plain import result_from_dict, result_to_dict
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.workers import worker_pool
+
+Progress = Callable[[int, int], None]
+"""Called as progress(tasks done, tasks in all)."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Which vertices a sheet shows: maker of scenes, and sector angles of the columns."""
+
+    make: Callable[[str, float], Scene]
+    alphas: tuple[str, ...]
+    ratios: tuple[float, ...] = examples.RATIOS
+
+    @property
+    def scenes(self) -> list[Scene]:
+        """The nine scenes, row by row."""
+        return [self.make(alpha, ratio) for ratio in self.ratios for alpha in self.alphas]
+
+
+SHEETS = {
+    "figure3": Sheet(examples.degree6, examples.DEGREE6_ALPHAS),
+    "figure4": Sheet(examples.degree8, examples.DEGREE8_ALPHAS),
+}
+STYLE = PanelStyle(star=9.5, line=0.75, text=7.5, numbers=False)
+
+
+def find_panels(
+    name: str,
+    *,
+    seed: int = 0,
+    size: int = 301,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> list[ExactLandscape]:
+    """Find, judge and map the nine panels of a sheet, row by row.
+
+    Parameters
+    ----------
+    name
+        ``"figure3"`` or ``"figure4"``.
+    seed
+        Of the random starts.
+    size
+        Cells along each coordinate of every landscape.
+    workers
+        Processes; 1 works in this one (scripts without a ``__main__`` guard must).  Default: one a core.
+
+    Raises
+    ------
+    OptionError
+        If there is no sheet of that name.
+    """
+    if name not in SHEETS:
+        raise OptionError(f"sheet = {name!r} must be one of {', '.join(SHEETS)}")
+    scenes = SHEETS[name].scenes
+    columns = len(SHEETS[name].alphas)
+    count = min(workers or os.cpu_count() or 1, len(scenes))
+    total, done = 2 * len(scenes) + columns, 0
+
+    def finished(_: Any = None) -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done, total)
+
+    if count == 1:
+        boundaries = []
+        for scene in scenes[:columns]:
+            boundaries.append(trace_boundary(scene))
+            finished()
+        panels = []
+        for k, scene in enumerate(scenes):
+            data = _search(scene, seed)
+            finished()
+            panels.append(_panel(data, boundaries[k % columns], size))
+            finished()
+        return panels
+    with worker_pool(count) as pool:
+        # longest first: the boundaries, then the searches; a panel as soon as both are there
+        traced = [_submit(pool, finished, trace_boundary, scene) for scene in scenes[:columns]]
+        searched = [_submit(pool, finished, _search, scene, seed) for scene in scenes]
+        waiting = []
+        for k, future in enumerate(searched):
+            parts = (future.result(), traced[k % columns].result(), size)
+            waiting.append(_submit(pool, finished, _panel_data, *parts))
+        return [
+            ExactLandscape(result_from_dict(search.result()), *panel.result())
+            for search, panel in zip(searched, waiting, strict=True)
+        ]
+
+
+def _submit(
+    pool: Executor, finished: Callable[[Any], None], what: Any, *arguments: Any
+) -> Future[Any]:
+    future = pool.submit(what, *arguments)
+    future.add_done_callback(finished)
+    return future
+
+
+def _search(scene: Scene, seed: int) -> dict[str, Any]:
+    """Minima with verdicts, as plain data that travels between processes."""
+    return result_to_dict(find_minima(scene, seed=seed, full=True))
+
+
+def _panel(data: dict[str, Any], boundary: Boundary, size: int) -> ExactLandscape:
+    return exact_landscape(result_from_dict(data), size, boundary=boundary)
+
+
+def _panel_data(data: dict[str, Any], boundary: Boundary, size: int) -> tuple[Any, ...]:
+    """All of a panel but its result, whose model does not travel."""
+    panel = _panel(data, boundary, size)
+    return panel.chart, panel.boundary, panel.regions, panel.places, panel.metastable
+
+
+def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
+    """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
+    sheet = SHEETS[name]
+    rows, columns = len(sheet.ratios), len(sheet.alphas)
+    width, height = 7.2, 7.2
+    side, bar, left, top = 1.78, 0.07, 0.72, 0.34
+    step_x, step_y = 2.2, 2.13
+    figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
+
+    def box(x: float, y: float, w: float, h: float) -> Any:
+        return figure.add_axes((x / width, 1 - (y + h) / height, w / width, h / height))
+
+    for k, panel in enumerate(panels):
+        row, column = divmod(k, columns)
+        x, y = left + column * step_x, top + row * step_y
+        axes = box(x, y, side, side)
+        branches = list(range(len(panel.chart.branches)))
+        image = draw_panel(axes, panel, branches, STYLE)
+        write_counts(axes, panel, branches, STYLE)
+        _ticks(axes, panel, bottom=row == rows - 1, first=column == 0)
+        _bar(box(x + side + 0.05, y + 0.08, bar, side - 0.16), image)
+        axes.text(
+            0.0, 1.02, f"({chr(97 + k)})", transform=axes.transAxes, fontsize=8, weight="bold"
+        )
+        if row == 0:
+            title = r"$\alpha_1 = " + _formula(sheet.alphas[column]) + "$"
+            axes.text(0.5, 1.065, title, transform=axes.transAxes, fontsize=10, ha="center")
+        if column == 0:
+            power = f"{sheet.ratios[row]:g}"
+            axes.text(
+                -0.345,
+                0.5,
+                rf"$r_k = {power}$",
+                transform=axes.transAxes,
+                fontsize=10,
+                rotation=90,
+                va="center",
+                ha="center",
+            )
+    figure.text(0.995, 1 - 0.12 / height, "energy U [J]", fontsize=7, ha="right", va="center")
+    entries = legend_of(panels, STYLE)
+    figure.legend(
+        handles=entries,
+        loc="lower center",
+        ncols=(len(entries) + 1) // 2,
+        fontsize=7,
+        frameon=False,
+        columnspacing=1.4,
+        handletextpad=0.5,
+        borderaxespad=0.3,
+    )
+    return figure
+
+
+def _formula(alpha: str) -> str:
+    return alpha.replace("*", "").replace("pi", r"\pi")
+
+
+def _ticks(axes: Any, panel: ExactLandscape, *, bottom: bool, first: bool) -> None:
+    """Angle ticks on every panel; names and numbers on the outer ones only."""
+    (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+    angle_ticks(axes.xaxis, x0, x1)
+    angle_ticks(axes.yaxis, y0, y1)
+    axes.tick_params(labelsize=7, length=2.5, pad=2, labelbottom=bottom, labelleft=first)
+    if bottom:
+        axes.set_xlabel(coordinate_label(panel.chart.coordinates[0]), fontsize=8, labelpad=1)
+    if first:
+        axes.set_ylabel(coordinate_label(panel.chart.coordinates[1]), fontsize=8, labelpad=0)
+
+
+def _bar(axes: Any, image: Any) -> None:
+    bar = axes.figure.colorbar(image, cax=axes)
+    bar.outline.set_linewidth(0.4)
+    bar.ax.yaxis.set_major_locator(MaxNLocator(4))
+    bar.ax.tick_params(labelsize=5.5, length=1.5, width=0.4, pad=1)
+
+
+def sheet_table(panels: list[ExactLandscape]) -> Table:
+    """Tabulate the panels: minima, those not ruled out (open) and stable in the full space, metastable length."""
+    table = Table(title=f"{len(panels)} panels", title_justify="left")
+    heads = ("scene", "N_sym", "open", "N_full", "metastable [rad]", "1-handles")
+    for head in heads:
+        left = head == "scene"
+        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
+    for panel in panels:
+        lines = panel.boundary.lines if panel.boundary else ()
+        length = sum(part.length for part in panel.metastable)
+        name = panel.result.scene.label
+        for long, short in (("degree ", "N = "), ("alpha_1 = ", ""), ("r_k = ", "")):
+            name = name.replace(long, short)
+        table.add_row(
+            name,
+            *("?" if n is None else str(n) for n in panel.counts),
+            f"{length:.2f}" if panel.metastable else "-",
+            str(sum(line.thin for line in lines)),
+        )
+    return table

@@ -1,0 +1,433 @@
+"""FOLD 1.x files: read as data, every frame in full, with a diagnosis of what is odd in them.
+
+A FOLD file holds a crease pattern or a folded form: vertices, edges with assignment (M, V, B, F, U, C, J),
+fold angles in degrees, valley positive.  We also read ``edges_origaminlp:stiffness`` [N m/rad] and
+``edges_origaminlp:restAngle`` [deg] (FOLD lets programs add keys with a namespace).  Vertices, edges and
+frames are numbered from 0, as in the file.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from origami_nlp.errors import FoldFileError
+from origami_nlp.files.reading import read_limited
+
+LARGEST = 50_000_000
+"""Bytes; the largest published crease patterns are a few MB."""
+MOST_ELEMENTS = 2_000_000
+"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
+NOISE = 1e-4
+"""Relative size of deviations from a plane, or of angle sums from 2 pi [rad], taken for noise in coordinates."""
+STIFFNESS_KEY = "edges_origaminlp:stiffness"
+REST_KEY = "edges_origaminlp:restAngle"
+FOLDS = "MVUF"
+"""Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
+_LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
+_READ = (
+    "vertices_coords",
+    "edges_vertices",
+    "faces_vertices",
+    "edges_assignment",
+    "edges_foldAngle",
+    *_LEGACY,
+    STIFFNESS_KEY,
+    REST_KEY,
+    "frame_classes",
+    "frame_title",
+    "file_title",
+)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame of a FOLD file, inherited keys included.
+
+    number: 0 for the file itself, then its ``file_frames``.
+    coords: [V, 3]; a flat crease pattern lies in the plane z = 0, seen from the side where valleys open.
+    folded: whether the coordinates are those of a folded form.
+    edges: [E, 2] vertices, each pair once; numbers: [E] their numbers in the file.
+    assignment: one letter an edge, ``?`` where none is given.
+    fold_angles, rest_angles: [E] [rad], stiffness: [E] [N m/rad]; NaN where not given.
+    faces: vertices of each face; empty where none are given.
+    conflicts: edges (positions in `edges`) that the file states twice in different ways.
+    notes: what is odd in the frame, one line each.
+    """
+
+    number: int
+    title: str
+    coords: np.ndarray = field(repr=False)
+    folded: bool
+    edges: np.ndarray = field(repr=False)
+    numbers: np.ndarray = field(repr=False)
+    assignment: tuple[str, ...] = field(repr=False)
+    fold_angles: np.ndarray = field(repr=False)
+    rest_angles: np.ndarray = field(repr=False)
+    stiffness: np.ndarray = field(repr=False)
+    faces: tuple[tuple[int, ...], ...] = field(repr=False)
+    conflicts: frozenset[int] = frozenset()
+    notes: tuple[str, ...] = ()
+
+
+def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
+    """Read every frame of a FOLD file that has geometry, or of standard input for ``"-"``.
+
+    frame: read only this one, numbered as in `Frame`, or the first with geometry.  Others are not looked at.
+
+    Raises
+    ------
+    FoldFileError
+        If the file cannot be read, is no JSON, an array is not what FOLD says it is, or there is no such frame.
+    """
+    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError), frame)
+
+
+def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
+    """Read every frame with geometry from the text of a FOLD file (see `read_fold`)."""
+
+    def refuse(constant: str) -> float:
+        raise FoldFileError(
+            f"FOLD file holds {constant}, which is no JSON number: write null or a number"
+        )
+
+    try:
+        data = json.loads(text, parse_constant=refuse)
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # JSONDecodeError and UnicodeDecodeError are ValueErrors
+        raise FoldFileError(f"FOLD file is not valid JSON: {str(error).splitlines()[0]}") from None
+    if not isinstance(data, Mapping):
+        raise FoldFileError(
+            "FOLD file must be a JSON object with vertices_coords, edges_vertices, ..."
+        )
+    raw = [data, *_list(data.get("file_frames", []), "file_frames")]
+    for number, one in enumerate(raw):
+        if not isinstance(one, Mapping):
+            raise FoldFileError(f"file_frames[{number - 1}] must be an object")
+    full = _inherited(raw)
+    there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
+    if not there:
+        raise FoldFileError("FOLD file has no frame with vertices_coords: no geometry to analyse")
+    if frame is not None:
+        wanted = there[:1] if frame == "first" else [frame] if frame in there else []
+        if not wanted:
+            some = ", ".join(map(str, there[:12])) + (", ..." if len(there) > 12 else "")
+            raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
+    else:
+        wanted = there
+        _check_total([full[number] for number in there])
+    return tuple(_frame(full[number], number) for number in wanted)
+
+
+def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
+    """Return the keys of every frame with those of its parents, as far as they are read."""
+    full: list[dict[str, Any] | None] = [None] * len(raw)
+    for number in range(len(raw)):
+        chain = {}  # from a frame up to one whose keys are known
+        here: int | None = number
+        while here is not None and full[here] is None:
+            parent = None
+            if here and raw[here].get("frame_inherit") is True:
+                parent = raw[here].get("frame_parent", 0)
+                if not _is_index(parent, len(raw)) or parent in chain or parent == here:
+                    raise FoldFileError(
+                        f"file_frames[{here - 1}].frame_parent = {_short(parent)} must be another frame, "
+                        f"0 to {len(raw) - 1}"
+                    )
+            chain[here] = parent
+            here = parent
+        for one, parent in reversed(chain.items()):
+            own = {key: raw[one][key] for key in _READ if key in raw[one]}
+            full[one] = {**(full[parent] or {}), **own} if parent is not None else own
+    return [keys or {} for keys in full]
+
+
+def _check_total(frames: list[dict[str, Any]]) -> None:
+    """Refuse frames that inherit so much that a small file becomes a day of work."""
+    total = sum(
+        len(keys[key])
+        for keys in frames
+        for key in ("vertices_coords", "edges_vertices")
+        if isinstance(keys.get(key), list)
+    )
+    if len(frames) > 1 and total > MOST_ELEMENTS:
+        raise FoldFileError(
+            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
+            f"{MOST_ELEMENTS}: choose one with --frame"
+        )
+
+
+def _frame(data: dict[str, Any], number: int) -> Frame:
+    notes: list[str] = []
+    legacy = []
+    for old, new in _LEGACY.items():
+        if old in data and new in data:
+            notes.append(f"{old}: left out, since {new} is given too")
+        elif old in data:
+            data[new] = data[old]
+            legacy.append(old)
+            notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
+    coords, wide = _coords(data["vertices_coords"])
+    count = len(coords)
+    faces = _faces(data.get("faces_vertices"), count)
+    pairs = _edges(data.get("edges_vertices"), faces, count, notes)
+    m = len(pairs)
+    letters = _assignment(data.get("edges_assignment"), m)
+    angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
+    if not _in_radians(angles, "edges_foldAngles" in legacy, notes):
+        angles = np.radians(angles)
+    rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
+    stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
+    for key, values, good, what in (
+        ("edges_foldAngle", angles, np.abs(angles) <= math.pi * (1 + 1e-9), "within [-180, 180]"),
+        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + 1e-9), "within [-180, 180]"),
+        (STIFFNESS_KEY, stiffness, stiffness > 0, "positive"),
+    ):
+        wrong = np.flatnonzero(~good & ~np.isnan(values))
+        if wrong.size:
+            shown = values[wrong[0]] if key == STIFFNESS_KEY else math.degrees(values[wrong[0]])
+            raise FoldFileError(f"{key}[{wrong[0]}] = {shown:.6g} must be {what}, or null")
+    keep, conflicts = _once(pairs, letters, angles, notes)
+    place = {int(e): k for k, e in enumerate(keep)}
+    _compare(letters, angles, notes)
+    classes = data.get("frame_classes", [])
+    folded = isinstance(classes, list) and "foldedForm" in classes
+    if wide:
+        coords, folded = _flattened(coords, faces, folded, notes)
+    title = data.get("frame_title", data.get("file_title", ""))
+    return Frame(
+        number,
+        title.encode(errors="replace").decode() if isinstance(title, str) else "",
+        coords,
+        folded,
+        pairs[keep],
+        keep,
+        tuple(letters[k] for k in keep),
+        angles[keep],
+        rest[keep],
+        stiffness[keep],
+        faces,
+        frozenset(place[k] for k in conflicts),
+        tuple(notes),
+    )
+
+
+# ---------------------------------------------------------------- arrays, each checked
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _list(value: object, name: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise FoldFileError(f"{name} = {_short(value)} must be an array")
+    return value
+
+
+def _is_index(value: object, count: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
+
+
+def _number(value: object, name: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise FoldFileError(f"{name} = {_short(value)} must be a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise FoldFileError(f"{name} = {_short(value)} must be finite")
+    return number
+
+
+def _coords(value: object) -> tuple[np.ndarray, bool]:
+    """Return coordinates [V, 3], and whether the file gives three of them."""
+    rows = _list(value, "vertices_coords")
+    out = np.zeros((len(rows), 3))
+    wide = False
+    for i, row in enumerate(rows):
+        if not isinstance(row, list) or len(row) not in (2, 3):
+            raise FoldFileError(f"vertices_coords[{i}] = {_short(row)} must be [x, y] or [x, y, z]")
+        wide |= len(row) == 3
+        out[i, : len(row)] = [_number(v, f"vertices_coords[{i}]") for v in row]
+    if not len(out):
+        raise FoldFileError("vertices_coords is empty: no geometry to analyse")
+    if np.abs(out).max() > 1e100:
+        raise FoldFileError("vertices_coords exceed 1e100: rescale the pattern")
+    return out, wide
+
+
+def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
+    faces = []
+    for f, row in enumerate(_list(value, "faces_vertices") if value is not None else []):
+        if not isinstance(row, list) or len(row) < 3 or not all(_is_index(v, count) for v in row):
+            raise FoldFileError(
+                f"faces_vertices[{f}] = {_short(row)} must be three or more vertices, 0 to {count - 1}"
+            )
+        faces.append(tuple(row))
+    return tuple(faces)
+
+
+def _edges(
+    value: object, faces: tuple[tuple[int, ...], ...], count: int, notes: list[str]
+) -> np.ndarray:
+    if value is None:
+        sides = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
+        if not sides:
+            raise FoldFileError("edges_vertices is missing: a vertex needs its creases")
+        notes.append("edges_vertices is missing: edges are the sides of the faces, all unassigned")
+        return np.array(sorted(sides))
+    pairs = _list(value, "edges_vertices")
+    for e, pair in enumerate(pairs):
+        if (
+            not isinstance(pair, list)
+            or len(pair) != 2
+            or not all(_is_index(v, count) for v in pair)
+        ):
+            raise FoldFileError(
+                f"edges_vertices[{e}] = {_short(pair)} must be two vertices, 0 to {count - 1}"
+            )
+        if pair[0] == pair[1]:
+            raise FoldFileError(f"edges_vertices[{e}] = {pair} joins a vertex to itself")
+    return np.array(pairs, dtype=int).reshape(-1, 2)
+
+
+def _assignment(value: object, count: int) -> list[str]:
+    if value is None:
+        return ["?"] * count
+    letters = _list(value, "edges_assignment")
+    _same_length(letters, "edges_assignment", count)
+    out = []
+    for e, letter in enumerate(letters):
+        if letter is None:
+            out.append("?")
+        elif isinstance(letter, str) and len(letter) == 1 and letter.upper() in "MVBFUCJ":
+            out.append(letter.upper())
+        else:
+            raise FoldFileError(
+                f"edges_assignment[{e}] = {_short(letter)} must be one of M, V, B, F, U, C, J"
+            )
+    return out
+
+
+def _numbers(value: object, name: str, count: int) -> np.ndarray:
+    if value is None:
+        return np.full(count, math.nan)
+    values = _list(value, name)
+    _same_length(values, name, count)
+    return np.array(
+        [math.nan if v is None else _number(v, f"{name}[{e}]") for e, v in enumerate(values)]
+    )
+
+
+def _same_length(values: list[Any], name: str, count: int) -> None:
+    if len(values) != count:
+        raise FoldFileError(
+            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
+        )
+
+
+# ---------------------------------------------------------------- diagnosis
+
+
+def _once(
+    pairs: np.ndarray, letters: list[str], angles: np.ndarray, notes: list[str]
+) -> tuple[np.ndarray, list[int]]:
+    """Return the edges to keep, each pair of vertices once, and which of them conflict with a copy."""
+    first: dict[tuple[int, int], int] = {}
+    keep, conflicts = [], []
+    for e, (a, b) in enumerate(np.sort(pairs, axis=1).tolist()):
+        if (a, b) not in first:
+            first[a, b] = e
+            keep.append(e)
+            continue
+        k = first[a, b]
+        same = letters[k] == letters[e] and (
+            angles[k] == angles[e] or (math.isnan(angles[k]) and math.isnan(angles[e]))
+        )
+        if same:
+            notes.append(f"edges {k} and {e} are the same line {a}-{b}: the second is left out")
+        else:
+            conflicts.append(k)
+            notes.append(
+                f"edges {k} ({letters[k]}) and {e} ({letters[e]}) are the same line {a}-{b} with "
+                "conflicting assignments or fold angles"
+            )
+    return np.array(keep, dtype=int), conflicts
+
+
+def _compare(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
+    """Note fold angles whose sign is not that of the assignment."""
+    wrong = [
+        e
+        for e, (letter, angle) in enumerate(zip(letters, angles, strict=True))
+        if (letter == "M" and angle > 0) or (letter == "V" and angle < 0)
+    ]
+    if wrong:
+        notes.append(
+            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
+            "the angle is used"
+        )
+
+
+def _in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
+    """Tell whether fold angles are radians.  FOLD says degrees, under both names; under the old one programs wrote
+    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make."""
+    largest = float(np.nanmax(np.abs(angles), initial=0.0))
+    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
+        notes.append(
+            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
+        )
+        return True
+    if abs(largest - math.pi) < 1e-3:
+        notes.append(
+            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
+        )
+    return False
+
+
+def listed(items: list[int], most: int = 8) -> str:
+    """Write the first numbers, and how many there are."""
+    shown = ", ".join(str(i) for i in items[:most])
+    return shown + (f", ... ({len(items)})" if len(items) > most else "")
+
+
+def _flattened(
+    coords: np.ndarray, faces: tuple[tuple[int, ...], ...], folded: bool, notes: list[str]
+) -> tuple[np.ndarray, bool]:
+    """Lay a crease pattern given in space into the plane z = 0; coordinates in no plane are folded."""
+    middle = coords.mean(axis=0)
+    _, extent, axes = np.linalg.svd(coords - middle, full_matrices=False)
+    if len(extent) == 3 and extent[2] > NOISE * max(extent[0], 1e-300):
+        if not folded:
+            notes.append("coordinates lie in no plane: read as a folded form")
+        return coords, True
+    if folded:
+        return coords, True
+    normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
+    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
+    sides = sides.reshape(-1, 2)
+    area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
+    up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
+    if (
+        normal @ up < 0
+    ):  # faces counter-clockwise as seen from above; without faces from +z (or +y, +x)
+        normal = -normal
+    x = axes[0] - (axes[0] @ normal) * normal
+    x /= np.linalg.norm(x)
+    if np.abs(normal - [0, 0, 1]).max() < NOISE:  # already flat: keep its axes
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    else:
+        y = np.cross(normal, x)
+    flat = np.stack([(coords - middle) @ x, (coords - middle) @ y, np.zeros(len(coords))], axis=1)
+    return flat, False

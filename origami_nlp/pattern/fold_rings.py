@@ -1,0 +1,147 @@
+"""Which vertices of a FOLD frame are interior, and what follows what around each: linear in the size of the frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from origami_nlp.pattern.fold_file import FOLDS, Frame, listed
+
+
+class Rings:
+    """Which vertices are interior, and the edges and facets around each, counter-clockwise.
+
+    edge[v], next[v]: of each neighbour of vertex v the edge to it, and the neighbour after it.
+    """
+
+    def __init__(self, frame: Frame, turned: bool = False) -> None:
+        self.frame = frame
+        self.turned = turned
+        self.edge: list[dict[int, int]] = [{} for _ in frame.coords]
+        for e, (a, b) in enumerate(frame.edges.tolist()):
+            self.edge[a][b] = self.edge[b][a] = e
+        self.notes: tuple[str, ...] = ()
+        self.next: list[dict[int, int]] = [{} for _ in frame.coords]
+        border = self._by_faces() if frame.folded else self._by_azimuth()
+        cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
+        outside = {int(v) for e in border | cut for v in frame.edges[e]}
+        drawn = sorted(border - cut)
+        open_ends = "" if frame.folded else self._open_ends(border, cut)
+        if open_ends:
+            self.notes = (*self.notes, open_ends)
+        elif drawn:
+            shown = listed([int(frame.numbers[e]) for e in drawn])
+            self.notes = (
+                *self.notes,
+                f"edges {shown} lie on the border but are drawn as folds: read as borders",
+            )
+        self.interior = {v for v, n in enumerate(self.edge) if n and v not in outside}
+
+    def around(self, v: int) -> tuple[list[int], str]:
+        """Return the neighbours of v counter-clockwise, and why they do not close up (or '')."""
+        after = self.next[v]
+        if not after:
+            return [], "no face of the file touches it: a folded form needs faces_vertices"
+        start = min(after)
+        ring, here = {start: None}, after[start]  # a dictionary keeps their order
+        while here != start:
+            if here in ring or here not in after:
+                return list(ring), "the faces around it do not close up"
+            ring[here] = None
+            here = after[here]
+        return list(ring), ""
+
+    def _by_azimuth(self) -> set[int]:
+        """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
+        xy = self.frame.coords[:, :2]
+        tail = np.repeat(np.arange(len(xy)), [len(near) for near in self.edge])
+        head = np.array([b for near in self.edge for b in near], dtype=int)
+        d = xy[head] - xy[tail]
+        turn = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))  # stable: by vertex, then azimuth
+        order, begin = head[turn].tolist(), 0
+        for v, near in enumerate(self.edge):
+            others = order[begin : begin + len(near)]
+            self.next[v] = dict(zip(others, others[1:] + others[:1], strict=True))
+            begin += len(near)
+        # walk around every face, keeping it on the left; the outer face of a piece has a negative area
+        before = [{b: a for a, b in after.items()} for after in self.next]
+        border: set[int] = set()
+        seen: set[tuple[int, int]] = set()
+        area_of = (xy[tail, 0] * xy[head, 1] - xy[head, 0] * xy[tail, 1]).tolist()
+        swept = dict(zip(zip(tail.tolist(), head.tolist(), strict=True), area_of, strict=True))
+        for first in swept:
+            walk, area, sides = first, 0.0, []
+            while walk not in seen:
+                seen.add(walk)
+                a, b = walk
+                area += swept[walk]
+                sides.append(self.edge[a][b])
+                walk = (b, before[b][a])
+            if area <= 0:
+                border |= set(sides)
+        return border
+
+    def _open_ends(self, border: set[int], cut: set[int]) -> str:
+        """Say what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
+        of = self.frame.edges.tolist()
+        at = {v for e in border for v in of[e]}
+        ends = sorted(v for v in at if len(self.edge[v]) == 1)
+        lost = [
+            v
+            for v in sorted(at - {v for e in cut for v in of[e]})
+            if sum(self.frame.assignment[e] in FOLDS + "?" for e in self.edge[v].values()) >= 3
+        ]
+        if not (ends and lost):
+            return ""
+        return (
+            f"creases end in the open (vertices {listed(ends)}), so vertices {listed(lost)} do not count as "
+            'interior: add the outline of the paper, edges with assignment "B" that join the ends'
+        )
+
+    def _by_faces(self) -> set[int]:
+        """Order by faces; edges with one face only are the border."""
+        sides = np.zeros(len(self.frame.edges), dtype=int)
+        missing, twisted = set(), False
+        for face in self._oriented():
+            n = len(face)
+            for i, v in enumerate(face):
+                after, before = face[(i + 1) % n], face[i - 1]
+                twisted |= after in self.next[v]
+                self.next[v][after] = before
+                if after in self.edge[v]:
+                    sides[self.edge[v][after]] += 1
+                else:
+                    missing.add((v, after))
+        if missing:
+            self.notes = (*self.notes, f"{len(missing)} sides of faces are no edges of the file")
+        if twisted:
+            self.notes = (*self.notes, "some faces overlap at a vertex or cannot be oriented alike")
+        return set(np.flatnonzero(sides < 2).tolist())
+
+    def _oriented(self) -> list[tuple[int, ...]]:
+        """Turn faces so that neighbours run along a common side in opposite directions."""
+        faces = [f[::-1] if self.turned else f for f in self.frame.faces]
+        at: dict[frozenset[int], list[int]] = {}
+        for f, face in enumerate(faces):
+            for i in range(len(face)):
+                at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
+        done: set[int] = set()
+        against = 0
+        for seed in range(len(faces)):
+            queue = [seed] if seed not in done else []
+            done.add(seed)
+            while queue:
+                f = queue.pop()
+                along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
+                for a, b in along:
+                    # once crossed, all that share a side are done
+                    for g in at.pop(frozenset((a, b)), ()):
+                        if g in done:
+                            continue
+                        done.add(g)
+                        queue.append(g)
+                        if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
+                            faces[g] = faces[g][::-1]
+                            against += 1
+        if against:
+            self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
+        return faces

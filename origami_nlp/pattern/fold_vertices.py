@@ -1,0 +1,341 @@
+"""Interior vertices of a FOLD frame: sector angles, fold angles, flat-foldability, and each as a scene.
+
+Around a vertex the facets follow each other counter-clockwise: by azimuth in a flat crease pattern, by its
+faces in a folded form.  There the fold angle of a crease is the angle from the normal of the facet before it
+to the normal of the facet after it, about the crease, which is positive for a valley.  Facets joined by an
+edge that is no crease (J, or F) are one facet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.arguments import check_number, check_type, check_whole, shown
+from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.pattern.fold_file import FOLDS, NOISE, Frame
+from origami_nlp.pattern.fold_rings import Rings
+from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.vertex import Vertex
+
+CLOSED = 1e-6
+"""Folded facets whose normals are opposite to this [rad] are shut: the file says to which side."""
+APART = math.radians(1.0)
+"""Measured and stated fold angles [rad] that differ by more are worth a word."""
+NOISY = 1e-4
+"""Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
+
+
+@dataclass(frozen=True)
+class FoldVertex:
+    """One vertex of a frame.
+
+    number: in the file, from 0.
+    edges: numbers in the file of its creases, counter-clockwise.
+    sector_angles: [N] [rad], from crease to crease.  assignment: a letter a crease.
+    fold_angles: [N] [rad] measured on a folded form, or `file_angles` of a crease pattern.
+    file_angles: [N] [rad] edges_foldAngle of the file: targets, or the folded state; NaN where not given.
+    kawasaki: |alternating sum of the sector angles| [rad], None for an odd degree.
+    maekawa: |mountains - valleys| - 2, None unless every crease is one or the other.
+    reason: why it cannot be analysed; empty if it can.
+    notes: what was assumed.
+    """
+
+    number: int
+    edges: tuple[int, ...]
+    sector_angles: tuple[float, ...]
+    assignment: str
+    fold_angles: tuple[float, ...]
+    file_angles: tuple[float, ...]
+    kawasaki: float | None
+    maekawa: int | None
+    reason: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def degree(self) -> int:
+        """Number of creases."""
+        return len(self.edges)
+
+
+def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
+    """Return every interior vertex of `frame` at which two or more creases meet, and notes on its border.
+
+    Raises
+    ------
+    OptionError
+        If `frame` is none of `read_fold`.
+    """
+    check_type("frame", frame, Frame)
+    found, notes = _look(frame, turned=False)
+    if (
+        frame.folded
+    ):  # which side valleys open to is a matter of how the faces run; the assignments decide
+        votes = sum(
+            {"M": -1, "V": 1}.get(letter, _sign(stated)) * math.copysign(1.0, angle)
+            for v in found
+            for letter, angle, stated in zip(
+                v.assignment, v.fold_angles, v.file_angles, strict=True
+            )
+            if CLOSED < abs(angle) < math.pi
+        )
+        if votes < 0:
+            found, notes = _look(frame, turned=True)
+            notes = (*notes, "faces run the other way round than the assignments say: turned over")
+    return found, notes
+
+
+def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
+    ring = Rings(frame, turned)
+    found = []
+    for v in range(len(frame.coords)):
+        if v in ring.interior:
+            vertex = _analyse(frame, v, *ring.around(v), ring.edge[v])
+            if vertex is not None:
+                found.append(vertex)
+    return tuple(found), ring.notes
+
+
+def scene_at(
+    frame: Frame,
+    number: int,
+    *,
+    symmetry: str = "auto",
+    contact: Contact = "full",
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_angles: Literal["file", "measured"] | None = None,
+) -> Scene:
+    """Make a scene of interior vertex `number` (from 0, as in the file).
+
+    Parameters
+    ----------
+    stiffness
+        Of creases for which the file gives none [N m/rad].
+    rest_angle
+        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
+        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
+    rest_angles
+        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
+        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
+        file has none.
+
+    Raises
+    ------
+    FoldFileError
+        If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
+    """
+    check_type("frame", frame, Frame)
+    check_whole("number", number, 0)
+    check_number("stiffness", stiffness)
+    check_number("rest_angle", rest_angle, 0.0, math.pi)
+    if rest_angles not in (None, "file", "measured"):
+        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
+    if rest_angles == "measured" and not frame.folded:
+        raise FoldFileError(
+            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
+        )
+    vertices, notes = fold_vertices(frame)
+    here = [v for v in vertices if v.number == number]
+    if not here:
+        some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
+        raise FoldFileError(
+            f"--vertex {shown(number)} is no interior vertex with creases in frame {frame.number}: "
+            f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
+            + ("" if vertices else "".join(f"; {note}" for note in notes))
+        )
+    v = here[0]
+    if v.reason:
+        raise FoldFileError(f"vertex {number} cannot be analysed: {v.reason}")
+    position = {int(e): k for k, e in enumerate(frame.numbers)}
+    at = [position[e] for e in v.edges]
+    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
+    sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
+    measured, letters = v.fold_angles, sign * rest_angle
+    choices = {
+        "file": (frame.rest_angles[at], v.file_angles, letters),
+        "measured": (measured,),
+        None: (frame.rest_angles[at], v.file_angles, measured, letters),
+    }
+    rest = np.full(v.degree, math.nan)
+    for choice in choices[rest_angles]:
+        rest = np.where(np.isnan(rest), choice, rest)
+    return Scene(
+        make_vertex(v.sector_angles),
+        tuple(k.tolist()),
+        tuple(np.clip(rest, -math.pi, math.pi).tolist()),
+        symmetry,
+        contact,
+        name=f"{frame.title or 'FOLD'}, vertex {number}",
+        symmetry_tolerance=NOISY,
+    )
+
+
+def make_vertex(sectors: tuple[float, ...]) -> Vertex:
+    """Make a vertex; an angle sum that is 2 pi but for noise is 2 pi."""
+    total = math.fsum(sectors)
+    if abs(total - 2 * math.pi) > NOISE * len(sectors):
+        return Vertex(sectors, flat=False)
+    return Vertex(tuple(a * (2 * math.pi / total) for a in sectors))
+
+
+def _sign(angle: float) -> float:
+    return 0.0 if math.isnan(angle) or angle == 0 else math.copysign(1.0, angle)
+
+
+# ---------------------------------------------------------------- one vertex
+
+
+def _analyse(
+    frame: Frame, v: int, ring: list[int], broken: str, edge: dict[int, int]
+) -> FoldVertex | None:
+    """Measure the vertex whose neighbours `ring`, by edges `edge`, follow each other counter-clockwise."""
+    letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
+    creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
+    if not creases:
+        return None
+    notes = []
+    d = frame.coords[ring] - frame.coords[v]
+    length = np.linalg.norm(d, axis=1)
+    if not length.all():
+        return _refused(frame, v, creases, edge, "an edge has no length")
+    d = d / length[:, None]
+    following = np.roll(d, -1, axis=0)
+    normals = np.cross(d, following)
+    sectors = np.arctan2(np.linalg.norm(normals, axis=1), np.einsum("ij,ij->i", d, following))
+    if not frame.folded:
+        azimuth = np.arctan2(d[:, 1], d[:, 0])
+        sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
+        if len(ring) == 1:
+            sectors = np.array([2 * math.pi])
+    # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
+    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
+    keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
+    merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
+    if len(keep) < len(creases):
+        if len(keep) < 3 or merged.max() >= math.pi - 1e-9:
+            keep = folds
+            merged = _merge(sectors, keep)
+            notes.append(
+                "F edges are kept as creases: without them a facet would span 180 degrees or more"
+            )
+        else:
+            notes.append("facets joined by F edges are one facet")
+    if any(a == "J" for a in letters.values()):
+        notes.append("facets joined by J edges are one facet")
+    names = [ring[k] for k in keep]
+    at = [edge[w] for w in names]
+    phi = stated = frame.fold_angles[at]
+    if frame.folded and not broken:
+        phi, unsure = _measured(d, normals, keep, frame, at)
+        if unsure:
+            notes.append("a shut crease without assignment or fold angle: taken for a valley")
+        notes += _compare(frame, at, phi)
+    reason = broken or _why_not(frame, at, merged)
+    if not reason:
+        try:
+            vertex = make_vertex(tuple(merged.tolist()))
+            if not vertex.flat:
+                notes.append(
+                    f"sector angles sum to 360 {math.degrees(vertex.excess):+.4g} degrees: not flat"
+                )
+        except OrigamiError as error:
+            reason = str(error)
+    signs = "".join(frame.assignment[e] for e in at)
+    n = len(at)
+    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else None
+    both = signs.count("M") + signs.count("V") == n
+    maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
+    return FoldVertex(
+        v,
+        tuple(int(frame.numbers[e]) for e in at),
+        tuple(merged.tolist()),
+        signs,
+        tuple(phi.tolist()),
+        tuple(stated.tolist()),
+        alternating,
+        maekawa,
+        reason,
+        tuple(notes),
+    )
+
+
+def _is_sprung(frame: Frame, edge: int) -> bool:
+    return not (np.isnan(frame.stiffness[edge]) and np.isnan(frame.rest_angles[edge]))
+
+
+def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
+    """Sum sectors from one kept ray to the next."""
+    rolled = np.roll(sectors, -keep[0])
+    return np.add.reduceat(rolled, [k - keep[0] for k in keep])
+
+
+def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
+    clash = [int(frame.numbers[e]) for e in at if e in frame.conflicts]
+    if clash:
+        return f"edge {clash[0]} has conflicting assignments: keep one of the copies"
+    if len(at) < 3:
+        return f"{len(at)} crease{'s' if len(at) > 1 else ''}: a vertex needs at least 3"
+    if sectors.max() >= math.pi - 1e-12:
+        facet = int(sectors.argmax())
+        return (
+            f"the facet after edge {int(frame.numbers[at[facet]])} spans "
+            f"{math.degrees(sectors.max()):.6g} degrees: split it with a crease (F) below 180"
+        )
+    return ""
+
+
+def _refused(
+    frame: Frame, v: int, creases: list[int], edge: dict[int, int], why: str
+) -> FoldVertex:
+    at = [edge[w] for w in creases]
+    nan = (math.nan,) * len(at)
+    signs = "".join(frame.assignment[e] for e in at)
+    stated = tuple(frame.fold_angles[at].tolist())
+    return FoldVertex(
+        v, tuple(int(frame.numbers[e]) for e in at), nan, signs, nan, stated, None, None, why
+    )
+
+
+def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
+    """Say where the angles of a folded form are not those that its file states."""
+    stated = frame.fold_angles[at]
+    apart = np.nan_to_num(np.abs(phi - stated))
+    if apart.max() > APART:
+        k = int(apart.argmax())
+        return [
+            f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
+            f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
+            "file): rest angles are those of the file, or with --rest-angles measured the others"
+        ]
+    letters = {frame.assignment[e] for e in at}
+    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
+    if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
+        return [
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-angles file those of M "
+            "and V"
+        ]
+    return []
+
+
+def _measured(
+    d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
+) -> tuple[np.ndarray, bool]:
+    """Fold angles from the facets' normals; where a crease is shut the file says to which side."""
+    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    phi, unsure = [], False
+    for k, e in zip(keep, at, strict=True):
+        before, after = unit[k - 1], unit[k]
+        angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
+        if math.pi - abs(angle) < CLOSED:
+            given = frame.fold_angles[e]
+            sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
+            if not math.isnan(given) and given:
+                sign = math.copysign(1.0, given)
+            unsure |= sign == 0.0
+            angle = math.copysign(math.pi, sign or 1.0)
+        phi.append(angle)
+    return np.array(phi), unsure

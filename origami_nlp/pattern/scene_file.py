@@ -1,0 +1,150 @@
+"""Scenes as TOML files: read with every mistake named, written so that reading gives the same
+scene.
+
+The file is data: text angles go through `state.angles.parse_angle`, nothing is evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from origami_nlp.arguments import check_type, shown
+from origami_nlp.errors import SceneFileError
+from origami_nlp.files.reading import parse_toml, read_limited
+from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.symmetry import TOLERANCE
+from origami_nlp.pattern.vertex import Vertex
+
+_KEYS: dict[str, tuple[str, ...]] = {
+    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
+    "creases": ("stiffness", "rest_angles", "rest_angles_deg"),
+    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance"),
+}
+_LARGEST = 1_000_000  # bytes; a scene is a few hundred
+
+
+def read_scene(source: str | Path) -> Scene:
+    """Read a scene from a TOML file, or from standard input for ``"-"``.
+
+    Raises
+    ------
+    SceneFileError
+        If the file cannot be read or is no TOML; other `OrigamiError` for what it says.
+    """
+    raw = read_limited(source, _LARGEST, "scene", SceneFileError)
+    try:
+        return parse_scene(raw.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise SceneFileError(f"scene {str(source)!r} is not UTF-8 text: {error.reason}") from None
+
+
+def parse_scene(text: str) -> Scene:
+    """Read a scene from TOML text."""
+    if not isinstance(text, str):
+        raise SceneFileError(f"text = {shown(text)} must be the text of a scene file")
+    return scene_from_dict(parse_toml(text, "scene", SceneFileError))
+
+
+def scene_from_dict(data: Mapping[str, Any]) -> Scene:
+    """Make a scene from the tables of a scene file (also the ``scene`` entry of our JSON).
+
+    Raises
+    ------
+    SceneFileError
+        For an unknown, missing or doubly given key; other `OrigamiError` for bad values.
+    """
+    for table, content in data.items():
+        if table not in _KEYS:
+            raise SceneFileError(f"unknown table [{table}]: a scene has {_listed(_KEYS)}")
+        if not isinstance(content, Mapping):
+            raise SceneFileError(f"{table} = {content!r} must be a table: write [{table}]")
+        for key in content:
+            if key not in _KEYS[table]:
+                raise SceneFileError(
+                    f"unknown key {key!r} in [{table}]: it takes {_listed(_KEYS[table])}"
+                )
+    vertex, creases = dict(data.get("vertex", {})), dict(data.get("creases", {}))
+    flat = vertex.pop("flat", True)
+    given = _one_of(vertex, "vertex", ("sector_angles", "sector_angles_deg", "directions"))
+    value = vertex[given]
+    if given == "directions":
+        if flat is not True:
+            raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
+        the_vertex = Vertex.from_directions(value)
+    elif given == "sector_angles_deg":
+        the_vertex = Vertex.from_degrees(value, flat)
+    else:
+        the_vertex = Vertex(value, flat)
+    rest_key = _one_of(creases, "creases", ("rest_angles", "rest_angles_deg"))
+    rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
+    if "stiffness" not in creases:
+        raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
+    return Scene(the_vertex, creases["stiffness"], rest, **dict(data.get("model", {})))
+
+
+def scene_to_dict(scene: Scene) -> dict[str, Any]:
+    """Write a scene as plain tables; `scene_from_dict` gives the same scene back."""
+    check_type("scene", scene, Scene)
+    model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
+    if scene.mirror is not None:
+        model["mirror"] = scene.mirror
+    if scene.name is not None:
+        model["name"] = scene.name
+    if scene.symmetry_tolerance != TOLERANCE:
+        model["symmetry_tolerance"] = scene.symmetry_tolerance
+    vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
+    if not scene.vertex.flat:
+        vertex["flat"] = False
+    return {
+        "vertex": vertex,
+        "creases": {
+            "stiffness": list(scene.stiffness),
+            "rest_angles": [_exact(a) for a in scene.rest_angles],
+        },
+        "model": model,
+    }
+
+
+def format_scene(scene: Scene) -> str:
+    """Write a scene as TOML text; `parse_scene` gives the same scene back."""
+    lines = []
+    for table, content in scene_to_dict(scene).items():
+        lines.append(f"[{table}]")
+        lines += [f"{key} = {_toml(value)}" for key, value in content.items()]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _exact(angle: float) -> str | float:
+    """Write a multiple of pi as text where it reads back to the very same number."""
+    text = format_angle(angle)
+    return text if "pi" in text and parse_angles([text], "")[0] == angle else angle
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_toml(v) for v in value) + "]"
+    if isinstance(value, str):
+        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
+        escaped = "".join(
+            f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c for c in escaped
+        )
+        return f'"{escaped}"'
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value)
+
+
+def _one_of(table: Mapping[str, Any], name: str, keys: tuple[str, ...]) -> str:
+    given = [key for key in keys if key in table]
+    if len(given) != 1:
+        found = f"found {_listed(given)}" if given else "found none"
+        raise SceneFileError(f"[{name}] needs exactly one of {_listed(keys)}: {found}")
+    return given[0]
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(str(name) for name in names)

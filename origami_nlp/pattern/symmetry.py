@@ -1,0 +1,227 @@
+"""Which rotations and mirrors of the flat sheet map creases, stiffness and rest angles to
+themselves.
+
+The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From
+a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
+between two neighbouring mirrors, whose rays may be creases or run through the middle of a facet.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import SymmetryError
+from origami_nlp.pattern.vertex import Vertex
+
+Elements = tuple[tuple[int, bool], ...]
+"""Symmetries as (s, mirrored): crease i (0-based) goes to i + s, or to s - i if mirrored."""
+
+TOLERANCE = 1e-9
+"""Angles [rad] and relative stiffnesses that differ by less are taken for equal."""
+
+
+@dataclass(frozen=True)
+class Ray:
+    """A direction of the flat sheet at the boundary of, or inside, the modelled piece.
+
+    crease: 0-based crease on the ray, or None where a mirror runs through a facet.
+    sector: angle [rad] from this ray to the next one of the piece.
+    """
+
+    crease: int | None
+    sector: float
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A point group and the piece of the vertex that generates the rest.
+
+    Attributes
+    ----------
+    kind
+        ``"C"`` or ``"D"``; C with order 1 is no symmetry.
+    order
+        n of C_n or D_n.
+    rays
+        The piece, counter-clockwise.  For D_n the rays of a wedge of angle pi/n, both mirror rays
+        included; for C_n the creases of one period of angle 2 pi/n (more or less in the unrolled sheet of a
+        vertex that is not flat).
+    orbit
+        For each crease, the position in `rays` of the crease that it is an image of.
+    elements
+        Every element as (s, mirrored): it sends crease i (0-based) to i + s, or to s - i if mirrored.
+    """
+
+    kind: str
+    order: int
+    rays: tuple[Ray, ...]
+    orbit: tuple[int, ...]
+    elements: Elements = ((0, False),)
+
+    @property
+    def name(self) -> str:
+        """``"none"``, ``"C2"``, ``"D1"`` and so on."""
+        return "none" if self.is_trivial else f"{self.kind}{self.order}"
+
+    @property
+    def is_trivial(self) -> bool:
+        """Whether the group is only the identity."""
+        return self.kind == "C" and self.order == 1
+
+
+def find_symmetry(
+    vertex: Vertex,
+    stiffness: Sequence[float],
+    rest_angles: Sequence[float],
+    wanted: str = "auto",
+    mirror: int | None = None,
+    tolerance: float = TOLERANCE,
+) -> Symmetry:
+    """Find the piece of the vertex for the symmetry `wanted`, or for the largest one (``"auto"``).
+
+    Raises
+    ------
+    SymmetryError
+        If `wanted` is no group, or geometry and mechanics do not share it.
+    """
+    shifts, mirrors = shared_symmetries(vertex, stiffness, rest_angles, tolerance)
+    kind, order = _parse(wanted)
+    if kind == "auto":
+        kind, order = ("D", len(shifts)) if mirrors else ("C", len(shifts))
+    largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
+    if kind == "C":
+        if mirror is not None:
+            raise SymmetryError(
+                f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
+            )
+        if len(shifts) % order:
+            raise SymmetryError(
+                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
+                f"the largest common group is {largest}"
+            )
+        return _period(vertex, order)
+    if len(shifts) % order or not mirrors:
+        raise SymmetryError(
+            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
+            f"the largest common group is {largest}"
+        )
+    return _wedge(vertex, order, mirrors, mirror, tolerance)
+
+
+def shared_symmetries(
+    vertex: Vertex,
+    stiffness: Sequence[float],
+    rest_angles: Sequence[float],
+    tolerance: float = TOLERANCE,
+) -> tuple[list[int], list[int]]:
+    """Find all rotations and mirrors that geometry and mechanics share within `tolerance`.
+
+    Returns
+    -------
+    shifts
+        s such that crease i -> i + s is a rotation of the sheet.
+    mirrors
+        s such that crease i -> s - i (0-based, modulo N) is a reflection.
+    """
+    n = vertex.degree
+    a = np.array(vertex.sector_angles)
+    k = np.array(stiffness)
+    rest = np.array(rest_angles)
+    i = np.arange(n)
+
+    def mechanics(j: np.ndarray) -> bool:
+        return bool(
+            np.all(np.abs(k[j] - k) <= tolerance * np.maximum(k[j], k))
+            and np.all(np.abs(rest[j] - rest) <= tolerance)
+        )
+
+    shifts = [
+        s
+        for s in range(n)
+        if np.all(np.abs(a[(i + s) % n] - a) <= tolerance) and mechanics((i + s) % n)
+    ]
+    # crease i -> s - i sends the facet (i, i+1) to (s - i - 1, s - i)
+    mirrors = [
+        s
+        for s in range(n)
+        if np.all(np.abs(a[(s - i - 1) % n] - a) <= tolerance) and mechanics((s - i) % n)
+    ]
+    return shifts, mirrors
+
+
+def averaged(values: Sequence[float], elements: Elements, *, facets: bool) -> tuple[float, ...]:
+    """Average values of creases (or of facets, facet i from crease i on) over the elements of a group."""
+    v, n = np.array(values), len(values)
+    i = np.arange(n)
+    images = [v[((s - i - facets) if mirrored else (i + s)) % n] for s, mirrored in elements]
+    return tuple(np.mean(images, axis=0).tolist())
+
+
+def _parse(wanted: object) -> tuple[str, int]:
+    match = re.fullmatch(r"([CD])([1-9]\d{0,5})", wanted) if isinstance(wanted, str) else None
+    if isinstance(wanted, str) and wanted in ("auto", "none"):
+        return {"auto": ("auto", 0), "none": ("C", 1)}[wanted]
+    if match is None:
+        raise SymmetryError(f"symmetry = {shown(wanted)} is unknown: use none, auto, C<n> or D<n>")
+    return match[1], int(match[2])
+
+
+def _period(vertex: Vertex, order: int) -> Symmetry:
+    n, period = vertex.degree, vertex.degree // order
+    rays = tuple(Ray(i, vertex.sector_angles[i]) for i in range(period))
+    rotations = tuple((m * period, False) for m in range(order))
+    return Symmetry("C", order, rays, tuple(i % period for i in range(n)), rotations)
+
+
+def _wedge(
+    vertex: Vertex, order: int, mirrors: list[int], mirror: int | None, tolerance: float
+) -> Symmetry:
+    """Cut the wedge of D_order that starts at the wanted mirror."""
+    n = vertex.degree
+    step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
+    if mirror is not None:
+        if isinstance(mirror, bool) or not isinstance(mirror, int) or not 1 <= mirror <= n:
+            raise SymmetryError(f"mirror = {shown(mirror)} must be a crease number from 1 to {n}")
+        start = 2 * (mirror - 1) % n
+        if start not in mirrors:
+            raise SymmetryError(f"mirror = {mirror}: no shared mirror runs through this crease")
+    else:
+        # i -> s - i fixes crease s/2; prefer a mirror through the crease of lowest number
+        def lowest(s: int) -> int:
+            fixed = [j for j in range(n) if (2 * j - s) % n == 0]
+            return min(fixed) if fixed else n + s
+
+        start = min(mirrors, key=lowest)
+    # The mirrors of D_order are s = start + m step.  In doubled position (crease j at 2j, middle of
+    # facet j at 2j + 1) mirror s lies at s modulo n, so the wedge runs from `start` to `start + step`.
+    first = next((p for p in (start, start + n) if p % 2 == 0), start)
+    last = first + step
+    a = vertex.sector_angles
+    rays: list[Ray] = []
+    if first % 2:
+        rays.append(Ray(None, a[first // 2 % n] / 2))
+    for p in range(first + first % 2, last + 1, 2):
+        j = p // 2 % n
+        half = p + 1 == last
+        sector = 0.0 if p == last else (a[j] / 2 if half else a[j])
+        rays.append(Ray(j, sector))
+    if last % 2:
+        rays.append(Ray(None, 0.0))
+    position = {ray.crease: r for r, ray in enumerate(rays) if ray.crease is not None}
+    orbit = []
+    for i in range(n):
+        images = [(i + m * step) % n for m in range(order)]
+        images += [(start - j) % n for j in images]
+        orbit.append(next(position[j] for j in images if j in position))
+    total = math.fsum(ray.sector for ray in rays)
+    whole = math.fsum(a)  # 2 pi unless the vertex is not flat
+    assert abs(total - whole / (2 * order)) <= max(1e-7, n * tolerance), "wedge angle"
+    elements = [(m * step, False) for m in range(order)]
+    elements += [((start + m * step) % n, True) for m in range(order)]
+    return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))

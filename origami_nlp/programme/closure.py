@@ -1,0 +1,123 @@
+"""Loop closure of the modelled piece, and where its rays go, as CasADi expressions.
+
+All forms use half-angle sines and cosines only.  Conventions of the folded piece: ray 1 stays at
+e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
+
+- D_n wedge: H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray must make the
+  angle pi/n with the first one (paper, eq. reflection-condition for n = 1 and
+  rotation-reflection-condition). With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n,
+  0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k =
+  -cos(pi/n) (one equation).
+- C_n period, n >= 2: T = q Q(e3, 2 pi/n) is a rotation by 2 pi/n: its scalar part is cos(pi/n) (one equation).
+- no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
+  paper, and `is_sheet` tells.
+
+A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, not at pi/n
+or 2 pi/n.  The conditions on the folded state stay the same: H n_k with n_k = (sin s, -cos s, 0), T = q Q(e3, s),
+and q Q(e3, s - 2 pi) = +1 without symmetry.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from origami_nlp.numerics import quaternion as quat
+
+
+@dataclass(frozen=True)
+class Folded:
+    """The folded piece in symbols.
+
+    rays: deformed unit rays c_r of the piece; for C_n also their images, the whole vertex in order.
+    end: quaternion of the whole piece (H, T or q).
+    end_normal: inward normal of the last mirror after folding (D_n only).
+    equations: loop closure, each zero when the piece closes.
+    sheet: positive on the sheet q = +1, negative on q = -1.
+    """
+
+    rays: tuple[tuple[Any, Any, Any], ...]
+    end: tuple[Any, Any, Any, Any]
+    end_normal: tuple[Any, Any, Any] | None
+    equations: ca.SX
+    sheet: Any
+
+
+def fold_piece(
+    kind: str,
+    order: int,
+    has_crease: tuple[bool, ...],
+    fold_angles: ca.SX,
+    sectors: ca.SX,
+    flat_sheet: bool = True,
+) -> Folded:
+    """Fold the piece of a vertex with group `kind`_`order`.
+
+    Parameters
+    ----------
+    has_crease
+        For each ray, whether it is a crease (False: a mirror through a facet).
+    fold_angles
+        Fold angles of the creases of the piece, in order, shape [n].
+    sectors
+        Angles between successive rays; the last ray of a wedge of a flat sheet lies at pi/order exactly.
+    flat_sheet
+        Whether all sector angles of the vertex sum to 2 pi.
+    """
+    count = len(has_crease)
+    azimuth: Any = ca.SX(0)
+    q: tuple[Any, Any, Any, Any] = tuple(ca.SX(v) for v in quat.IDENTITY)  # type: ignore[assignment]
+    rays = []
+    used = 0
+    for r in range(count):
+        if r == 0:
+            flat: tuple[Any, Any, Any] = (ca.SX(1), ca.SX(0), ca.SX(0))
+        elif kind == "D" and r == count - 1 and flat_sheet:
+            flat = (ca.SX(_cos(order)), ca.SX(_sin(order)), ca.SX(0))
+        else:
+            azimuth = azimuth + sectors[r - 1]
+            flat = (ca.cos(azimuth), ca.sin(azimuth), ca.SX(0))
+        rays.append(quat.rotate(q, flat))
+        if has_crease[r]:
+            half = fold_angles[used] / 2
+            if kind == "D" and r in (0, count - 1):
+                half = half / 2  # the mirror halves the fold angle of a crease that lies on it
+            q = quat.multiply(q, quat.fold(ca.cos(half), ca.sin(half), flat))
+            used += 1
+    if kind == "D":
+        if (
+            not flat_sheet
+        ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
+            gap = ca.sum1(sectors) - math.pi / order
+            q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
+        normal = quat.rotate(q, (ca.SX(_sin(order)), ca.SX(-_cos(order)), ca.SX(0)))
+        if order == 1:
+            equations = ca.vertcat(q[1], q[3])
+        else:
+            equations = normal[1] + _cos(order)
+        return Folded(tuple(rays), q, normal, equations, ca.SX(1))
+    if not flat_sheet:
+        gap = ca.sum1(sectors) - 2 * math.pi / order
+        q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
+    if order == 1:
+        return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
+    half_turn = math.pi / order
+    turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))
+    images = list(rays)
+    for _ in range(order - 1):
+        images += [quat.rotate(turn, c) for c in images[-count:]]
+    # T^n = -1 for every solution of T_w = cos(pi/n), so the n-fold product is on the sheet q = +1
+    return Folded(tuple(images), turn, None, turn[0] - _cos(order), ca.SX(1))
+
+
+def _cos(order: int) -> float:
+    """cos(pi/order), exact where it is rational."""
+    return {1: -1.0, 2: 0.0, 3: 0.5}.get(order, math.cos(math.pi / order))
+
+
+def _sin(order: int) -> float:
+    """sin(pi/order), exact where it is rational."""
+    return {1: 0.0, 2: 1.0, 6: 0.5}.get(order, math.sin(math.pi / order))

@@ -1,0 +1,107 @@
+"""What two scenes must share to be solved by the same compiled functions, and those functions.
+
+A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.
+Sector angles, stiffness and rest angles are parameters, so one solver serves a whole sweep.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import casadi as ca
+
+from origami_nlp.programme.closure import Folded, fold_piece
+from origami_nlp.programme.evaluator import Evaluate, evaluator
+from origami_nlp.programme.gaps import Gap, gap_expression
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The form of the nonlinear programme.
+
+    kind, order: the point group C_n or D_n.
+    has_crease: for each ray of the piece, whether it is a crease.
+    limits: whether |phi| <= pi is imposed.
+    gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
+    pairs: facet pairs that may cross, each as positions of their first rays.
+    flat_sheet: whether the sector angles of the vertex sum to 2 pi.
+    """
+
+    kind: str
+    order: int
+    has_crease: tuple[bool, ...]
+    limits: bool
+    gaps: tuple[Gap, ...]
+    pairs: tuple[tuple[int, int], ...]
+    flat_sheet: bool = True
+
+
+@dataclass(frozen=True)
+class Functions:
+    """Symbols and compiled CasADi functions of one structure.
+
+    Arguments: x fold angles [n]; p parameters: sector angles, weighted stiffness, rest angles.
+
+    x, p, energy, piece: the symbols.
+    gaps: values of `Structure.gaps` (facet pairs without sign).
+    closure(x, p): equations and their Jacobian.
+    local(x, p): energy gradient, equations, Jacobian, gaps, Jacobian of gaps.
+    hessian(x, p, s, lam, mu): Hessian of s U + lam . equations + mu . gaps.
+    rays(x, p): deformed rays, shape [3, rays].
+    sheet(x, p): positive on the sheet q = +1.
+    evaluators: the same functions by name, called with NumPy arrays.
+    """
+
+    x: ca.SX
+    p: ca.SX
+    energy: ca.SX
+    piece: Folded
+    gaps: ca.SX
+    closure: ca.Function
+    local: ca.Function
+    hessian: ca.Function
+    rays: ca.Function
+    sheet: ca.Function
+
+    @cached_property
+    def evaluators(self) -> dict[str, Evaluate]:
+        """Return fast callables for closure, local, hessian, rays and sheet."""
+        return {
+            f.name(): evaluator(f)
+            for f in (self.closure, self.local, self.hessian, self.rays, self.sheet)
+        }
+
+
+@lru_cache(maxsize=64)
+def compile_structure(structure: Structure) -> Functions:
+    """Build the symbols and functions of `structure` (cached: one build per structure)."""
+    s = structure
+    n = sum(s.has_crease)
+    sector_count = len(s.has_crease) - (1 if s.kind == "D" else 0)
+    x = ca.SX.sym("phi", n)
+    sectors = ca.SX.sym("alpha", sector_count)
+    stiffness, rest = ca.SX.sym("k", n), ca.SX.sym("phi0", n)
+    p = ca.vertcat(sectors, stiffness, rest)
+    piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors, s.flat_sheet)
+    sines = [ca.sin(sectors[i]) for i in range(sector_count)]
+    energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2)
+    gaps = ca.vertcat(ca.SX(0, 1), *(gap_expression(g, piece, sines) for g in s.gaps))
+    g = piece.equations
+    lam, mu, weight = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0]), ca.SX.sym("s")
+    lagrangian = weight * energy + ca.dot(lam, g) + ca.dot(mu, gaps)
+    jac_g = ca.jacobian(g, x)
+    return Functions(
+        x=x,
+        p=p,
+        energy=energy,
+        piece=piece,
+        gaps=gaps,
+        closure=ca.Function("closure", [x, p], [g, jac_g]),
+        local=ca.Function(
+            "local", [x, p], [ca.gradient(energy, x), g, jac_g, gaps, ca.jacobian(gaps, x)]
+        ),
+        hessian=ca.Function("hessian", [x, p, weight, lam, mu], [ca.hessian(lagrangian, x)[0]]),
+        rays=ca.Function("rays", [x, p], [ca.horzcat(*(ca.vertcat(*c) for c in piece.rays))]),
+        sheet=ca.Function("sheet", [x, p], [piece.sheet]),
+    )

@@ -1,0 +1,339 @@
+"""A folded vertex drawn in three dimensions: facets as shaded sectors, creases as coloured bands.
+
+The state is projected orthographically and painted pixel by pixel with the depth of each facet, so
+hidden parts are hidden.  Mountain creases are red, valleys blue, both by the sign of the fold angle, wider
+and darker the larger |phi|/pi; borders are black.  The upper side of the paper is warm, the lower
+side cool.  Every facet is a sector of the unit disc.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from matplotlib.patheffects import withStroke
+
+from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.pattern.vertex import Vertex
+
+MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
+UPPER, LOWER = "#f6ead2", "#c3d3dc"
+SPREAD = 0.05
+"""Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
+CLOSED = 0.1
+"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
+PIXELS = 560
+"""Side of the painted picture."""
+ARC = math.radians(7)
+"""Borders are drawn as straight pieces of at most this angle."""
+LIGHT = np.array([-0.35, 0.55, 0.76])
+"""Towards the light, in the picture's frame."""
+
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A folded vertex turned for viewing.
+
+    creases: c_i, shape [N, 3], in the picture's frame: x right, y up, z towards the viewer.
+    normals: of the upper side of each facet, [N, 3].
+    offsets: displacement of each facet, [N, 3]; zero unless facets lie on each other.
+    """
+
+    creases: np.ndarray
+    normals: np.ndarray
+    offsets: np.ndarray
+
+
+def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 9.0) -> bool:
+    """Draw one state into a matplotlib Axes (made square and bare here).
+
+    Parameters
+    ----------
+    fold_angles
+        All N, shape [N] [rad]; the state should close.
+    size
+        Font size of the crease numbers [points].
+
+    Returns
+    -------
+    spread
+        Whether facets that lie on each other were drawn slightly apart.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    pose = pose_state(vertex, phi)
+    labels = _label_places(pose)
+    low, high = _extent(pose, vertex, labels)
+    reach = max(
+        0.9, 0.5 * float((high - low).max())
+    )  # folded-up states stay smaller than open ones
+    corner = np.array([(low[0] + high[0]) / 2 - reach, high[1] - 2 * reach])  # top: below the title
+    right, top = corner + 2 * reach
+    axes.imshow(
+        _paint(pose, vertex, phi, corner, 2 * reach),
+        extent=(corner[0], right, corner[1], top),
+        origin="lower",
+    )
+    hidden = _hidden_ends(pose)
+    for number, (x, y) in enumerate(labels, start=1):
+        axes.text(
+            x,
+            y,
+            str(number),
+            ha="center",
+            va="center",
+            fontsize=size,
+            alpha=0.45 if hidden[number - 1] else 1.0,
+            color=_crease_colour(phi[number - 1])[0],
+            path_effects=[withStroke(linewidth=2.2, foreground="white")],
+        )
+    axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
+    axes.axis("off")
+    return bool(np.any(pose.offsets))
+
+
+def _hidden_ends(pose: Pose) -> list[bool]:
+    """For each crease, whether a facet that it does not bound hides its end."""
+    n = len(pose.creases)
+    answer = []
+    for i, c in enumerate(pose.creases):
+        x, y, z = 0.97 * c + (pose.offsets[i] + pose.offsets[i - 1]) / 2
+        others = [f for f in range(n) if f not in (i, (i - 1) % n)]
+        at = (np.array([x], dtype=np.float32), np.array([y], dtype=np.float32))
+        answer.append(any(_facet_depth(pose, f, *at)[0, 0] > z + 1e-3 for f in others))
+    return answer
+
+
+def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corners of all that is drawn."""
+    n = len(pose.creases)
+    parts = [labels - 0.1, labels + 0.1, np.zeros((1, 2))]
+    for f, sector in enumerate(vertex.sector_angles):
+        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
+        parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]
+    every = np.concatenate(parts)
+    return every.min(axis=0), every.max(axis=0)
+
+
+# ---------------------------------------------------------------- pose
+
+
+def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
+    """Turn a state upright, and to where most of it is seen.
+
+    Upright: the mean normal of the paper's upper side points up (for a symmetric state this is its
+    axis, or lies in its mirror).  Where the normals cancel, as in a closed book, the mean of the
+    creases does.  Then the best of a fixed set of views is taken: facets seen broadly, crease ends
+    apart and not hidden.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    creases, _ = fold_vertex(vertex, phi)
+    ends = np.roll(creases, -1, axis=0)
+    normals = np.cross(creases, ends)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    offsets = _offsets(phi, normals)
+    weight = np.array(vertex.sector_angles)[:, None] / (2 * math.pi)
+    up = (weight * normals).sum(axis=0)
+    if np.linalg.norm(up) < 0.15:
+        up = creases.mean(axis=0)
+    if np.linalg.norm(up) < 0.15:
+        up = np.array([0.0, 0.0, 1.0])
+    up = up / np.linalg.norm(up)
+    ahead = next(a for c in (*creases, *np.eye(3)) if np.linalg.norm(a := c - (c @ up) * up) > 0.05)
+    ahead = ahead / np.linalg.norm(ahead)
+    frame = np.stack([ahead, np.cross(up, ahead), up])
+    view = _best_view(creases @ frame.T, normals @ frame.T, weight[:, 0])
+    turn = view @ frame
+    return Pose(creases @ turn.T, normals @ turn.T, offsets @ turn.T)
+
+
+def _offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
+    n = len(phi)
+    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
+    offsets = np.zeros((n, 3))
+    if not closed.any():
+        return offsets
+    first = int(np.argmin(np.abs(phi)))  # start behind the most open crease
+    for step in range(1, n + 1):
+        i = (first + step) % n  # crease i lies between facets i - 1 and i
+        move = math.copysign(SPREAD, phi[i]) * normals[i - 1] if closed[i] else np.zeros(3)
+        if step < n:
+            offsets[i] = offsets[i - 1] + move
+    if closed.all():  # the last step back to the first facet: share out what does not fit
+        misfit = offsets[first - 1] + move - offsets[first]
+        for step in range(n):
+            offsets[(first + step) % n] -= misfit * step / n
+    return offsets - offsets.mean(axis=0)
+
+
+def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Choose rows (right, up, towards the viewer) among azimuths and elevations."""
+    best, best_score = np.eye(3), -math.inf
+    n = len(creases)
+    i, j = np.triu_indices(n, 1)
+    for elevation in np.radians([25.0, 35.0, 45.0, 60.0]):
+        for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
+            s, c = math.sin(azimuth), math.cos(azimuth)
+            se, ce = math.sin(elevation), math.cos(elevation)
+            rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
+            flat = creases @ rows[:2].T
+            apart = np.hypot(*(flat[i] - flat[j]).T)
+            seen = float(np.minimum(np.abs(normals @ rows[2]), 0.85) @ weight)
+            edge_on = float(np.minimum(np.abs(normals @ rows[2]), 0.25).min())
+            hidden = _hidden(creases, rows[2])
+            score = (
+                seen
+                + 1.5 * edge_on
+                + 1.2 * float(np.minimum(apart, 0.3).mean())
+                + 1.0 * float(np.minimum(apart, 0.2).min())
+                - 0.9 * hidden
+                - 0.15 * abs(elevation - math.radians(35))
+            )
+            if score > best_score + 1e-9:  # the first of equal views, whatever the rounding
+                best, best_score = rows, score
+    return best
+
+
+def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
+    """Share of the crease midpoints and ends that a facet hides from a viewer at infinity."""
+    n = len(creases)
+    a, b = creases, np.roll(creases, -1, axis=0)
+    points = np.concatenate([0.5 * creases, 0.95 * creases])
+    owner = np.tile(np.arange(n), 2)
+    count = 0
+    for f in range(n):
+        # point + t view = x a + y b with t > 0, x, y >= 0, |x a + y b| <= 1
+        basis = np.stack([a[f], b[f], -view], axis=1)
+        if abs(np.linalg.det(basis)) < 1e-6:
+            continue
+        x, y, t = np.linalg.solve(basis, points.T)
+        length = np.linalg.norm(np.outer(x, a[f]) + np.outer(y, b[f]), axis=1)
+        own = (owner == f) | (owner == (f + 1) % n)
+        count += int(((t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own).sum())
+    return count / (2 * n)
+
+
+# ---------------------------------------------------------------- painting
+
+
+def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
+    """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
+
+    Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
+    """
+    step = size / PIXELS
+    x, y = (low[k] + step * (np.arange(PIXELS, dtype=np.float32) + 0.5) for k in (0, 1))
+    picture = np.zeros((PIXELS, PIXELS, 4), dtype=np.float32)
+    nearest = np.full((PIXELS, PIXELS), -np.inf, dtype=np.float32)
+    n = len(phi)
+    depths = []
+    for f in range(n):
+        depth = _facet_depth(pose, f, x, y)
+        depths.append(depth)
+        front = depth > nearest
+        nearest[front] = depth[front]
+        picture[front] = (*_facet_colour(pose.normals[f]), 1.0)
+
+    def band(p: np.ndarray, q: np.ndarray, width: float, colour: Colour, facets: Any) -> None:
+        """Paint the straight line from p to q, before its own facets."""
+        box = []
+        for k in (0, 1):
+            ends = sorted((p[k], q[k]))
+            first = int((ends[0] - width - low[k]) / step)
+            last = int((ends[1] + width - low[k]) / step) + 2
+            box.append(slice(max(first, 0), max(min(last, PIXELS), 0)))
+        part = (box[1], box[0])
+        dx, dy = x[box[0]][None, :] - p[0], y[box[1]][:, None] - p[1]
+        along = q - p
+        length2 = max(float(along[0] ** 2 + along[1] ** 2), 1e-12)
+        t = np.clip((dx * along[0] + dy * along[1]) / length2, 0.0, 1.0)
+        near = (dx - t * along[0]) ** 2 + (dy - t * along[1]) ** 2 <= (width / 2) ** 2
+        depth = p[2] + t * along[2]
+        for f in facets:
+            depth = np.maximum(depth, depths[f][part])
+        front = near & (depth + 1e-4 >= nearest[part])
+        nearest[part][front] = depth[front] + 1e-4
+        picture[part][front] = (*colour, 1.0)
+
+    for f, sector in enumerate(vertex.sector_angles):
+        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
+        for p, q in itertools.pairwise(arc):
+            band(p, q, 0.015, to_rgb(BORDER), (f,))
+    for i in range(n):
+        colour, share = _crease_colour(phi[i])
+        start = (pose.offsets[i] + pose.offsets[i - 1]) / 2
+        band(start, start + pose.creases[i], 0.016 + 0.034 * share, colour, (i - 1, i))
+    return picture
+
+
+def _facet_depth(pose: Pose, f: int, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Depth of facet f at the pixels, shape [y, x]; -inf beside it, or where it is seen edge-on."""
+    a, b = pose.creases[f], pose.creases[(f + 1) % len(pose.creases)]
+    normal, at = pose.normals[f], pose.offsets[f]
+    depth = np.full((len(y), len(x)), -np.inf, dtype=np.float32)
+    if abs(normal[2]) < 1e-3:
+        return depth
+    dx, dy = (x - np.float32(at[0]))[None, :], (y - np.float32(at[1]))[:, None]
+    dz = -(normal[0] * dx + normal[1] * dy) / normal[2]
+    # seen flat: the sector is where a turns to d and d turns to b the way the facet does
+    side = math.copysign(1.0, normal[2])
+    inside = (side * (a[0] * dy - a[1] * dx) >= 0) & (side * (dx * b[1] - dy * b[0]) >= 0)
+    inside &= dx * dx + dy * dy + dz * dz <= 1.0
+    depth[inside] = dz[inside] + at[2]
+    return depth
+
+
+def _facet_colour(normal: np.ndarray) -> Colour:
+    """Warm from above, cool from below, darker the more the facet turns from the light."""
+    towards = normal if normal[2] >= 0 else -normal
+    shade = 0.80 + 0.20 * max(0.0, float(towards @ LIGHT))
+    r, g, b = to_rgb(UPPER if normal[2] >= 0 else LOWER)
+    return min(1.0, r * shade), min(1.0, g * shade), min(1.0, b * shade)
+
+
+def _arc(a: np.ndarray, b: np.ndarray, sector: float) -> np.ndarray:
+    """Points from a to b on the unit sphere, a constant small angle apart, shape [m, 3]."""
+    t = np.linspace(0.0, 1.0, max(2, math.ceil(sector / ARC)) + 1)[:, None]
+    return (np.sin((1 - t) * sector) * a + np.sin(t * sector) * b) / math.sin(sector)
+
+
+def _crease_colour(phi: float) -> tuple[Colour, float]:
+    """Colour by sign, faded towards grey for small |phi|, and |phi|/pi."""
+    share = min(1.0, abs(float(phi)) / math.pi)
+    if share < 1e-6:
+        return to_rgb(FLAT), share
+    strength = 0.35 + 0.65 * share
+    full, grey = np.array(to_rgb(MOUNTAIN if phi < 0 else VALLEY)), np.full(3, 0.72)
+    r, g, b = (strength * full + (1 - strength) * grey).tolist()
+    return (r, g, b), share
+
+
+def _label_places(pose: Pose) -> np.ndarray:
+    """Where the crease numbers go, [N, 2]: just beyond the ends, pushed apart where they meet."""
+    n = len(pose.creases)
+    shift = (pose.offsets + np.roll(pose.offsets, 1, axis=0)) / 2
+    ends = (pose.creases + shift)[:, :2]
+    length = np.maximum(np.linalg.norm(ends, axis=1, keepdims=True), 1e-9)
+    out = np.where(length > 0.2, ends / length, [[0.0, -1.0]])
+    places = ends + 0.15 * out
+    for _ in range(60):
+        moved = False
+        for i in range(n):
+            for j in range(i):
+                gap = places[i] - places[j]
+                distance = float(np.hypot(*gap))
+                if distance >= 0.19:
+                    continue
+                moved = True
+                way = gap / distance if distance > 1e-9 else np.array([1.0, 0.0])
+                places[i] += 0.5 * (0.195 - distance) * way
+                places[j] -= 0.5 * (0.195 - distance) * way
+        if not moved:
+            break
+    return places

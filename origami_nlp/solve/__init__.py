@@ -1,1 +1,0 @@
-"""Starts, IPOPT, Newton polish and the multi-start search."""

@@ -1,0 +1,263 @@
+"""Which cells of the mesh of closed states are admissible: faces, then walls and corners that no face borders.
+
+Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`examine`)
+decides all of it.  Every edge on a wall, and every vertex, that borders no admissible face is looked at by itself,
+layers and all: those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat
+foldings).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.chart.chart import admissible
+from origami_nlp.folding.embedding import examine
+from origami_nlp.space.chain import WRAPPED
+from origami_nlp.space.mesh import (
+    BORDER_P,
+    BORDER_Q,
+    CUT,
+    HEIGHT,
+    OTHER,
+    SEAM,
+    MeshError,
+    Sheets,
+    edges_of,
+    pull,
+)
+from origami_nlp.space.topology import label
+
+WITNESSES = 3
+"""States of a face that are examined; they must agree."""
+TOO_CLOSE = 1e-12
+"""States closer to a wall are not examined."""
+BESIDE = 1e-4
+"""How close to handles other states are looked for, in base coordinates [rad]."""
+CROSSING = 1e-13
+"""Crossings that are deeper count: next to where two walls meet, facets cross by products of small angles."""
+
+
+@dataclass(frozen=True)
+class Cells:
+    """The admissible cells, as a complex of triangles, edges and vertices in the space of wedge fold angles.
+
+    wedge [V, k], on [V]: vertices (those on the cut appear once for each sign of the inner fold angle they have).
+    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle.
+    Vertices on no cell of higher dimension are among the vertices too.
+    """
+
+    sheets: Sheets
+    wedge: np.ndarray
+    on: np.ndarray
+    origin: np.ndarray
+    triangles: np.ndarray
+    extra_edges: np.ndarray
+
+
+def admissible_cells(sheets: Sheets) -> Cells:
+    """Keep the cells of a surface whose states are admissible with full contact and symmetric layers."""
+    sign = _sides(sheets)
+    good = _good_triangles(sheets, sign)
+    kept = sheets.triangles[good]
+    inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
+    corner_sign = np.where(_on(sheets.on, CUT)[kept], inner[:, None], 0)
+    edges, edge_sign = _edges_alone(sheets, kept, corner_sign)
+    keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
+    points = _vertices_alone(sheets, np.unique(np.concatenate(keys)))
+    keys.append(points)
+    all_keys, number = np.unique(np.concatenate(keys), return_inverse=True)
+    f, e = kept.size, edges.size
+    origin, which = all_keys // 3, all_keys % 3 - 1
+    wedge = _with_sign(sheets.wedge[origin], which)
+    return Cells(
+        sheets,
+        wedge,
+        sheets.on[origin],
+        origin,
+        number[:f].reshape(-1, 3),
+        number[f : f + e].reshape(-1, 2),
+    )
+
+
+def _on(on: np.ndarray, bit: int) -> np.ndarray:
+    return (on >> bit) & 1 == 1
+
+
+def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
+    """Set the inner fold angle of wedge states [..., k] to +pi or -pi where sign [...] is not 0."""
+    out = np.array(wedge)
+    inner = out[..., -2]
+    out[..., -2] = np.where(sign == 0, inner, sign * math.pi)
+    return out
+
+
+def _sides(sheets: Sheets) -> np.ndarray:
+    """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, 3]."""
+    values = sheets.values[sheets.triangles]  # [F, 3 vertices, 3 walls]
+    far = np.abs(values).argmax(axis=1)
+    return np.take_along_axis(values, far[:, None], axis=1)[:, 0]
+
+
+def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
+    """Decide each face by examining states inside it, shape [F]."""
+    vertex, orbit = sheets.chain.scene.vertex, sheets.chain.orbit
+    face = _faces(sheets, side)
+    wedge, clearance, triangle = _inner_states(sheets, side)
+    verdict = np.zeros(face.max() + 1, dtype=bool)
+    at = face[triangle]
+    order = np.lexsort((-clearance, at))
+    first = np.flatnonzero(np.r_[True, np.diff(at[order]) != 0])
+    for start, end in zip(first, np.r_[first[1:], len(order)], strict=True):
+        best = [m for m in order[start : min(end, start + WITNESSES)] if clearance[m] > TOO_CLOSE]
+        here = at[order[start]]
+        if not best:
+            if side[triangle[order[start]], 0] < 0:
+                continue  # beyond the last mirror
+            raise MeshError("a face of the space is thinner than rounding: use a larger size")
+        said = [examine(vertex, wedge[m][orbit], tolerance=CROSSING).admissible for m in best]
+        if len(set(said)) == 2:
+            raise MeshError("states of one face differ in admissibility: use a larger size")
+        verdict[here] = said[0]
+    return verdict[face]
+
+
+def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """States inside triangles: middles of triangles and of their edges, as wedge fold angles [m, k].
+
+    Also how far each keeps from walls and seam [m] (negative where it is on another side than its triangle: edges are
+    straight, walls are not), and its triangle [m].
+    """
+    chain, t = sheets.chain, sheets.triangles
+    base = sheets.base[t]
+    middles = [base.mean(axis=1), *(0.5 * (base[:, k] + base[:, k - 1]) for k in range(3))]
+    sheet = sheets.sheet[t]
+    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
+    count = len(middles)
+    point, sides = np.concatenate(middles), np.tile(side, (count, 1))
+    states = chain.points(point, np.tile(sheet, count))
+    inside = sides[:, 0] > 0
+    for k, wrapped in enumerate(WRAPPED[chain.kind]):
+        far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
+        inside &= far | (states.walls[:, k] * sides[:, k] > 0)
+    room = np.minimum(np.abs(states.walls).min(axis=1), chain.fold_margin(point))
+    room = np.minimum(room, (math.pi - np.abs(states.wedge)).min(axis=1))
+    return states.wedge, np.where(inside, room, -1.0), np.tile(np.arange(len(t)), count)
+
+
+def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
+    """Number the connected pieces into which the walls divide the surface, for each triangle."""
+    _, of_triangle = edges_of(sheets.triangles)
+    order = of_triangle.ravel().argsort(kind="stable")
+    edge = of_triangle.ravel()[order]
+    pair = np.flatnonzero(edge[1:] == edge[:-1])
+    one, two = order[pair] // 3, order[pair + 1] // 3
+    apart = np.zeros(len(one), dtype=bool)
+    for k, wrapped in enumerate(WRAPPED[sheets.chain.kind]):
+        differ = side[one, k] * side[two, k] < 0
+        if wrapped:
+            differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
+        apart |= differ
+    return label(len(sheets.triangles), np.column_stack([one, two])[~apart])
+
+
+def _edges_alone(
+    sheets: Sheets, kept: np.ndarray, corner_sign: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Admissible edges on walls that border no kept triangle: vertices [E, 2] and signs on the cut [E, 2]."""
+    edges, _ = edges_of(sheets.triangles)
+    common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
+    edges = edges[(common & ~(1 << SEAM)) != 0]
+    sheet = sheets.sheet[edges]
+    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
+    common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
+    middle = sheets.base[edges].mean(axis=1)
+    for bit in (HEIGHT, CUT, OTHER, SEAM):
+        here = _on(common, bit)
+        # a straight border stays straight
+        free = here & ~_on(common, BORDER_P) & ~_on(common, BORDER_Q)
+        middle[free] = pull(sheets.chain, middle[free], sheet[free], bit)
+    points = sheets.chain.points(middle, sheet)
+    wedge = points.wedge
+    flat = _on(common, HEIGHT)
+    wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
+    used = _edge_keys(
+        np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [2, 0]]]),
+        np.concatenate([corner_sign[:, [0, 1]], corner_sign[:, [1, 2]], corner_sign[:, [2, 0]]]),
+    )
+    found, signs = [], []
+    for s in (-1, 1):
+        cut = _on(common, CUT)
+        mine = cut | (np.sign(wedge[:, -2]) == s)
+        state = _with_sign(wedge, np.where(cut, s, 0))
+        ends = np.where(_on(sheets.on[edges], CUT), s, 0)
+        alone = mine & ~np.isin(_edge_keys(edges, ends), used)
+        phi = state[:, sheets.chain.orbit]
+        phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
+        alone &= (np.abs(state) <= math.pi + 1e-9).all(axis=1)
+        alone[alone] = admissible(sheets.chain.scene, phi[alone])
+        alone[alone] = [_passes(sheets, p) for p in phi[alone]]
+        found.append(edges[alone])
+        signs.append(ends[alone])
+    return np.concatenate(found), np.concatenate(signs)
+
+
+def check_thin(cells: Cells) -> None:
+    """Look around every handle for states that nothing holds: there must be none.
+
+    Raises
+    ------
+    MeshError
+        If a handle has embedded states beside it: then it is the border of a surface that the mesh missed.
+    """
+    inner = np.setdiff1d(np.unique(cells.extra_edges), np.unique(cells.triangles))
+    if len(cells.extra_edges) and not len(inner):
+        raise MeshError("a handle is shorter than the mesh: use a larger size")
+    sheets, origin = cells.sheets, cells.origin[inner]
+    turn = 2 * math.pi * np.arange(16) / 16
+    circle = BESIDE * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    for side in (-1, 1):
+        sheet = np.where(sheets.sheet[origin] == 0, side, sheets.sheet[origin])
+        for step in circle:
+            base = sheets.base[origin] + step
+            states = sheets.chain.points(base, sheet).wedge
+            near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
+            near &= sheets.chain.fold_margin(base) > 0
+            near &= np.abs(states).max(axis=1) < math.pi - 1e-9  # not on the handle itself
+            states = states[near][:, sheets.chain.orbit]
+            states = states[admissible(sheets.chain.scene, states)]
+            vertex = sheets.chain.scene.vertex
+            if any(examine(vertex, phi, tolerance=CROSSING).admissible for phi in states):
+                raise MeshError("a handle has a surface beside it: use a larger size")
+
+
+def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:
+    """One number for each edge with its signs, whatever its direction."""
+    ends = np.sort(edges * 3 + signs + 1, axis=1)
+    return ends[:, 0] * (1 << 31) + ends[:, 1]
+
+
+def _passes(sheets: Sheets, fold_angles: np.ndarray) -> bool:
+    scene = sheets.chain.scene
+    return examine(scene.vertex, fold_angles, elements=scene.group.elements).admissible
+
+
+def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
+    """Keys of admissible vertices on two walls or more that are on no other cell."""
+    walls = sheets.on & ~(1 << SEAM)
+    several = (walls & (walls - 1)) != 0
+    keys = []
+    for s in (-1, 0, 1):
+        who = np.flatnonzero(several & (_on(sheets.on, CUT) == (s != 0)))
+        key = who * 3 + s + 1
+        who = who[~np.isin(key, used)]
+        state = _with_sign(sheets.wedge[who], np.full(len(who), s))
+        phi = state[:, sheets.chain.orbit]
+        inside = (np.abs(phi) <= math.pi + 1e-9).all(axis=1)
+        phi = np.clip(phi, -math.pi, math.pi)
+        inside[inside] = admissible(sheets.chain.scene, phi[inside])
+        inside[inside] = [_passes(sheets, p) for p in phi[inside]]
+        keys.append(who[inside] * 3 + s + 1)
+    return np.concatenate(keys)

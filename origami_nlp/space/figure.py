@@ -1,0 +1,216 @@
+"""The figure of an admissible space: in the paper's chart, and as a surface in the space of wedge fold angles."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from origami_nlp.chart.chart import crease_number
+from origami_nlp.files.writing import save_figure
+from origami_nlp.space.find import Space, SpaceMesh
+from origami_nlp.space.topology import edges_of, surface_pieces
+
+LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
+"""Fill of the pieces of surface (light versions of a colour-blind-safe set)."""
+WALLS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#111111")
+"""Lines of the contacts that bound X (Okabe and Ito)."""
+HANDLE = "#b2182b"
+TICKS = (-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi)
+TICK_NAMES = ("−π", "−π/2", "0", "π/2", "π")
+
+
+def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw X: left in the coordinates of the paper's chart, right over three of the wedge's fold angles.
+
+    Pieces of surface are filled, contact boundaries and handles are lines, pinch points stars; diamonds are points of
+    the chart over which X has several states.  The figure is saved if a path is given.
+
+    Raises
+    ------
+    OptionError
+        If the ending of `path` names no known picture format.
+    """
+    figure = Figure(figsize=(11.2, 5.7), dpi=120, facecolor="white")
+    mesh = space.mesh
+    colour = _lobe_colours(mesh)
+    flat = figure.add_axes((0.065, 0.2, 0.39, 0.66))
+    solid = figure.add_axes((0.47, 0.13, 0.52, 0.8), projection="3d")
+    used = _draw_chart(flat, space, colour)
+    used |= _draw_solid(solid, space, colour)
+    figure.suptitle(_title(space), fontsize=11, y=0.965)
+    _legend(figure, space, colour, used)
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def _lobe_colours(mesh: SpaceMesh) -> list[str]:
+    """Fill of each triangle, by the piece of surface it belongs to (largest first)."""
+    if not len(mesh.triangles):
+        return []
+    piece = surface_pieces(mesh.triangles)
+    rank = np.argsort(np.argsort(-np.bincount(piece), kind="stable"), kind="stable")
+    return [LOBES[min(rank[k], len(LOBES) - 1)] for k in piece]
+
+
+def _border(mesh: SpaceMesh) -> tuple[np.ndarray, np.ndarray]:
+    """Edges that border one triangle [B, 2], and the contact each lies on [B]."""
+    edges, of_triangle = edges_of(mesh.triangles)
+    uses = np.bincount(of_triangle.ravel(), minlength=len(edges))
+    edges = edges[uses == 1]
+    common = mesh.on[edges[:, 0]] & mesh.on[edges[:, 1]]
+    order = (0, 1, 2, 3, 4)
+    wall = np.full(len(edges), -1)
+    for k in reversed(order):
+        wall[(common >> k) & 1 == 1] = k
+    return edges, wall
+
+
+def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
+    mesh = space.mesh
+    xy = mesh.chart
+    axis.add_collection(
+        PolyCollection(
+            xy[mesh.triangles], facecolors=colour, edgecolors=colour, lw=0.3, rasterized=True
+        )
+    )
+    edges, wall = _border(mesh)
+    for k in range(5):
+        lines = xy[edges[wall == k]]
+        # families over one point, and border pieces that the chart draws as a point, have no length
+        axis.add_collection(
+            LineCollection(
+                list(lines), colors=WALLS[k], lw=1.6, capstyle="round", zorder=4, clip_on=False
+            )
+        )
+    for handle in space.handles:
+        axis.plot(
+            *xy[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=5, clip_on=False
+        )
+    for (x, y), _ in space.picture_joins:
+        axis.plot(x, y, "D", ms=8, mfc="white", mec="black", mew=1.3, zorder=7, clip_on=False)
+    for pinch in space.pinch_points:
+        x, y = xy[pinch.vertex]
+        _pinch_mark(axis, pinch.kind, x, y)
+    group = space.scene.group
+    name = f"φ{_sub(crease_number(space.scene, 1))}"
+    other = (
+        f"φ{_sub(crease_number(space.scene, 2))}"
+        if (group.kind, group.order, len(group.rays)) == ("D", 1, 4)
+        else f"υ (elevation of crease {crease_number(space.scene, 0)})"
+    )
+    axis.set_xlabel(f"{name}  [rad]")
+    axis.set_ylabel(f"{other}  [rad]")
+    axis.set_xlim(-math.pi, math.pi)
+    high = math.pi if "φ" in other else math.pi / 2
+    axis.set_ylim(-high, high)
+    axis.set_xticks(TICKS, TICK_NAMES)
+    ticks = [(t, n) for t, n in zip(TICKS, TICK_NAMES, strict=True) if abs(t) <= high + 1e-9]
+    axis.set_yticks([t for t, _ in ticks], [n for _, n in ticks])
+    if high == math.pi:
+        axis.set_aspect("equal")
+    axis.set_title("in the paper's chart", fontsize=10)
+    return set(wall.tolist())
+
+
+def _pinch_mark(axis, kind: str, *at: float) -> None:  # type: ignore[no-untyped-def]
+    style = (
+        {"marker": "*", "ms": 15, "mfc": "#ffd700"}
+        if kind == "pinch point"
+        else {"marker": "o", "ms": 6, "mfc": HANDLE}
+    )
+    axis.plot(*([v] for v in at), ls="", mec="black", mew=0.8, zorder=8, clip_on=False, **style)
+
+
+def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ignore[no-untyped-def]
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    mesh = space.mesh
+    columns = (1, 2, 0) if mesh.wedge.shape[1] == 4 else (0, 1, 2)
+    xyz = mesh.wedge[:, columns]
+    if colour:
+        shade = Poly3DCollection(
+            xyz[mesh.triangles], facecolors=colour, edgecolors="none", alpha=0.75, rasterized=True
+        )
+        axis.add_collection3d(shade)
+    edges, wall = _border(mesh)
+    for k in range(5):
+        lines = xyz[edges[wall == k]]
+        if len(lines):
+            axis.add_collection3d(Line3DCollection(list(lines), colors=WALLS[k], lw=1.2))
+    for handle in space.handles:
+        axis.plot(*xyz[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=9)
+    for pinch in space.pinch_points:
+        _pinch_mark(axis, pinch.kind, *xyz[pinch.vertex])
+    names = [f"φ{_sub(crease_number(space.scene, r))}" for r in columns]
+    for which, name in zip("xyz", names, strict=True):
+        getattr(axis, f"set_{which}label")(name, labelpad=2)
+        getattr(axis, f"set_{which}lim")(-math.pi, math.pi)
+        getattr(axis, f"set_{which}ticks")(TICKS[::2], TICK_NAMES[::2])
+    axis.view_init(elev=22, azim=-62)
+    axis.tick_params(pad=0, labelsize=8)
+    extra = "" if mesh.wedge.shape[1] == 3 else f" (of {mesh.wedge.shape[1]})"
+    axis.set_title(f"over fold angles {', '.join(names)}{extra}", fontsize=10, y=0.985)
+    return set(wall.tolist())
+
+
+def _sub(number: int) -> str:
+    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(d)] for d in str(number))
+
+
+def _title(space: Space) -> str:
+    name = space.scene.label or f"degree {space.scene.degree}"
+    name = name.split(", r_k")[0].replace("alpha_1", "α₁").replace("pi", "π").replace("$", r"\$")
+
+    def many(count: int, what: str) -> str:
+        return f"{count} {what}{'' if count == 1 else 's'}"
+
+    pinch = sum(p.kind == "pinch point" for p in space.pinch_points)
+    facts = [
+        many(len(space.components), "component"),
+        many(space.holes, "hole"),
+        many(pinch, "pinch point"),
+        many(len(space.handles), "handle"),
+        f"χ = {space.euler_characteristic}",
+    ]
+    text = f"{name}: {', '.join(facts)}"
+    if space.picture_holes != space.holes:
+        text += f"\nthe picture in the chart encloses {many(space.picture_holes, 'hole')}"
+    return text
+
+
+def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> None:
+    entries: list[Line2D | Patch] = [
+        Patch(fc=c, label=f"surface {k}") for k, c in enumerate(LOBES, start=1) if c in colour
+    ]
+    for k, name in enumerate(space.mesh.walls):
+        if k in used:
+            text = re.sub(r"phi_(\d+)", lambda m: "φ" + _sub(int(m[1])), name)
+            entries.append(Line2D([], [], color=WALLS[k], lw=2, label=text.replace("+-pi", "±π")))
+    kinds = {p.kind for p in space.pinch_points}
+    if "pinch point" in kinds:
+        entries.append(
+            Line2D([], [], ls="", marker="*", ms=12, mfc="#ffd700", mec="k", label="pinch point")
+        )
+    if space.handles:
+        entries.append(Line2D([], [], color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), label="handle"))
+        entries.append(
+            Line2D([], [], ls="", marker="o", ms=6, mfc=HANDLE, mec="k", label="handle end")
+        )
+    if space.picture_joins:
+        entries.append(
+            Line2D(
+                [], [], ls="", marker="D", mfc="w", mec="k", label="one point drawn, several states"
+            )
+        )
+    figure.legend(
+        handles=entries, loc="lower center", ncols=min(5, len(entries)), fontsize=8, frameon=False
+    )

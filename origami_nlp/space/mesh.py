@@ -1,0 +1,381 @@
+"""A triangulation of all closed symmetric states whose edges follow every contact curve exactly.
+
+Base points of the half-chain (`space_chain`) are triangulated, cut where the two sheets meet, doubled, and cut along
+every wall; new vertices lie on the walls to rounding, and where walls meet on both.  Nothing is dropped here but base
+points without a state: which triangles are admissible is decided later.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.space.chain import WRAPPED, Chain
+
+ON = 1e-11
+"""Walls whose value at a vertex is smaller are taken to pass through it (values are good to about 1e-14)."""
+ON_SEAM = 1e-14
+"""The same for the seam, which is seen through a square root."""
+BISECTIONS = 52
+BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
+"""Bits of `Sheets.on`: the five walls in the order of `Chain.walls`, then the seam where the two sheets meet."""
+
+
+STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
+LONGEST, SHORTENINGS = 16.0, 6
+"""Edges longer than LONGEST / size [rad, largest fold angle] are divided, this often: next to the seam states change
+with the square root of the base point."""
+LOOKS = 2
+"""How often edges that a wall crosses twice are looked for."""
+SAMPLES = tuple(np.linspace(0.0, 1.0, 10)[1:-1].tolist())
+
+
+class MeshError(OrigamiError):
+    """The mesh is too coarse for this scene."""
+
+
+@dataclass(frozen=True)
+class Sheets:
+    """A triangulated surface of closed states.
+
+    base [V, 2], sheet [V] (0 on the seam): coordinates of the vertices on the chain.
+    on [V]: bit mask of the walls (and the seam) that pass through a vertex.
+    triangles [F, 3].  values [V, 3]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
+    """
+
+    chain: Chain
+    base: np.ndarray
+    sheet: np.ndarray
+    on: np.ndarray
+    triangles: np.ndarray
+    values: np.ndarray
+    wedge: np.ndarray
+
+
+def mesh_sheets(chain: Chain, size: int) -> Sheets:
+    """Triangulate the closed states of `chain`; `size` rings around the flat state, 4 `size` directions."""
+    base, triangles = polar_mesh(chain.reach, size)
+    on = np.zeros(len(base), dtype=np.int64)
+    for k in (0, 1):
+        on |= np.where(np.abs(base[:, k]) == chain.reach[k], 1 << k, 0)
+    for bit, function in ((HEIGHT, chain.height), (SEAM, chain.fold_margin)):
+        base, on, triangles = _split_base(chain, base, on, triangles, bit, function)
+    margin = chain.fold_margin(base)
+    margin[_has(on, SEAM)] = 0.0
+    inside = (margin[triangles] >= 0).all(axis=1) & (margin[triangles] > 0).any(axis=1)
+    base, on, sheet, triangles = _double(base, on, triangles[inside])
+    for bit in (CUT, OTHER):
+        base, on, sheet, triangles = _split_sheets(chain, base, on, sheet, triangles, bit)
+    for _ in range(SHORTENINGS):
+        base, on, sheet, triangles = _shorten(chain, base, on, sheet, triangles, LONGEST / size)
+    base, on, sheet, triangles = _compact(base, on, sheet, triangles)
+    points = chain.points(base, sheet)
+    values, wedge = points.walls, points.wedge
+    for column, bit in enumerate((HEIGHT, CUT, OTHER)):
+        on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
+        values[_has(on, bit), column] = 0.0
+    flat = _has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
+    wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
+    return Sheets(chain, base, sheet, on, triangles, values, wedge)
+
+
+def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rings around the origin of a rectangle: vertices [V, 2], triangles [F, 3].
+
+    All directions leave the origin, so that the two cones that meet there are seen however thin they are.  Each side of
+    the border has vertices at its middle and quarters: there the height y over the last mirror is extreme along
+    the border (for degree 6 y is -+sin a_2 sin phi_2 and sin(a_1 - a_2) cos phi_1/2), and walls can touch it.
+    """
+    per_side = max(8, 4 * round(size / 4))
+    t = np.linspace(-1.0, 1.0, per_side + 1)[:-1]
+    one = np.ones_like(t)
+    square = np.concatenate(
+        [np.stack(v, axis=1) for v in ((t, -one), (one, t), (-t, one), (-one, -t))]
+    )
+    rings = np.arange(1, size + 1) / size
+    outer = square * reach
+    base = (rings[:, None, None] * outer).reshape(-1, 2)
+    base[-len(square) :] = outer
+    base = np.vstack([[0.0, 0.0], base])
+    k = len(square)
+    i = np.arange(k)
+    j = (i + 1) % k
+    triangles = [np.stack([np.zeros(k, dtype=int), 1 + i, 1 + j], axis=1)]
+    for r in range(size - 1):
+        a, b, c, d = 1 + r * k + i, 1 + r * k + j, 1 + (r + 1) * k + i, 1 + (r + 1) * k + j
+        triangles += [np.stack([a, c, d], axis=1), np.stack([a, d, b], axis=1)]
+    return base, np.vstack(triangles)
+
+
+def _has(on: np.ndarray, bit: int) -> np.ndarray:
+    return (on >> bit) & 1 == 1
+
+
+Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+def wall_function(chain: Chain, bit: int) -> Evaluate:
+    """Return the function (base, sheet) -> value of a curved wall or of the seam."""
+    if bit == HEIGHT:
+        return lambda base, sheet: chain.height(base)
+    if bit == SEAM:
+        return lambda base, sheet: chain.fold_margin(base)
+    column = bit - HEIGHT
+    return lambda base, sheet: chain.points(base, sheet).walls[:, column]
+
+
+def _split_base(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    triangles: np.ndarray,
+    bit: int,
+    function: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    sheet = np.zeros(len(base), dtype=np.int64)
+    base, on, _, triangles = _split(
+        chain, base, on, sheet, triangles, bit, lambda b, s: function(b), False
+    )
+    return base, on, triangles
+
+
+def _split_sheets(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    bit: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    wrapped = WRAPPED[chain.kind][bit - HEIGHT]
+    function = wall_function(chain, bit)
+    return _split(chain, base, on, sheet, triangles, bit, function, wrapped)
+
+
+def _split(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    bit: int,
+    function: Evaluate,
+    wrapped: bool,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Cut every triangle along the zero set of `function`."""
+    period = math.pi if wrapped else math.inf
+    for _ in range(LOOKS):
+        base, on, sheet, triangles = _refine(base, on, sheet, triangles, function, period)
+    return _cut(chain, base, on, sheet, triangles, bit, function, period)
+
+
+def _cut(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    bit: int,
+    function: Evaluate,
+    period: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Give every edge whose ends are on different sides a vertex on the wall."""
+    value = function(base, sheet)
+    zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
+    on = on | np.where(zero, 1 << bit, 0)
+    value = np.where(zero, 0.0, value)
+    edges, of_triangle = edges_of(triangles)
+    a, b = edges.T
+    cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
+    a, b = a[cut], b[cut]
+    on_edge = np.where(sheet[a] != 0, sheet[a], sheet[b])
+    common = on[a] & on[b]
+    place = _find_roots(chain, function, base[a], base[b], on_edge, value[a], common)
+    middle = np.full(len(edges), -1)
+    middle[cut] = len(base) + np.arange(len(cut))
+    if bit == SEAM:
+        on_edge = np.zeros_like(on_edge)
+    return (
+        np.vstack([base, place]),
+        np.concatenate([on, common | (1 << bit)]),
+        np.concatenate([sheet, on_edge]),
+        divide(triangles, middle[of_triangle]),
+    )
+
+
+def _refine(
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    function: Evaluate,
+    period: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Give edges that a wall crosses twice, as far as a few samples show, a vertex in between."""
+    edges, of_triangle = edges_of(triangles)
+    a, b = edges.T
+    value = function(base, sheet)
+    size = np.abs(value)
+    end = np.where(size[a] >= size[b], value[a], value[b])  # the larger end decides the side
+    look = np.flatnonzero((value[a] * value[b] > -(ON**2)) & (np.abs(end) > ON))
+    a, b, end = a[look], b[look], np.sign(end[look])
+    on_edge = np.where(sheet[a] != 0, sheet[a], sheet[b])
+    worst, where = np.zeros(len(look)), np.full(len(look), 0.5)
+    for t in SAMPLES:
+        beyond = -end * function(base[a] + t * (base[b] - base[a]), on_edge)
+        beyond = np.where(np.abs(beyond) < period / 4, beyond, -math.inf)
+        where, worst = np.where(beyond > worst, t, where), np.maximum(worst, beyond)
+    twice = np.flatnonzero(worst > 10 * ON)
+    if not len(twice):
+        return base, on, sheet, triangles
+    a, b, t = a[twice], b[twice], where[twice, None]
+    middle = np.full(len(edges), -1)
+    middle[look[twice]] = len(base) + np.arange(len(twice))
+    return (
+        np.vstack([base, base[a] + t * (base[b] - base[a])]),
+        np.concatenate([on, on[a] & on[b] & STRAIGHT]),
+        np.concatenate([sheet, on_edge[twice]]),
+        divide(triangles, middle[of_triangle]),
+    )
+
+
+def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges [E, 2] (smaller vertex first) and, for each triangle, its three: (0, 1), (1, 2), (2, 0)."""
+    t = triangles
+    pairs = np.sort(np.stack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]], axis=1), axis=-1)
+    edges, inverse = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
+    return edges, inverse.reshape(-1, 3)
+
+
+def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """Divide triangles at new vertices on their edges ([F, 3], -1 where an edge is whole)."""
+    count = (middle >= 0).sum(axis=1)
+    x, y, z = middle[count == 3].T
+    u, v, w = triangles[count == 3].T
+    quarters = ((u, x, z), (x, v, y), (z, y, w), (x, y, z))
+    pieces = [triangles[count == 0], *(np.stack(q, axis=1) for q in quarters)]
+    for k in range(3):
+        v = np.roll(triangles, -k, axis=1)
+        m = np.roll(middle, -k, axis=1)
+        one = (count == 1) & (m[:, 0] >= 0)  # edge (v0, v1) is cut
+        pieces += [
+            np.stack([v[one, 0], m[one, 0], v[one, 2]], axis=1),
+            np.stack([m[one, 0], v[one, 1], v[one, 2]], axis=1),
+        ]
+        two = (count == 2) & (m[:, 1] < 0)  # edges (v0, v1) and (v2, v0): v0 is cut off
+        x, y = m[two, 0], m[two, 2]
+        pieces += [
+            np.stack([v[two, 0], x, y], axis=1),
+            np.stack([x, v[two, 1], v[two, 2]], axis=1),
+            np.stack([x, v[two, 2], y], axis=1),
+        ]
+    return np.vstack(pieces)
+
+
+def _find_roots(
+    chain: Chain,
+    function: Evaluate,
+    a: np.ndarray,
+    b: np.ndarray,
+    sheet: np.ndarray,
+    at_a: np.ndarray,
+    common: np.ndarray,
+) -> np.ndarray:
+    """Bisect between base points a and b [E, 2]; edges that follow curved walls stay on them."""
+    low, high = np.zeros(len(a)), np.ones(len(a))
+    curved = [bit for bit in (HEIGHT, CUT, OTHER, SEAM) if _has(common, bit).any()]
+
+    def at(t: np.ndarray) -> np.ndarray:
+        point = a + t[:, None] * (b - a)
+        for bit in curved:
+            here = _has(common, bit)
+            point[here] = pull(chain, point[here], sheet[here], bit)
+        return point
+
+    for _ in range(BISECTIONS):
+        t = 0.5 * (low + high)
+        same = function(at(t), sheet) * at_a > 0
+        low, high = np.where(same, t, low), np.where(same, high, t)
+    return at(0.5 * (low + high))
+
+
+def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndarray:
+    """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
+    function = wall_function(chain, bit)
+    h = 1e-6
+    for _ in range(6):
+        value = function(base, sheet)
+        gradient = np.stack(
+            [
+                (function(base + step, sheet) - function(base - step, sheet)) / (2 * h)
+                for step in ([h, 0.0], [0.0, h])
+            ],
+            axis=1,
+        )
+        size = np.maximum((gradient**2).sum(axis=1), 1e-12)
+        step = (value / size)[:, None] * gradient
+        step *= np.minimum(1.0, 0.1 / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
+        base = base - step
+    return base
+
+
+def _double(
+    base: np.ndarray, on: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Two copies of every triangle, joined along the seam."""
+    seam = _has(on, SEAM)
+    count = len(base)
+    other = np.where(seam, np.arange(count), count + np.arange(count))
+    sheet = np.where(seam, 0, 1)
+    sheet = np.concatenate([sheet, -np.ones(count, dtype=sheet.dtype)])
+    triangles = np.vstack([triangles, other[triangles]])
+    if seam[triangles % count].all(axis=1).any():
+        raise MeshError("a triangle lies between seams: use a larger size")
+    _, of_triangle = edges_of(triangles)
+    if np.bincount(of_triangle.ravel()).max() > 2:
+        raise MeshError("two seams are closer than the mesh: use a larger size")
+    return np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles
+
+
+def _shorten(
+    chain: Chain,
+    base: np.ndarray,
+    on: np.ndarray,
+    sheet: np.ndarray,
+    triangles: np.ndarray,
+    longest: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
+    edges, of_triangle = edges_of(triangles)
+    wedge = chain.points(base, sheet).wedge
+    a, b = edges.T
+    apart = np.abs(wedge[a] - wedge[b])
+    apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
+    common = on[a] & on[b]
+    # edges that follow curved walls would have to be pulled back onto them: those stay
+    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
+    a, b = a[long], b[long]
+    seam_a, seam_b = _has(on[a], SEAM), _has(on[b], SEAM)
+    t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
+    middle = np.full(len(edges), -1)
+    middle[long] = len(base) + np.arange(len(long))
+    return (
+        np.vstack([base, (1 - t) * base[a] + t * base[b]]),
+        np.concatenate([on, common[long]]),
+        np.concatenate([sheet, np.where(sheet[a] != 0, sheet[a], sheet[b])]),
+        divide(triangles, middle[of_triangle]),
+    )
+
+
+def _compact(
+    base: np.ndarray, on: np.ndarray, sheet: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Drop unused vertices."""
+    used = np.unique(triangles)
+    number = np.full(len(base), -1)
+    number[used] = np.arange(len(used))
+    return base[used], on[used], sheet[used], number[triangles]

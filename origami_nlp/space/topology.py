@@ -1,0 +1,167 @@
+"""Topology of a complex of triangles, edges and vertices: components, holes, links, handles.  No geometry here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from origami_nlp.space.mesh import edges_of
+
+
+@dataclass(frozen=True)
+class Part:
+    """One connected component of a complex.
+
+    vertices: their numbers.  dimension: of its largest cell.  euler: V - E + F.  closed_surfaces: second Betti number
+    (modulo 2).  holes: first Betti number, 1 + closed_surfaces - euler.
+    """
+
+    vertices: np.ndarray
+    dimension: int
+    euler: int
+    closed_surfaces: int
+    holes: int
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A vertex whose link is disconnected: a pinch point, or where a handle begins.
+
+    vertex: its number.  branches: for each piece of the link (dimension of the branch 1 or 2, vertices of the piece).
+    """
+
+    vertex: int
+    branches: tuple[tuple[int, np.ndarray], ...]
+
+    @property
+    def dimensions(self) -> tuple[int, ...]:
+        """Dimensions of the branches that meet, largest first."""
+        return tuple(sorted((d for d, _ in self.branches), reverse=True))
+
+
+def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
+    """Every edge of the complex once, [E, 2], smaller vertex first."""
+    edges = np.sort(extra, axis=1).reshape(-1, 2)
+    if len(triangles):
+        edges = np.vstack([edges_of(triangles)[0], edges])
+    return np.unique(edges, axis=0)
+
+
+def label(count: int, edges: np.ndarray) -> np.ndarray:
+    """Connected component of each of `count` vertices, [count]."""
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
+    """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
+    edges = all_edges(triangles, extra)
+    of = label(count, edges)
+    number = int(of.max()) + 1 if count else 0
+    v = np.bincount(of, minlength=number)
+    e = np.bincount(of[edges[:, 0]], minlength=number)
+    f = np.bincount(of[triangles[:, 0]], minlength=number) if len(triangles) else 0 * v
+    closed = _closed_surfaces(triangles, of, number)
+    found = []
+    for k in range(number):
+        euler = int(v[k] - e[k] + f[k])
+        dimension = 2 if f[k] else (1 if e[k] else 0)
+        holes = 1 + int(closed[k]) - euler
+        found.append(Part(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes))
+    return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))
+
+
+def _closed_surfaces(triangles: np.ndarray, of: np.ndarray, number: int) -> np.ndarray:
+    """Second Betti number of each component: pieces of surface (joined over edges) without a border edge.
+
+    Exact where no edge borders more than two triangles, which is checked.
+    """
+    count = np.zeros(number, dtype=int)
+    if not len(triangles):
+        return count
+    edges, of_triangle = edges_of(triangles)
+    uses = np.bincount(of_triangle.ravel(), minlength=len(edges))
+    assert uses.max() <= 2, "an edge borders three triangles"
+    face = surface_pieces(triangles)
+    open_piece = np.zeros(face.max() + 1, dtype=bool)
+    open_piece[face[(uses[of_triangle] == 1).any(axis=1)]] = True
+    for piece in np.flatnonzero(~open_piece):
+        count[of[triangles[np.flatnonzero(face == piece)[0], 0]]] += 1
+    return count
+
+
+def surface_pieces(triangles: np.ndarray) -> np.ndarray:
+    """Number the pieces of surface that hang together over edges, for each triangle [F]."""
+    _, of_triangle = edges_of(triangles)
+    order = of_triangle.ravel().argsort(kind="stable")
+    name = of_triangle.ravel()[order]
+    pair = np.flatnonzero(name[1:] == name[:-1])
+    joined = np.stack([order[pair] // 3, order[pair + 1] // 3], axis=1)
+    return label(len(triangles), joined)
+
+
+def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
+    """Vertices with a disconnected link, except the inner points of handles."""
+    # corners of triangles around each vertex: two corners belong together when they share an edge at the vertex
+    f = len(triangles)
+    corner_vertex = triangles.ravel()
+    after, before = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, 1, axis=1).ravel()
+    who = np.arange(3 * f)
+    key = np.concatenate(
+        [corner_vertex * (count + 1) + after, corner_vertex * (count + 1) + before]
+    )
+    corner = np.concatenate([who, who])
+    order = key.argsort(kind="stable")
+    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
+    fan = label(3 * f, np.stack([corner[order[pair]], corner[order[pair + 1]]], axis=1))
+    first = np.unique(fan, return_index=True)[1]
+    fans = np.bincount(corner_vertex[first], minlength=count)
+    ends = np.bincount(extra.ravel(), minlength=count)
+    found = []
+    for v in np.flatnonzero((fans + ends > 1) & ~((fans == 0) & (ends == 2))):
+        branches: list[tuple[int, np.ndarray]] = []
+        mine = np.flatnonzero(corner_vertex == v)
+        for name in np.unique(fan[mine]):
+            here = mine[fan[mine] == name]
+            branches.append((2, np.unique(np.concatenate([after[here], before[here]]))))
+        for edge in extra[(extra == v).any(axis=1)]:
+            branches.append((1, edge[edge != v]))
+        found.append(Spot(int(v), tuple(branches)))
+    return found
+
+
+def handles(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[np.ndarray]:
+    """Maximal arcs of edges that border no triangle, each as its vertices in order (a loop repeats the first)."""
+    inner = np.bincount(extra.ravel(), minlength=count) == 2
+    if len(triangles):
+        inner[np.unique(triangles)] = False
+    around: dict[int, list[int]] = {}
+    for k, (a, b) in enumerate(extra.tolist()):
+        around.setdefault(a, []).append(k)
+        around.setdefault(b, []).append(k)
+    left = set(range(len(extra)))
+    found = []
+
+    def walk(v: int, k: int) -> np.ndarray:
+        path = [v]
+        while True:
+            left.discard(k)
+            a, b = extra[k].tolist()
+            v = b if v == a else a
+            path.append(v)
+            if not inner[v]:
+                return np.array(path)
+            onward = [m for m in around[v] if m in left]
+            if not onward:
+                return np.array(path)
+            k = onward[0]
+
+    for v in sorted(v for v in around if not inner[v]):
+        found += [walk(v, k) for k in around[v] if k in left]
+    while left:  # loops without an end
+        k = min(left)
+        found.append(walk(int(extra[k, 0]), k))
+    return found
