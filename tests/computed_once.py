@@ -14,6 +14,7 @@ from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
 from origami_nlp.minima.find import MinimaResult
+from origami_nlp.programme.model import Model
 
 PANELS = examples.panels()
 folder: Path | None = None
@@ -39,7 +40,7 @@ def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
     if not full:  # the search in the full space only adds its verdicts
         minima = tuple(dataclasses.replace(m, full_space=None) for m in minima)
     # the model holds compiled functions, which each process keeps for itself
-    return MinimaResult(scene, scene.model(), minima, search)
+    return MinimaResult(scene, Model(scene), minima, search)
 
 
 @cache

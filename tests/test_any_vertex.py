@@ -15,6 +15,7 @@ from test_random_vertices import check
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
 from origami_nlp.paper.appendix_a import crease_matrix
+from origami_nlp.programme.model import Model
 
 DEG = math.pi / 180
 
@@ -238,7 +239,7 @@ def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
     scene = Scene(Vertex(tuple(noisy)), (1,) * 6, rest, "D1", mirror=1, symmetry_tolerance=1e-4)
     assert scene.group.name == "D1" and 0 < scene.adjusted < 1e-4
     assert parse_scene(format_scene(scene)) == scene
-    assert "averaged" in repr(scene.model())
+    assert "averaged" in repr(Model(scene))
     a, b = find_minima(exact), find_minima(scene)
     assert len(a.minima) == len(b.minima)
     for m, other in zip(a.minima, b.minima, strict=True):

@@ -25,6 +25,7 @@ from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_poin
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows
 from origami_nlp.paper.published import Candidate, parse_csv, parse_json, read_candidates
 from origami_nlp.pattern import examples
+from origami_nlp.programme.model import Model
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / ".." / "shared" / "reference" / "authors_candidates.json"
@@ -118,7 +119,7 @@ def states_at(alpha: float, v: float, fold: float) -> list[np.ndarray]:
 
 
 def test_chart_point_inverts_the_closed_form() -> None:
-    model, seen = examples.degree8("pi/6", 1.0).model(), set()
+    model, seen = Model(examples.degree8("pi/6", 1.0)), set()
     for v in (-0.7, -0.2, 0.3, 0.6):
         for fold in (-0.8, 0.5):
             for x in states_at(math.pi / 6, v, fold):
@@ -130,14 +131,14 @@ def test_chart_point_inverts_the_closed_form() -> None:
 
 def test_chart_ends_where_the_manifold_does_not() -> None:
     alpha, fold = math.pi / 6, 1.1
-    model = examples.degree8(alpha, 1.0).model()
+    model = Model(examples.degree8(alpha, 1.0))
     edge = math.asin(math.sin(2 * alpha) * math.sin(fold / 2) ** 2)
     for beyond, ends in ((0.3 * STEP, True), (9 * STEP, False)):
         states = [x for sign in (1, -1) for x in states_at(alpha, sign * (edge + beyond), fold)]
         assert states
         for x in states:
             assert ("J = 0" in chart_end(model, x, STEP)) == ends
-    book = examples.degree6("pi/4", 1.0).model()
+    book = Model(examples.degree6("pi/4", 1.0))
     near, _ = project(book, np.array([-1.7, 0.12, -0.13, -1.35]), ())
     assert "(0, 0)" in chart_end(book, near, STEP)
     away = book.reduce(np.array(panel_result(book.scene).minima[0].fold_angles))
@@ -147,7 +148,7 @@ def test_chart_ends_where_the_manifold_does_not() -> None:
 def test_closing_alphas_find_the_vertex_of_a_state() -> None:
     for degree, make, alpha in ((8, examples.degree8, 5), (6, examples.degree6, 3)):
         scene = make(f"{alpha}*pi/12", 1.0)
-        model = scene.model()
+        model = Model(scene)
         x = model.reduce(np.array(find_minima(scene).minima[0].fold_angles))
         assert any(abs(a - alpha * math.pi / 12) < 1e-12 for a in closing_alphas(degree, x))
     assert closing_alphas(8, np.array([0.3, 0.4, 2.9])) == ()
@@ -162,7 +163,7 @@ def test_mean_of_two_rows_is_recognised() -> None:
 
 def test_exact_minima_are_stationary_and_moved_ones_are_not() -> None:
     scene = examples.degree6("5*pi/12", 100.0)
-    model = scene.model()
+    model = Model(scene)
     for m in panel_result(scene).minima:
         x = model.reduce(np.array(m.fold_angles))
         assert distance_from_stationary(model, x) < 1e-9
@@ -178,7 +179,7 @@ def test_exact_minima_are_stationary_and_moved_ones_are_not() -> None:
 def small() -> tuple[list[dict[str, object]], dict[int, str]]:
     """Candidates made so that each must have one cause, by number."""
     scene = examples.degree6("pi/4", 1.0)
-    model = scene.model()
+    model = Model(scene)
     x = model.reduce(np.array(panel_result(scene).minima[0].fold_angles))
 
     def closed(phi2: float, phi3: float, guess: float = -1.0) -> list[float]:
@@ -211,9 +212,9 @@ def small() -> tuple[list[dict[str, object]], dict[int, str]]:
     data.append(record([math.pi - 4.0, -math.pi, 2.0, -math.pi], alpha="pi/3"))
     causes[len(data)] = "on a handle"
     other = examples.degree6("pi/3", 1.0)
-    crossing, residual = project(other.model(), np.array([-1.65, 2.27, 2.27, -1.65]), ())
+    crossing, residual = project(Model(other), np.array([-1.65, 2.27, 2.27, -1.65]), ())
     assert residual < 1e-12 and np.abs(crossing).max() < 3  # no fold angle at +-pi
-    assert "cross" in examine(other.vertex, other.model().expand(crossing)).reason
+    assert "cross" in examine(other.vertex, Model(other).expand(crossing)).reason
     data.append(record(crossing.tolist(), alpha="pi/3"))
     causes[len(data)] = "not admissible"
     return data, causes

@@ -22,12 +22,14 @@ from origami_nlp.closed_forms import degree6
 from origami_nlp.critical.find import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.starts import StartStream
 from origami_nlp.minima.find import find_minima
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.admissible import is_admissible
+from origami_nlp.programme.model import Model
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:
@@ -141,7 +143,7 @@ def test_parabola_top_is_the_largest_sample(a, m, b):
 @pytest.mark.parametrize("make, alpha", [(examples.degree6, "pi/3"), (examples.degree8, "pi/6")])
 def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
     # area to the left 2 pi - sum phi, length 2 pi: equal areas only on the great circle
-    model = make(alpha, 1, symmetry="none").model()
+    model = Model(make(alpha, 1, symmetry="none"))
     seen = {1: 0, -1: 0}
     for start in itertools.islice(StartStream(model, 0), 150):
         if start.feasible and is_admissible(model, start.x):
@@ -156,7 +158,7 @@ def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
 
 def reached_from_flat(found, many=14):
     """Numbers (1-based) of minima that explicit paths from the flat state reach without rising above it."""
-    model = found.scene.model()
+    model = Model(found.scene)
     minima = [model.reduce(np.array(m.fold_angles)) for m in found.result.minima]
     flat, rng, out = model.energy(np.zeros(model.size)), np.random.default_rng(0), set()
     for _ in range(many):
@@ -242,7 +244,7 @@ def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
 @pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers", "contact_barriers"])
 def test_paths_can_be_replayed(which, request):
     found = request.getfixturevalue(which)
-    model = found.scene.model()
+    model = Model(found.scene)
     for p in found.passes:
         ends = [found.result.minima[k - 1].fold_angles for k in (p.from_state, p.to_state)]
         assert np.allclose(p.path[[0, -1]], ends, atol=1e-6)
@@ -304,7 +306,7 @@ def flooded(found, sizes, share, grids=None):
 
 def grids_of(scene, sizes):
     """Grids of a scene's chart with its thin sets; scenes that differ in springs only share them."""
-    model = scene.model()
+    model = Model(scene)
     chains = [model.expand(c.states) for c in thin_curves(model)]
     return [ChartGrid(scene, size, chains) for size in sizes]
 

@@ -15,6 +15,7 @@ from origami_nlp.minima.full_space import full_scene
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.model import Model
 
 PI = math.pi
 UNEQUAL = (0.9, 1.2, 1.2, PI - 2.1, PI - 2.1, 0.9)
@@ -94,7 +95,7 @@ def test_the_set_closes_on_its_plane_and_opens_only_where_no_gap_is_wide(sectors
 
 
 def test_the_package_calls_the_same_states_thin():
-    model = full_scene(examples.degree6("pi/3", 1)).model()
+    model = Model(full_scene(examples.degree6("pi/3", 1)))
     rng = np.random.default_rng(5)
     thin = 0
     for _ in range(40):
@@ -136,7 +137,7 @@ def test_the_bound_is_the_least_energy_of_the_segment(side):
 def test_the_symmetric_end_of_the_handles_is_the_proved_exit(ratio):
     """(-pi, pi/2, -pi, 0, -pi, pi/2) and its image."""
     scene = examples.degree6("pi/3", ratio)
-    model = full_scene(scene).model()
+    model = Model(full_scene(scene))
     for first, state in ((0, [150, -120, 150]), (1, [150, 150, -120])):
         phi = three_flaps(np.radians(state), first)
         found = proved_exit(model, phi)

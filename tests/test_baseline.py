@@ -7,15 +7,16 @@ import pytest
 from computed_once import panel_result
 
 from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.kkt.certificates import null_space
 from origami_nlp.kkt.classification import classify
 from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.stationarity import distance_from_stationary
 from origami_nlp.minima.find import Minimum, find_minima
 from origami_nlp.minima.full_space import FullSpace, full_scene
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.paper.appendix_a import EPS_GRADIENT, STEPS, appendix_a, crease_matrix
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.model import Model
 
 EXACT_TO = 1e-5  # relative error of centred differences at h = 3e-3 and smaller, rounding included
 
@@ -79,10 +80,10 @@ def test_gradient_is_the_torque_that_contacts_balance(states: list[State]) -> No
             continue
         seen += 1
         paper = appendix_a(s.scene, s.phi)
-        without_contact = distance_from_stationary(full_scene(s.scene).model(), s.phi, closed=-1.0)
+        without_contact = distance_from_stationary(Model(full_scene(s.scene)), s.phi, closed=-1.0)
         assert paper.steps[0].gradient == pytest.approx(without_contact, rel=1e-5)
         # with the contact moments the very same state is stationary to rounding
-        model = s.scene.model()
+        model = Model(s.scene)
         assert distance_from_stationary(model, model.reduce(s.phi)) < 1e-9
     assert seen
 
@@ -125,7 +126,7 @@ def test_differences_converge_with_second_order(states: list[State]) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_gradient_at_states_that_are_not_stationary(seed: int) -> None:
     scene = examples.degree6("pi/4", 1.0, symmetry="none", contact="none")
-    model = scene.model()
+    model = Model(scene)
     x, residual = project(model, np.random.default_rng(seed).uniform(-1.5, 1.5, 6), ())
     assert residual < 1e-12
     paper = appendix_a(scene, x)
@@ -147,7 +148,7 @@ def test_gradient_at_states_that_are_not_stationary(seed: int) -> None:
 )
 def test_saddles_without_contact(scene: Scene) -> None:
     """Without contact some symmetric minima are saddles of the full space: both sides must say so."""
-    model = full_scene(scene).model()
+    model = Model(full_scene(scene))
     verdicts = set()
     for m in find_minima(scene, max_starts=64).minima:
         phi = np.array(m.fold_angles)

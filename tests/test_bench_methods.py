@@ -18,8 +18,9 @@ from origami_nlp.bench.methods_ours import ours
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
-from origami_nlp.kkt.starts import crossed_pairs
 from origami_nlp.minima.full_space import hessian_spectra
+from origami_nlp.programme.admissible import crossed_pairs
+from origami_nlp.programme.model import Model
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
 METHODS = [*ours(), *ipopt_alone(), *others(), *scipy_methods()]
@@ -78,7 +79,7 @@ def test_ours_claims_only_classified_minima_to_rounding(judge, starts):
 
 @pytest.mark.parametrize("index", [3, 4, 17])
 def test_rivals_get_the_programme_of_the_package(index):
-    model = panel_problems()[index].scene.model()
+    model = Model(panel_problems()[index].scene)
     built = programme(model.structure, model.structure.pairs)
     x = draw_starts(model, 1, 1)[0][0].x
     z = built.begin(model, x)
@@ -92,7 +93,7 @@ def test_rivals_get_the_programme_of_the_package(index):
 
 @pytest.mark.parametrize("index", [4, 17])
 def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
-    model = panel_problems()[index].scene.model()
+    model = Model(panel_problems()[index].scene)
     built = programme(model.structure, model.structure.pairs)
     evaluate = Evaluator(built.oracle, model.parameters)
     rng = np.random.default_rng(index)
@@ -119,7 +120,7 @@ def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
 
 
 def test_an_evaluator_asked_for_curvature_elsewhere_does_not_keep_stale_values():
-    model = SIMPLE.model()
+    model = Model(SIMPLE)
     built = programme(model.structure, ())
     evaluate = Evaluator(built.oracle, model.parameters)
     a, b = np.full(model.size, 0.3), np.full(model.size, -0.8)
@@ -130,7 +131,7 @@ def test_an_evaluator_asked_for_curvature_elsewhere_does_not_keep_stale_values()
 
 def test_facets_that_cross_get_a_plane_from_any_solver():
     scene = examples.degree6("pi/3", 1.0)
-    model = scene.model()
+    model = Model(scene)
     method = next(m for m in METHODS if m.name == "IPOPT alone" and m.accuracy == 1e-8)
     solver = method.prepare(model)
     for start in draw_starts(model, 0, 6)[0]:
@@ -150,7 +151,7 @@ def test_facets_that_cross_get_a_plane_from_any_solver():
 @pytest.mark.parametrize("form", FORMS)
 def test_every_form_of_closure_vanishes_exactly_where_the_loop_closes(form):
     problem = random_problems(0)[1]
-    model = replace(problem.scene, contact="fold-limits").model()
+    model = Model(replace(problem.scene, contact="fold-limits"))
     x = ca.SX.sym("x", model.size)
     residual = ca.Function("g", [x], [closure_residual(form, model, x)])
     rng = np.random.default_rng(0)
@@ -185,7 +186,7 @@ def test_the_wedge_reaches_minima_and_nine_entries_are_too_many_equations():
     judge = Judge.of(scene, 0)
     start = draw_starts(judge.model, 0, 1)[0][0]
     assert judge.judge(wedge_against_tied()[0].prepare(judge.model)(start)).minimum >= 0
-    full = replace(scene, symmetry="none").model()
+    full = Model(replace(scene, symmetry="none"))
     entries = next(m for m in closures() if "entries" in m.label)
     with silence():
         assert not entries.prepare(full)(draw_starts(full, 0, 1)[0][0]).claims
@@ -215,7 +216,7 @@ def test_exact_eigenvalues_agree_with_the_package_and_beat_appendix_a():
     states = [judge.model.expand(k.x) for k in judge.known if k.kind == "interior"]
     records = compare_hessians([problem], [states], 1)
     assert records
-    full = replace(SIMPLE, symmetry="none", contact="none").model()
+    full = Model(replace(SIMPLE, symmetry="none", contact="none"))
     for record, phi in zip(records, states, strict=True):
         wanted = hessian_spectra(full, SIMPLE, phi)[0]
         assert exact_eigenvalues(full, phi) == pytest.approx(wanted, rel=1e-12, abs=1e-15)

@@ -11,6 +11,7 @@ from origami_nlp.bench.exact_piece import ExactPiece, exact_angle
 from origami_nlp.bench.problems import panel_problems, random_problems
 from origami_nlp.bench.reference import Unsolved, solve_reference
 from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.model import Model
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),
@@ -24,7 +25,7 @@ SCENES = {
 
 @pytest.mark.parametrize("name", SCENES)
 def test_derivatives_of_closure_and_gaps_agree_with_differences(name):
-    model = SCENES[name].model()
+    model = Model(SCENES[name])
     gaps = tuple(range(len(model.structure.gaps)))[:6]
     with mp.workdps(60):
         piece = ExactPiece(model)
@@ -49,7 +50,7 @@ def test_derivatives_of_closure_and_gaps_agree_with_differences(name):
 @pytest.mark.parametrize("name", SCENES)
 def test_closure_vanishes_where_the_programme_closes_and_gaps_are_equal(name):
     scene = SCENES[name]
-    model = scene.model()
+    model = Model(scene)
     from origami_nlp.bench.attempt import draw_starts
 
     for start in draw_starts(model, 0, 4)[0]:
@@ -117,7 +118,7 @@ def test_references_close_and_balance_in_the_whole_vertex(scene):
 
 
 def test_a_flat_folding_is_known_exactly_and_a_wrong_state_is_refused():
-    model = SCENES["D1"].model()
+    model = Model(SCENES["D1"])
     x = math.pi * np.array([-1.0, 0.0, 0.0, -1.0])
     rows = (Row("limit", 0, -1), Row("limit", 3, -1))
     reference = solve_reference(model, x, rows)

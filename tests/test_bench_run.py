@@ -23,6 +23,7 @@ from origami_nlp.bench.tally import FALSE, Attempts, quantiles, ratios, summary,
 from origami_nlp.cli import app, main
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.search import Record, run_one
+from origami_nlp.programme.model import Model
 
 SCENE = examples.degree6("5*pi/12", 1.0)
 PLAN = Plan(rounds=2, starts=4, sweep=2, budget=30.0)
@@ -54,7 +55,7 @@ def test_problems_are_those_that_are_promised():
 
 
 def test_starts_are_those_of_the_package_and_repeat():
-    model = SCENE.model()
+    model = Model(SCENE)
     a, b = draw_starts(model, 3, 5)[0], draw_starts(model, 3, 5)[0]
     assert all((p.x == q.x).all() and (p.raw == q.raw).all() for p, q in zip(a, b, strict=True))
     assert np.abs(model.closure(a[0].x)[0]).max() < 1e-9
@@ -135,7 +136,7 @@ def test_a_judge_knows_minima_from_what_is_none(judge):
 
 
 def test_a_minimum_that_the_judge_did_not_know_joins_the_list(judge):
-    blank = Judge(SCENE, SCENE.model())
+    blank = Judge(SCENE, Model(SCENE))
     outcome = blank.judge(Attempt(judge.known[0].x, True, ""))
     assert outcome.minimum == 0 and blank.known[0].source == "an answer" and outcome.angle < 1e-14
 

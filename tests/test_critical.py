@@ -21,13 +21,15 @@ from origami_nlp.critical.link import count_arcs, link_of
 from origami_nlp.critical.result import CriticalPoints
 from origami_nlp.critical.strata import strata_of
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.kkt.certificates import null_space
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.starts import project_batch
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import closed_contacts
+from origami_nlp.programme.model import Model
 from origami_nlp.space.find import analyse_space
 
 PANELS = examples.panels()
@@ -46,14 +48,14 @@ def critical_points(scene):
 
 def with_energy(scene, stiffness, rest):
     """The same geometry with other springs on the variables of the model."""
-    model = scene.model()
+    model = Model(scene)
     k, phi0 = model.expand(np.asarray(stiffness)), model.expand(np.asarray(rest))
     return Scene(scene.vertex, tuple(k), tuple(phi0), scene.symmetry, "full", scene.mirror)
 
 
 def random_energy(scene, rng):
     """Stiffness over almost three decades and any rest angles."""
-    size = scene.model().size
+    size = Model(scene).size
     return with_energy(
         scene, np.exp(rng.uniform(-3, 3, size)), rng.uniform(-math.pi, math.pi, size)
     )
@@ -74,7 +76,7 @@ def test_the_morse_sum_is_the_euler_characteristic(scene):
 def test_the_sum_is_the_same_for_every_energy(data):
     """The space does not know the springs: any point lost or misjudged alone breaks this."""
     scene = data.draw(st.sampled_from([SHAPES[1], SHAPES[2], SHAPES[3]]))
-    size = scene.model().size
+    size = Model(scene).size
     log_k = data.draw(st.lists(st.floats(-3, 3), min_size=size, max_size=size))
     rest = data.draw(st.lists(st.floats(-math.pi, math.pi), min_size=size, max_size=size))
     other = find_critical_points(with_energy(scene, np.exp(log_k), rest))
@@ -93,7 +95,7 @@ def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
 @pytest.mark.parametrize("scene", [SHAPES[0], SHAPES[5]], ids=lambda s: s.name)
 def test_springs_at_rest_in_the_flat_state(scene):
     """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
-    size = scene.model().size
+    size = Model(scene).size
     found = find_critical_points(with_energy(scene, np.ones(size), np.zeros(size)))
     assert found.morse_sum == 1
     (lowest,) = found.minima
@@ -102,7 +104,7 @@ def test_springs_at_rest_in_the_flat_state(scene):
 
 def kkt_points(scene, rng, starts):
     """KKT points by the package's other Newton, from random states, with every set of up to two contacts held."""
-    model = scene.model()
+    model = Model(scene)
     rows = possible_rows(model)
     pairs = [p for p in itertools.combinations(rows, 2)]
     ends = []
@@ -173,7 +175,7 @@ def chart_points(scene, size):
         x[:, order] = value
         x[:, free] = q[:, : len(free)]
         out.append(x[(np.abs(x) < math.pi - 1e-6).all(axis=1)])
-    model = scene.model()
+    model = Model(scene)
     x = np.concatenate(out)
     kept = []
     for state in x:
@@ -220,7 +222,7 @@ def test_the_flat_state_by_the_dual_cone(seed):
     """
     rng = np.random.default_rng(seed)
     scene = random_energy(SHAPES[rng.integers(len(SHAPES))], rng)
-    model = scene.model()
+    model = Model(scene)
     local = model.local(np.zeros(model.size))
     left = null_space(local.closure_jacobian.T)[:, 0]
     kernel = null_space(local.closure_jacobian)

@@ -14,6 +14,7 @@ from independent.stationary import Stratum, determinant_classes, retract
 
 from origami_nlp import Vertex, examine
 from origami_nlp.kkt.starts import gaps_hold
+from origami_nlp.programme.model import Model
 
 BAND = 1e-9
 """Issue: no disagreement outside this distance [rad] from touching."""
@@ -217,7 +218,7 @@ def test_many_flaps():
 
 def wedge_agreement(scene, rng, count):
     """Compare the model's own constraints with full admissibility; returns own verdicts."""
-    model, p = scene.model(), Problem.of(scene)
+    model, p = Model(scene), Problem.of(scene)
     first = [int(np.flatnonzero(model.variable_of_crease == v)[0]) for v in range(model.size)]
     x, residual = project(p.sectors, p.orbit, rng.uniform(-3.2, 3.2, (count, p.size)))
     x = x[(residual <= 1e-13) & (np.abs(x) < 3.5).all(axis=1)]

@@ -14,6 +14,7 @@ from origami_nlp.chart.landscape import landscape
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding.embedding import examine, fold_vertex
 from origami_nlp.kkt.starts import StartStream
+from origami_nlp.programme.model import Model
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61
@@ -111,7 +112,7 @@ def near_finite(branch, x, y):
 )
 def test_no_admissible_state_is_left_white(scene):
     """States found without the chart (random angles projected onto closure) lie on it, on its area."""
-    chart, model = landscape(scene, 201), scene.model()
+    chart, model = landscape(scene, 201), Model(scene)
     stream = StartStream(model, 7)
     seen = 0
     while seen < 60:
@@ -132,7 +133,7 @@ def test_white_cells_have_no_admissible_state():
     """Newton from many completions of an excluded cell finds only crossing or overfolded states."""
     rng = np.random.default_rng(3)
     for scene in (o.examples.degree6("pi/4", 1), o.examples.degree6("pi/3", 1)):
-        chart, model = landscape(scene, 41), scene.model()
+        chart, model = landscape(scene, 41), Model(scene)
         branch = chart.branches[0]
         rows, columns = np.nonzero(np.isnan(branch.energy))
         for pick in rng.integers(len(rows), size=12):
@@ -237,7 +238,7 @@ def test_curves(scene):
     assert all(examine(scene.vertex, phi).admissible for phi in every[::25])
     for b in chart.branches:
         np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
-    model = scene.model()
+    model = Model(scene)
     stream = StartStream(model, 11)
     starts = [next(stream) for _ in range(100)]
     free = [model.expand(s.x) for s in starts if s.feasible and np.abs(s.x).max() < 3.1]

@@ -14,14 +14,21 @@ from computed_once import panel_result
 import origami_nlp as o
 from origami_nlp.contact.force_cone import distance_to_boundary
 from origami_nlp.contact.margin import LoadMargin, load_margin
-from origami_nlp.kkt.certificates import null_space
 from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.loads import loaded_model, moments_of, row_name, row_weight, sensitivity
+from origami_nlp.kkt.loads import loaded_model, moments_of, sensitivity
 from origami_nlp.kkt.multipliers import find_multipliers
 from origami_nlp.kkt.polishing import newton
 from origami_nlp.minima.find import MinimaResult, Minimum
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.programme.contacts import Row, closed_contacts, gap_weights, row_values
+from origami_nlp.numerics.linear import null_space
+from origami_nlp.programme.contacts import (
+    Row,
+    closed_contacts,
+    gap_weights,
+    row_name,
+    row_values,
+    row_weight,
+)
 from origami_nlp.programme.model import Model
 
 MULTIPLIER_FD = 1e-6
@@ -360,7 +367,7 @@ def test_margins_scale_with_the_stiffness() -> None:
     scaled = o.Scene(
         scene.vertex, tuple(1000 * k for k in scene.stiffness), scene.rest_angles, "D1", mirror=1
     )
-    margin = load_margin(scaled.model(), state_of("fold limit")[1], check=False)
+    margin = load_margin(Model(scaled), state_of("fold limit")[1], check=False)
     assert margin.norm == pytest.approx(1000 * margin_of("fold limit").norm, rel=1e-6)
 
 

@@ -11,6 +11,7 @@ from origami_nlp import Scene, Vertex, examine, examples, find_minima
 from origami_nlp.kkt.descent import follow
 from origami_nlp.minima.stopping import enough, expected_undiscovered
 from origami_nlp.programme.compiled import compile_structure
+from origami_nlp.programme.model import Model
 
 CLOSURE = 1e-14  # issue: closure of regular states
 KKT = 1e-12  # issue: KKT residual, relative to the torques that balance
@@ -98,7 +99,7 @@ def test_a_flat_sheet_at_rest_stays_flat():
         best = find_minima(scene).minima[0]
         assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
         assert best.kind == "degenerate"  # closure loses rank at the flat state
-        assert best.local_dimension == scene.model().freedom
+        assert best.local_dimension == Model(scene).freedom
 
 
 @pytest.mark.parametrize("ratio", [1e-8, 1e-6, 1e-4, 1e4, 1e6])
@@ -114,16 +115,16 @@ def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
     # D6: one fold angle, one equation; the only state of the wedge next to the flat one is the flat one
     scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.3,) * 6)
     result = find_minima(scene)
-    assert scene.group.name == "D6" and scene.model().freedom == 0
+    assert scene.group.name == "D6" and Model(scene).freedom == 0
     assert all(np.abs(m.fold_angles).max() <= 1e-6 for m in result.minima)
 
 
 def test_one_structure_is_compiled_once():
-    first = examples.degree8("pi/6", 1.0).model()
+    first = Model(examples.degree8("pi/6", 1.0))
     _ = first.functions
     before = compile_structure.cache_info().misses
     for alpha, ratio in (("pi/12", 1.0), ("pi/4", 100.0), ("pi/5", 3.0)):
-        assert examples.degree8(alpha, ratio).model().functions is first.functions
+        assert Model(examples.degree8(alpha, ratio)).functions is first.functions
     assert compile_structure.cache_info().misses == before
 
 

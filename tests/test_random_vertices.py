@@ -15,6 +15,7 @@ from independent.rotations import fold, project, spin_sign
 from independent.scenes import SHAPES, build, degree, rational
 
 from origami_nlp import find_minima
+from origami_nlp.programme.model import Model
 
 RIGID = [("D", 1, 2, (False, False)), ("D", 2, 1, (False, False)), ("D", 3, 1, (False, False))]
 """As many equations as fold angles: only the flat state."""
@@ -72,7 +73,7 @@ def test_every_minimum_of_a_random_vertex_is_one(seed):
 def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
     for seed in range(4):
         scene = build(np.random.default_rng(seed), shape)
-        assert scene.model().freedom == 0
+        assert Model(scene).freedom == 0
         (flat,) = find_minima(scene).minima
         assert flat.local_dimension == 0 and not any(flat.fold_angles)
         # own look: from anywhere near, closure leads back to the flat state, or nowhere

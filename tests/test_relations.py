@@ -18,6 +18,7 @@ from origami_nlp.minima.find import Rejected
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.plain import result_from_dict, result_to_dict
 from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
+from origami_nlp.programme.model import Model
 
 
 def count_by_fractions(parts: list[int]) -> int:
@@ -108,7 +109,7 @@ def test_a_scene_says_what_it_made_exact() -> None:
     k, rest = (0.025,) * 6, (math.pi / 2, math.pi / 2, -math.pi, math.pi / 2, -math.pi, math.pi / 2)
     scene = origami_nlp.Scene(origami_nlp.Vertex(sectors), k, rest, symmetry="none")
     assert scene.vertex.sector_angles == pytest.approx((math.pi / 3,) * 6, abs=1e-15)
-    printed = repr(scene.model())
+    printed = repr(Model(scene))
     assert "made exact, sectors moved by up to 2.0e-09 rad" in printed
     made = {r.text for r in scene.relations.made_exact}
     assert "creases 1 and 3 coincide while 2 is shut" in made
@@ -145,7 +146,7 @@ def test_hinge_sets_hold_the_lowest_states_along_them(parts: tuple[int, ...]) ->
         rng.uniform(-2.5, 2.5, n).tolist(),
         symmetry="none",
     )
-    model = scene.model()
+    model = Model(scene)
     states = hinge_minima(model)
     assert states
 

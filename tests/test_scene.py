@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from origami_nlp import Scene, Vertex, examples, format_scene, parse_scene
 from origami_nlp.errors import AngleError
 from origami_nlp.pattern.angles import format_angle, parse_angle
+from origami_nlp.programme.model import Model
 
 
 @given(st.integers(-1000, 1000), st.integers(1, 720))
@@ -95,7 +96,7 @@ def test_vertex_from_directions_and_degrees():
 def test_repr_says_what_was_stated_and_what_is_modelled():
     scene = examples.degree6("pi/3", 100)
     assert "pi/3" in repr(scene) and "D1" in repr(scene)
-    words = repr(scene.model())
+    words = repr(Model(scene))
     for part in (
         "variables     4",
         "equalities    2",
@@ -104,6 +105,6 @@ def test_repr_says_what_was_stated_and_what_is_modelled():
         "left out",
     ):
         assert part in words
-    assert "facets 1 and 3: too far apart" in repr(examples.degree6("pi/4", 1).model())
-    none = repr(examples.degree6("pi/4", 1, contact="none").model())
+    assert "facets 1 and 3: too far apart" in repr(Model(examples.degree6("pi/4", 1)))
+    none = repr(Model(examples.degree6("pi/4", 1, contact="none")))
     assert "inequalities  0" in none

@@ -14,7 +14,6 @@ import origami_nlp as o
 from origami_nlp.chart.boundary_lines import trace_boundary
 from origami_nlp.contact.segments import SegmentReport, find_segments, segments_to_dict
 from origami_nlp.contact.segments_figure import draw_segments
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.minima.find import MinimaResult
 from origami_nlp.path.curve import (
     CLOSED_TO,
@@ -24,6 +23,7 @@ from origami_nlp.path.curve import (
     evaluate,
     follow_boundary,
 )
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts, row_values
 from origami_nlp.programme.model import Model
 

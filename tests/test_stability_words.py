@@ -11,11 +11,11 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 import origami_nlp as o
-from origami_nlp.chart.axes import WARNING
 from origami_nlp.cli import app
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.html import as_html
+from origami_nlp.minima.marks import WARNING
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from origami_nlp.minima.table import as_text, minima_table
 

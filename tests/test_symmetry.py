@@ -11,6 +11,7 @@ from independent.rotations import fold, project, spin_sign
 from independent.scenes import SHAPES, build
 
 from origami_nlp import Scene
+from origami_nlp.programme.model import Model
 
 derandomized = settings(derandomize=True, deadline=None, max_examples=60, database=None)
 cases = st.tuples(st.sampled_from(SHAPES), st.integers(0, 2**32 - 1))
@@ -74,7 +75,7 @@ def test_orbits_are_those_of_the_group(case):
 @given(cases)
 def test_reduced_energy_is_the_energy_of_the_whole_state(case):
     _, scene, rng = scene_of(case)
-    model = scene.model()
+    model = Model(scene)
     x, y = rng.uniform(-math.pi, math.pi, (2, model.size))
     phi = model.expand(x)
     assert np.allclose(model.reduce(phi), x, rtol=0, atol=1e-15)
@@ -90,7 +91,7 @@ def test_reduced_energy_is_the_energy_of_the_whole_state(case):
 @given(cases)
 def test_reduced_closure_is_closure_of_the_whole_vertex(case):
     _, scene, rng = scene_of(case)
-    model, p = scene.model(), Problem.of(scene)
+    model, p = Model(scene), Problem.of(scene)
     # whole -> reduced: every admissible closed state solves the reduced equations
     x, residual = project(p.sectors, p.orbit, rng.uniform(-3, 3, (24, p.size)))
     phi = x[residual <= 1e-13][:, p.orbit]

@@ -20,12 +20,12 @@ from origami_nlp.barriers.merge_tree import MergeTree
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.loads import row_name
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.minima.find import MinimaResult, find_minima
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.contacts import closed_contacts
+from origami_nlp.programme.admissible import is_admissible
+from origami_nlp.programme.contacts import closed_contacts, row_name
+from origami_nlp.programme.model import Model
 
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
@@ -123,7 +123,7 @@ def find_barriers(
     check_number("spacing", spacing, 0.02, 0.5)
     check_whole("seed", seed, 0)
     check_freedoms(scene)
-    model = scene.model()
+    model = Model(scene)
     if result is None:
         result = find_minima(scene, seed=seed, full=full)
     work = RefinedGraph(
@@ -162,7 +162,7 @@ def check_freedoms(scene: Scene) -> None:
     OptionError
         With the number of degrees of freedom it has.
     """
-    freedom = scene.model().freedom
+    freedom = Model(scene).freedom
     if freedom != 2:
         raise OptionError(
             f"[model] symmetry = {scene.symmetry!r} leaves {freedom} degrees of freedom; barriers need 2: "

@@ -25,11 +25,12 @@ import numpy as np
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import energies, side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
-from origami_nlp.kkt.certificates import null_space
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.thin import thin_at
 from origami_nlp.minima.full_space import full_scene
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts, row_values
 from origami_nlp.programme.model import Model
 
@@ -117,7 +118,7 @@ def full_pass(
     numbers = (symmetric.from_state, symmetric.to_state)
     at = np.array(symmetric.fold_angles)
     path = symmetric.path
-    model = full_scene(scene).model()
+    model = Model(full_scene(scene))
     upper = float(energies(model, model.reduce(path)).max())
     bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
     open_sets: list[str] = []

@@ -17,10 +17,12 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.barriers.graph import energies, feasible
-from origami_nlp.kkt.certificates import CURVED, RANK_TOLERANCE, judge_branch
+from origami_nlp.kkt.certificates import CURVED, judge_branch
 from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.polishing import newton
+from origami_nlp.numerics.linear import RANK_TOLERANCE
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts
 from origami_nlp.programme.model import Model
 

@@ -24,9 +24,9 @@ from origami_nlp.barriers.passes import (
     slide,
 )
 from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.kkt.starts import flat_foldings
 from origami_nlp.kkt.thin import thin_at
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.model import Model
 
 MOST_ROUNDS = 6

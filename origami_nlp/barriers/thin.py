@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.thin import _states_on_limits, thin_at
 from origami_nlp.path.curve import follow_boundary
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row
 from origami_nlp.programme.model import Model
 

@@ -15,6 +15,7 @@ from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.search import Record, solve_without_crossing
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.model import Model
 
 CLOSURE_PULL = 0.3
 """Torque [N m] by which closure pulls at the closed crease, so that its rest angle stays within +-pi."""
@@ -26,7 +27,7 @@ def weakly_pinned(moment: float) -> tuple[Scene, np.ndarray]:
     Design is linear: with k = 1 the rest angles phi0 = x - J' lam - a mu make x stationary, a = -e_3.
     """
     trial, x = regular_at_pi(math.pi)
-    jac = trial.model().closure(x)[1]
+    jac = Model(trial).closure(x)[1]
     lam = CLOSURE_PULL * jac[:, 2] / (jac[:, 2] @ jac[:, 2])
     rest = x - jac.T @ lam
     rest[2] += moment
@@ -36,7 +37,7 @@ def weakly_pinned(moment: float) -> tuple[Scene, np.ndarray]:
 def _weakly_active() -> Iterator[Outcome]:
     for moment in (1e-2, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-13, 0.0):
         scene, x = weakly_pinned(moment)
-        model, record = scene.model(), Record()
+        model, record = Model(scene), Record()
         answer = solve_without_crossing(model, x + np.array([0.1, -0.1, -0.2, 0.1, 0.1]), record)
         state = polish(model, answer)
         what = classify(model, state.x, polished=state.converged)

@@ -10,7 +10,6 @@ import numpy as np
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.kkt.polishing import polish
 from origami_nlp.kkt.starts import BATCH, project_batch
 from origami_nlp.minima.find import MinimaResult, Minimum, find_minima
@@ -19,6 +18,7 @@ from origami_nlp.pattern import examples
 from origami_nlp.pattern.angles import parse_angles
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts
 from origami_nlp.programme.model import Model
 
@@ -82,7 +82,7 @@ def _flat_starts() -> Iterator[Outcome]:
         examples.degree8("pi/6", 1.0),
         examples.degree6("pi/4", 1.0, symmetry="none"),
     ):
-        model = scene.model()
+        model = Model(scene)
         record = Record()
         answer = solve_without_crossing(model, np.zeros(model.size), record)
         state = polish(model, answer)
@@ -118,7 +118,7 @@ def _flat_answers() -> Iterator[Outcome]:
         measured = (Measured("angles", far, ROUNDING), Measured("energy", m.energy, 1e-25))
         verdict = f"{m.kind}, dimension {m.local_dimension}, {lower} state of energy 0"
         right = m.kind == "degenerate" and lower == 1
-        right = right and m.local_dimension == scene.model().freedom
+        right = right and m.local_dimension == Model(scene).freedom
         title = f"degree {n}, {scene.group.name}, sectors {sectors[0]}, {sectors[1]}, .."
         yield Outcome(title, measured, verdict, right, result.search.iterations)
 
@@ -167,7 +167,7 @@ def _next_to_pi() -> Iterator[Outcome]:
 def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     """A degree-5 scene at rest in an admissible state of full rank whose third fold angle is given."""
     vertex = Vertex((1.0, 1.3, 1.4, 1.2, 2 * math.pi - 4.9))
-    model = Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none").model()
+    model = Model(Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none"))
     x = np.random.default_rng(3).uniform(-2.5, 2.5, (BATCH, 5))
     x[:, 2] = angle
     frozen = np.zeros_like(x, dtype=bool)

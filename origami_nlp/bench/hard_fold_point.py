@@ -80,7 +80,7 @@ def find_fold_point(start: np.ndarray, ratio: float, symmetry: str = "D3") -> Fo
         If Newton does not converge.
     """
     n, y = len(start), np.append(start, math.log(ratio))
-    model = ratio_scene(ratio, symmetry).model()
+    model = Model(ratio_scene(ratio, symmetry))
     local = model.local(start)
     lam = np.linalg.lstsq(local.closure_jacobian.T, local.gradient * model.scale, rcond=None)[0]
     y = np.concatenate([start, lam, [math.log(ratio)]])
@@ -88,7 +88,7 @@ def find_fold_point(start: np.ndarray, ratio: float, symmetry: str = "D3") -> Fo
 
     def system(y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the residual and the KKT matrix, in the scene's units, and the singular vector."""
-        model = ratio_scene(math.exp(y[-1]), symmetry).model()
+        model = Model(ratio_scene(math.exp(y[-1]), symmetry))
         x, lam = y[:n], y[n:-1]
         local = model.local(x)
         jac, scale = local.closure_jacobian, model.scale
@@ -132,7 +132,7 @@ def _guess() -> np.ndarray:
 
 def beside(point: FoldPoint, ratio: float, symmetry: str = "D3") -> list[tuple[np.ndarray, str]]:
     """Return the critical states near a fold point at another ratio, with their verdicts."""
-    model: Model = ratio_scene(ratio, symmetry).model()
+    model: Model = Model(ratio_scene(ratio, symmetry))
     reach = math.sqrt(abs(ratio / point.ratio - 1))
     found: list[tuple[np.ndarray, str]] = []
     for factor in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0):

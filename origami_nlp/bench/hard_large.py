@@ -17,6 +17,7 @@ from origami_nlp.minima.find import find_minima
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.model import Model
 
 DEGREE = 60
 STARTS = 150
@@ -42,7 +43,7 @@ def _wedges() -> Iterator[Outcome]:
                 continue
             scene = _wedge_scene(group, period, contact)
             result = find_minima(scene, max_starts=STARTS)
-            title = f"{scene.group.name}, {scene.model().size} fold angles, contact {contact}"
+            title = f"{scene.group.name}, {Model(scene).size} fold angles, contact {contact}"
             outcome = against_50_digits(title, result, 1e-12)
             whole = [_closure(np.array(m.fold_angles)) for m in result.minima]
             closes = Measured("closure of all 60 folds", max(whole, default=0.0), 1e-12)

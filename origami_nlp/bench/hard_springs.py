@@ -11,12 +11,12 @@ import numpy as np
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import EPS, ROUNDING, exact_state, known_state
 from origami_nlp.errors import SceneError
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.kkt.starts import StartStream
 from origami_nlp.minima.find import MinimaResult, find_minima
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, row_values
 from origami_nlp.programme.model import Model
 
@@ -139,7 +139,7 @@ def _rest_states() -> Iterator[Outcome]:
         sectors = np.random.default_rng(seed).dirichlet(np.full(degree, 8.0)) * 2 * math.pi
         vertex = Vertex(tuple(sectors.tolist()))
         trial = Scene(vertex, (1.0,) * degree, (0.0,) * degree, "none", "fold-limits")
-        model = trial.model()
+        model = Model(trial)
         for start in StartStream(model, seed):
             if start.feasible and is_admissible(model, start.x) and np.abs(start.x).max() < 3.0:
                 break

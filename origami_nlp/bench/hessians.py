@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.bench.problems import Problem
 from origami_nlp.bench.reference import Unsolved, solve_reference
-from origami_nlp.kkt.certificates import null_space
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.paper.appendix_a import STEPS, appendix_a
 from origami_nlp.programme.model import Model
 
@@ -38,7 +38,7 @@ def compare_hessians(
     out = []
     for problem, of_problem in zip(problems, states, strict=True):
         free = replace(problem.scene, symmetry="none", mirror=None, contact="none")
-        model = free.model()
+        model = Model(free)
         for number, phi in enumerate(of_problem, start=1):
             try:
                 reference = solve_reference(model, phi, ())

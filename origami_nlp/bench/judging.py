@@ -16,11 +16,11 @@ import numpy as np
 from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.certificates import null_space
 from origami_nlp.kkt.classification import classify
 from origami_nlp.kkt.polishing import polish
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.search import Record, solve_without_crossing
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
 from origami_nlp.programme.model import Model
@@ -72,7 +72,7 @@ class Judge:
     def of(cls, scene: Scene, seed: int) -> Judge:
         """Start from the minima that the main job lists."""
         result = find_minima(scene, seed=seed)
-        judge = cls(scene, scene.model())
+        judge = cls(scene, Model(scene))
         for m in result.minima:
             judge.learn(judge.model.reduce(np.array(m.fold_angles)), m.kind, "main job", m.polished)
         return judge

@@ -31,6 +31,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.files.writing import write_whole
 from origami_nlp.minima.find import FEWEST_STARTS, find_minima
 from origami_nlp.minima.search import FEW_PAIRS
+from origami_nlp.programme.model import Model
 
 SCHEMA = "origami-nlp/bench/1"
 FULL = Plan(rounds=5, starts=26, sweep=2, budget=0.6)
@@ -81,7 +82,7 @@ def run_bench(
         part = replace(plan, rounds=min(3, plan.rounds))
         data[key], _ = run_search(chosen, make(), part, seed, tell)
         if key == "closure":
-            model = chosen[0].scene.model()
+            model = Model(chosen[0].scene)
             data[key]["evaluation"] = {f: evaluation_time(f, model) for f in FORMS}
     panels = [(p, judges[p.name]) for p in problems if p.family == "panel"]
     data["grid"] = []

@@ -16,6 +16,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from origami_nlp.programme.model import Model
+
 DEGREES = (4, 6, 8, 12, 16, 20, 24, 30, 40, 50, 60)
 QUICK_DEGREES = (4, 8, 12, 20)
 SCENES = (1, 4, 16, 64)
@@ -68,7 +70,7 @@ def measure_degree(n: int, contact: str, seed: int) -> dict[str, Any]:
     )
     base = memory()
     begin = time.process_time()
-    model = scene.model()
+    model = Model(scene)
     model.functions.local(np.zeros(n), model.parameters)
     compiled = time.process_time()
     starts, _ = draw_starts(model, seed, SOLVES + 1)
@@ -102,7 +104,7 @@ def measure_scenes(count: int, seed: int) -> dict[str, Any]:
     begin = time.process_time()
     for k in range(count):
         ratio = 10.0 ** (4 * k / max(1, count - 1) - 2)
-        model = degree6("pi/4", ratio).model()
+        model = Model(degree6("pi/4", ratio))
         starts, _ = draw_starts(model, seed, 8)
         record = Record()
         for start in starts:

@@ -19,8 +19,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.files.writing import save_figure
-from origami_nlp.minima.table import rows_markdown, rows_table
 from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.model import Model
+from origami_nlp.show.table import rows_markdown, rows_table
 
 STAGES = (
     "building",
@@ -145,7 +146,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
         for name in ("build_solver", "build_boundary_solver"):
             stack.enter_context(_wrapped(ipopt, name, builder))
         begin = time.process_time()
-        model = scene.model()
+        model = Model(scene)
         watch.timed("building", lambda: model.functions.evaluators)()
         result = minima.find_minima(scene, seed=seed)
         total = time.process_time() - begin

@@ -18,12 +18,11 @@ from origami_nlp.chart.boundary_walk import LONGEST, walk
 from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.loads import row_name, row_weight
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.kkt.thin import thin_at
 from origami_nlp.path.curve import BoundaryCurve, Point, correct, evaluate
 from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.contacts import Row, closed_contacts, row_values
+from origami_nlp.programme.admissible import is_admissible
+from origami_nlp.programme.contacts import Row, closed_contacts, row_name, row_values, row_weight
 from origami_nlp.programme.model import Model
 
 CLOSED = 1e-6
@@ -108,7 +107,7 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
             "the boundary is traced for scenes with two symmetric freedoms, a closed-form chart "
             f"and contact = 'full', not symmetry {scene.group.name}, contact = {scene.contact!r}"
         )
-    model = scene.model()
+    model = Model(scene)
     x0, x1, y0, y1 = chart_limits(chart)
     cell = ((x1 - x0) / size, (y1 - y0) / size)
     lines: list[BoundaryLine] = []

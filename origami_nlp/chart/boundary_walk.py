@@ -12,11 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.chart.chart import admissible
-from origami_nlp.kkt.loads import row_name
-from origami_nlp.kkt.neighbours import is_admissible
-from origami_nlp.kkt.starts import broken_gap
 from origami_nlp.path.curve import Point, advance, correct, evaluate
-from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.admissible import broken_gap, is_admissible
+from origami_nlp.programme.contacts import Row, closed_contacts, row_name
 from origami_nlp.programme.model import Model
 
 LONGEST, SHORTEST = 0.04, 1e-10

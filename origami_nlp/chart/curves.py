@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt.starts import StartStream, broken_gap
+from origami_nlp.kkt.starts import StartStream
 from origami_nlp.pattern.scene import Scene
+from origami_nlp.programme.admissible import broken_gap
 from origami_nlp.programme.model import Model
 
 CLOSED = 1e-12
@@ -36,7 +37,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
         may cross (at the flat state they do): each goes straight through.  For contact ``"full"``
         states beyond a mirror or axis contact, or on the sheet q = -1, are cut away.
     """
-    model = scene.model()
+    model = Model(scene)
     curves: list[np.ndarray] = []
     for start in itertools.islice(StartStream(model, 0), STARTS):
         x, residual = _correct(model, start.x)

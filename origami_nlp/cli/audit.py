@@ -25,9 +25,8 @@ def audit(
 ) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files.writing import check_outputs, write_json, write_whole
     from origami_nlp.minima.find import check_options
-    from origami_nlp.minima.plain import write_json
     from origami_nlp.paper.audit import audit_candidates
     from origami_nlp.paper.audit_table import as_markdown, audit_to_dict, summary_table
 

@@ -41,9 +41,8 @@ def barriers(
     from origami_nlp.barriers.find import check_freedoms, find_barriers
     from origami_nlp.barriers.table import barriers_to_dict, markdown_rows, print_barriers
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files.writing import check_outputs, write_json, write_whole
     from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import write_json
     from origami_nlp.pattern import examples
 
     check_options(seed, 1)

@@ -86,8 +86,7 @@ def _profile(
 
     from origami_nlp.bench import time_budget
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import write_whole
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import write_json, write_whole
     from origami_nlp.pattern.examples import panels
 
     budgets = []
@@ -126,8 +125,7 @@ def _hard(
         )
     from origami_nlp.bench.hard import run_hard
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import write_whole
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import write_json, write_whole
 
     with _status() as tell:
         report = run_hard(lambda name, outcome: tell(f"{name}: {outcome.setting}"))

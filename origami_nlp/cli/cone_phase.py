@@ -37,8 +37,7 @@ def phase(
     from origami_nlp.cone.phase_plain import diagram_to_dict, map_as_csv
     from origami_nlp.cone.phase_table import print_diagram
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, is_stdout, write_whole
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_outputs, is_stdout, write_json, write_whole
 
     check_figure(figure)
     check_size(size)
@@ -73,14 +72,13 @@ def fractions(
     json: JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
-    from origami_nlp.cone import phase_table as table
     from origami_nlp.cone.phase import check_size
-    from origami_nlp.cone.phase_plain import findings_to_dict
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, is_stdout, write_whole
-    from origami_nlp.minima.plain import write_json
-    from origami_nlp.minima.table import rows_markdown
+    from origami_nlp.files.writing import check_outputs, is_stdout, write_json, write_whole
+    from origami_nlp.paper import section5_table as table
     from origami_nlp.paper.section5 import STATEMENTS, check_statements
+    from origami_nlp.paper.section5_plain import findings_to_dict
+    from origami_nlp.show.table import folding_table, rows_markdown
 
     check_size(size)
     check_outputs(("--markdown", markdown), ("--json", json))
@@ -90,7 +88,7 @@ def fractions(
     if not is_stdout(json):
         title = "numbers printed in section 5; what occurs there (share of the printed one)"
         short = [table.short_row(f) for f in findings]
-        screen().print(table.folding_table(table.SHORT_HEADS, short, title, (1, 3)))
+        screen().print(folding_table(table.SHORT_HEADS, short, title, (1, 3)))
     if markdown:
         write_whole(markdown, rows_markdown(table.FINDING_HEADS, rows).encode())
     if json:
@@ -112,8 +110,7 @@ def full(
     from origami_nlp.cone.phase_plain import full_space_to_dict
     from origami_nlp.cone.phase_table import print_full_space
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_writable, is_stdout, write_json
     from origami_nlp.pattern.angles import parse_angle
 
     check_writable(json, "--json")
@@ -139,13 +136,13 @@ def limits(
     json: JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from origami_nlp.cone.phase_plain import limits_to_dict
-    from origami_nlp.cone.phase_table import LIMIT_HEADS, folding_table, limit_row
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_writable, is_stdout, write_json
     from origami_nlp.paper.cone_limits import limits as measure
+    from origami_nlp.paper.section5_plain import limits_to_dict
+    from origami_nlp.paper.section5_table import LIMIT_HEADS, limit_row
     from origami_nlp.pattern.angles import parse_angle
+    from origami_nlp.show.table import folding_table
 
     check_writable(json, "--json")
     found = measure(parse_angle(elevation, "--elevation"), ratio)

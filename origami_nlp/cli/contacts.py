@@ -34,9 +34,8 @@ def contacts(
     from origami_nlp.contact import report as contact_report
     from origami_nlp.contact.pinned import report_contacts
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files.writing import check_outputs, write_json, write_whole
     from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import write_json
 
     check_options(seed, max_starts)
     check_outputs(("--json", json), ("--markdown", markdown), ("--html", html))

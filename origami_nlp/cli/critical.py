@@ -38,11 +38,10 @@ def critical(
     from origami_nlp.critical.find import compare_minima, find_critical_points
     from origami_nlp.critical.table import PANEL_HEADS, panel_row, point_lines, points_table
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files.writing import check_outputs, write_json, write_whole
     from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import write_json
-    from origami_nlp.minima.table import rows_markdown, rows_table
     from origami_nlp.pattern.examples import panels
+    from origami_nlp.show.table import rows_markdown, rows_table
     from origami_nlp.space.find import analyse_space
 
     check_options(seed, 1)

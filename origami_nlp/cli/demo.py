@@ -36,10 +36,11 @@ def demo(
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, make_folder
+    from origami_nlp.files.writing import check_outputs, make_folder, write_json
     from origami_nlp.minima.figure import draw_minima
-    from origami_nlp.minima.plain import result_to_dict, write_json
-    from origami_nlp.minima.table import DEMO_HEADS, demo_rows, print_result, rows_table
+    from origami_nlp.minima.plain import result_to_dict
+    from origami_nlp.minima.table import DEMO_HEADS, demo_rows, print_result
+    from origami_nlp.show.table import rows_table
 
     out = make_folder(out, "--out")
     check_outputs(

@@ -37,9 +37,8 @@ def landscape(
 ) -> None:
     """Map the energy landscape of SCENE: exact boundaries, minima, space, critical points and passes."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, save_figure
+    from origami_nlp.files.writing import check_outputs, save_figure, write_json
     from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import write_json
 
     check_figure(figure)
     check_npz(npz)

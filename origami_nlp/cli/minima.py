@@ -92,9 +92,9 @@ def minima(
     }
     stated = _read(scene, {key: value for key, value in options.items() if value is not None})
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs
+    from origami_nlp.files.writing import check_outputs, write_json
     from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import result_to_dict, write_json
+    from origami_nlp.minima.plain import result_to_dict
     from origami_nlp.minima.table import print_result
 
     check_options(seed, max_starts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from origami_nlp.cli.minima import SceneFile
 from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.programme.model import Model
 
 
 def model(scene: SceneFile) -> None:
@@ -11,4 +12,4 @@ def model(scene: SceneFile) -> None:
     from origami_nlp.files.screen import screen
 
     stated = read_scene(scene)
-    screen().print(f"{stated!r}\n{stated.model()}", highlight=False, soft_wrap=True)
+    screen().print(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)

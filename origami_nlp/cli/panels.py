@@ -23,9 +23,10 @@ def panels(
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files.writing import check_outputs, write_json, write_whole
     from origami_nlp.minima import table
-    from origami_nlp.minima.plain import result_to_dict, write_json
+    from origami_nlp.minima.plain import result_to_dict
+    from origami_nlp.show.table import rows_markdown, rows_table
 
     check_outputs(("--markdown", markdown), ("--json", json))
     results = search_panels(seed, full)
@@ -35,8 +36,8 @@ def panels(
         totals = [str(sum(int(row[k]) for row in rows)) for k in range(1, 5)]
         rows.append(("total", *totals, ""))
     title = f"all panels of the paper, {sum(r.search.seconds for r in results):.1f} s in total"
-    screen(json, markdown).print(table.rows_table(heads, rows, title))
+    screen(json, markdown).print(rows_table(heads, rows, title))
     if markdown:
-        write_whole(markdown, table.rows_markdown(heads, rows).encode())
+        write_whole(markdown, rows_markdown(heads, rows).encode())
     if json:
         write_json([result_to_dict(r) for r in results], json)

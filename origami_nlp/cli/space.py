@@ -21,8 +21,7 @@ def space(
     check_figure(figure)
     stated = read_scene(scene)
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_outputs, write_json
     from origami_nlp.space.find import analyse_space
     from origami_nlp.space.table import print_space
 

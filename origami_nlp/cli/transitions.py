@@ -19,8 +19,7 @@ def transitions(
 ) -> None:
     """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_writable, write_json
     from origami_nlp.space.table import print_transitions
     from origami_nlp.space.transitions import find_transitions
 

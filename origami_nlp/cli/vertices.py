@@ -40,8 +40,7 @@ def vertices(
 ) -> None:
     """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
     from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable
-    from origami_nlp.minima.plain import write_json
+    from origami_nlp.files.writing import check_writable, write_json
 
     check_writable(json, "--json")
     frames = read_fold(fold, frame)

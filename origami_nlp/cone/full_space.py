@@ -19,8 +19,8 @@ from origami_nlp.cone.branches import ConeBranch, branch_label
 from origami_nlp.cone.energy import Rest, rest_state
 from origami_nlp.cone.flaps import Folding, bracelets, check_degree, class_of
 from origami_nlp.cone.minima import ConeCount, branch_minima, check_ratio
-from origami_nlp.kkt.certificates import RANK_TOLERANCE, null_space
 from origami_nlp.minima.full_space import FullSpace, judge_in_full_space
+from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 from origami_nlp.programme.model import Model
@@ -125,7 +125,7 @@ def cone_full_space(
     check_callback("progress", progress)
     stress_free = rest_state(degree, rest_elevation, rest)
     scene = cone_scene(degree, ratio, stress_free)
-    model = scene.model()
+    model = Model(scene)
     jobs = _jobs(branch_minima(degree, ratio, rest_elevation, rest=rest, end=end))
     flat = scene.energy(np.zeros(degree))
     states = []

@@ -1,4 +1,4 @@
-"""Phase diagrams, printed numbers, full-space verdicts and limits of cones as JSON and CSV."""
+"""Phase diagrams and full-space verdicts of cones as JSON and CSV."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from origami_nlp.cone.flaps import write_flaps
 from origami_nlp.cone.full_space import ConeFullSpace
 from origami_nlp.cone.phase import PhaseDiagram
 from origami_nlp.cone.plain import exact
-from origami_nlp.paper.cone_limits import DEGREES, Limit
-from origami_nlp.paper.section5 import READINGS, Finding
 
 
 def _counts(values: np.ndarray) -> list[list[int | str]]:
@@ -61,27 +59,6 @@ def map_as_csv(diagram: PhaseDiagram) -> str:
     return "\n".join(lines) + "\n"
 
 
-def findings_to_dict(findings: list[Finding]) -> dict[str, Any]:
-    """Return the table of printed numbers as plain data."""
-    return {
-        "schema": "origami-nlp/cone-fractions/1",
-        "readings": [r.name for r in READINGS],
-        "statements": [
-            {
-                "degree": f.statement.degree,
-                "fraction": f.statement.fraction,
-                "where": f.statement.where,
-                "claim": f.statement.kind,
-                "shares": [None if np.isnan(s) else s for s in f.shares],
-                "smallest_largest_most_frequent": [list(v) for v in f.values],
-                "holds": list(f.holds),
-                "verdict": f.verdict,
-            }
-            for f in findings
-        ],
-    }
-
-
 def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
     """Return full-space verdicts as plain data, descents included."""
     return {
@@ -112,26 +89,5 @@ def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
                 else [{"fold_angles": list(a), "energy": e} for a, e in s.full_space.descent],
             }
             for s in found.states
-        ],
-    }
-
-
-def limits_to_dict(found: list[Limit]) -> dict[str, Any]:
-    """Return limits for N -> infinity as plain data."""
-    return {
-        "schema": "origami-nlp/cone-limits/1",
-        "degrees": list(DEGREES),
-        "quantities": [
-            {
-                "name": q.name,
-                "claim": q.claim or None,
-                "limit": q.limit,
-                "values": list(q.values),
-                "order": None if q.exact else q.order,
-                "coefficient": None if q.exact else q.coefficient,
-                "expected_order": q.expected_order,
-                "expected_coefficient": q.expected_coefficient,
-            }
-            for q in found
         ],
     }

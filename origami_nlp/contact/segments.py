@@ -23,11 +23,12 @@ import numpy as np
 
 from origami_nlp.chart.boundary_lines import BoundaryLine, trace_boundary, with_energy
 from origami_nlp.chart.chart import chart_of
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.minima.find import MinimaResult
 from origami_nlp.path.curve import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts, row_values
 from origami_nlp.programme.model import Model
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.critical import batch
-from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts
 from origami_nlp.programme.model import Model
 

@@ -33,13 +33,12 @@ from origami_nlp.critical.result import (
     Stratum,
 )
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
-from origami_nlp.kkt.certificates import null_space
-from origami_nlp.kkt.loads import row_name, row_weight
 from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.minima.find import MinimaResult
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.contacts import Row, closed_contacts
+from origami_nlp.programme.admissible import is_admissible
+from origami_nlp.programme.contacts import Row, closed_contacts, row_name, row_weight
 from origami_nlp.programme.contacts import row_values as one_row_values
 from origami_nlp.programme.model import Model
 
@@ -88,7 +87,7 @@ def find_critical_points(
     check_whole("seed", seed, 0)
     check_flag("all_links", all_links)
     strata = strata_of(scene, samples=samples, seed=seed)
-    model = scene.model()
+    model = Model(scene)
     doubts: list[str] = []
     points = [_vertex_point(model, vertex, doubts) for vertex in strata.vertices]
     vertices = np.array([v.x for v in strata.vertices]).reshape(-1, model.size)

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.critical import batch
-from origami_nlp.kkt.certificates import null_space
-from origami_nlp.kkt.neighbours import is_admissible
+from origami_nlp.numerics.linear import null_space
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row
 from origami_nlp.programme.model import Model
 

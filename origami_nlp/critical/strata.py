@@ -17,10 +17,10 @@ from origami_nlp.critical import batch
 from origami_nlp.critical.edges import Edge, possible_rows, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.neighbours import is_admissible
 from origami_nlp.kkt.starts import flat_foldings
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.model import Model
 
 FACE_SAMPLES = 8192
@@ -67,7 +67,7 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
         If the scene has not two symmetric freedoms, or its contact is not ``"full"``: X is not compact
         without contact, and its boundary is another one with fold limits only.
     """
-    model = scene.model()
+    model = Model(scene)
     if model.freedom != 2:
         raise OptionError(
             f"symmetry = {scene.symmetry!r} leaves {model.freedom} freedoms: critical points are "
@@ -84,7 +84,7 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
 def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int) -> Strata:
     """Find the strata with springs that have the symmetry of the vertex: all equal."""
     n = vertex.degree
-    model = Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror).model()
+    model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
     rng = np.random.default_rng(seed)
     cloud, residual = batch.project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
     cloud = cloud[(residual <= 1e-12) & batch.is_admissible(model, cloud)]

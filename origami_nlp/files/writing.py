@@ -8,6 +8,7 @@ open descriptors such as /dev/stdout cannot be replaced: they are written straig
 from __future__ import annotations
 
 import io
+import json
 import os
 import secrets
 import stat
@@ -15,7 +16,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from origami_nlp.errors import OptionError, OrigamiError
 
@@ -225,3 +226,9 @@ def _to_stdout(content: bytes) -> None:
     else:
         buffer.write(content)
     sys.stdout.flush()
+
+
+def write_json(data: Any, target: str | Path) -> None:
+    """Write JSON to a file, whole or not at all, or to standard output for ``"-"``."""
+    text = json.dumps(data, indent=2, allow_nan=False) + "\n"
+    write_whole(target, text.encode())

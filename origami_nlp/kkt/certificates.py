@@ -21,12 +21,10 @@ import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
-from origami_nlp.numerics.linear import nearest_in_cone
+from origami_nlp.numerics.linear import RANK_TOLERANCE, nearest_in_cone, null_space
 from origami_nlp.programme.contacts import Row, gap_weights, row_values
 from origami_nlp.programme.model import Local, Model
 
-RANK_TOLERANCE = 1e-7
-"""Singular values of the closure Jacobian below this count as zero."""
 STATIONARY = 1e-11
 """Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""
 CURVED = 1e-12
@@ -65,14 +63,6 @@ class BranchJudgement:
     cone_dimension: int
     tangent: np.ndarray | None
     held: tuple[Row, ...]
-
-
-def null_space(a: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
-    """Return an orthonormal basis of the kernel of a, shape [n, n - rank]."""
-    if a.shape[0] == 0:
-        return np.eye(a.shape[1])
-    _, s, vt = np.linalg.svd(a)
-    return vt[int((s > tolerance).sum()) :].T
 
 
 def judge_branch(

@@ -14,12 +14,11 @@ from origami_nlp.kkt.neighbours import (
     CLOSES,
     RADII,
     dimension_nearby,
-    is_admissible,
     leads_somewhere,
     project,
     search_spheres,
 )
-from origami_nlp.kkt.starts import broken_gap
+from origami_nlp.programme.admissible import broken_gap, is_admissible
 from origami_nlp.programme.contacts import CLOSED, Contacts, Row, closed_contacts
 from origami_nlp.programme.gaps import Gap
 from origami_nlp.programme.model import Local, Model

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import null_space
 from origami_nlp.kkt.classification import Classification, classify
-from origami_nlp.kkt.neighbours import is_admissible, project, search_spheres
-from origami_nlp.kkt.polishing import exact_beside, polish
-from origami_nlp.minima.ipopt import Solve
-from origami_nlp.numerics.linear import nearest
+from origami_nlp.kkt.neighbours import project, search_spheres
+from origami_nlp.kkt.polishing import Solve, exact_beside, polish
+from origami_nlp.numerics.linear import nearest, null_space
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import CLOSED, Row, closed_contacts, row_values, same_gap
 from origami_nlp.programme.model import Model
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import null_space
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.programme.contacts import Row, gap_weights, row_values
 from origami_nlp.programme.model import Model
 
@@ -30,22 +30,6 @@ class Sensitivity:
     response: np.ndarray
     motion: np.ndarray
     stiffness: float
-
-
-def row_name(model: Model, row: Row) -> str:
-    """Say which contact a row is."""
-    if row.kind == "gap":
-        return model.gap_name(model.structure.gaps[row.index])
-    creases = model.creases_of(row.index)
-    sign = "+" if row.side > 0 else "-"
-    return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
-
-
-def row_weight(model: Model, row: Row) -> int:
-    """Return how many single contacts of the vertex one row stands for."""
-    if row.kind == "gap":
-        return model.structure.gaps[row.index].weight
-    return int(model.multiplicity[row.index])
 
 
 def loaded_model(model: Model, load: np.ndarray) -> Model:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.certificates import null_space
-from origami_nlp.kkt.starts import broken_gap
+from origami_nlp.numerics.linear import null_space
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, row_values
 from origami_nlp.programme.model import Model
 
@@ -41,20 +40,6 @@ def project(
         if row.kind == "limit" and abs(x[row.index] - row.side * math.pi) <= 1e-9:
             x[row.index] = row.side * math.pi
     return x, residual
-
-
-def is_admissible(model: Model, x: np.ndarray) -> bool:
-    """Tell whether a closed state satisfies the contact that the scene asks for."""
-    if model.structure.limits and (np.abs(x) > model.bound + 1e-11).any():
-        return False
-    if not model.on_sheet(x):
-        return False
-    if model.scene.contact != "full":
-        return True
-    if model.structure.gaps and broken_gap(model, model.local(x).gaps) is not None:
-        return False
-    state = examine(model.scene.vertex, model.expand(x), elements=model.scene.group.elements)
-    return state.admissible
 
 
 CLOSES = 1e-13

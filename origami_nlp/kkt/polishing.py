@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt.starts import project_batch
-from origami_nlp.minima.ipopt import Solve
 from origami_nlp.numerics.vectors import cross
 from origami_nlp.pattern.relations import ROUNDING
 from origami_nlp.programme.contacts import Row, gap_weights, row_values, same_gap
@@ -305,3 +304,26 @@ def _violated(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> list[Row]:
             if gap.type != "facet-pair" and gaps[index] < -1e-12:
                 out.append(Row("gap", index, 1))
     return [row for row in out if row not in rows]
+
+
+@dataclass(frozen=True)
+class Solve:
+    """What IPOPT answered.
+
+    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
+    bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
+    for the active-set guess.
+    pair_force: for each facet pair with a plane, the largest multiplier of its rows.
+    """
+
+    x: np.ndarray
+    status: str
+    iterations: int
+    residual: float
+    pull: np.ndarray
+    pair_force: dict[tuple[int, int], float]
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether IPOPT reports convergence."""
+        return self.status == "Solve_Succeeded"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.folding.embedding import crossing_depth
+from origami_nlp.programme.admissible import broken_gap, crossed_pairs
 from origami_nlp.programme.model import Model
 
 BATCH = 64
@@ -92,14 +92,6 @@ def project_batch(model: Model, x: np.ndarray, frozen: np.ndarray) -> tuple[np.n
     return x, residual
 
 
-def broken_gap(model: Model, gaps: np.ndarray, tolerance: float = 1e-9) -> int | None:
-    """Return the position of a mirror or axis gap that is negative, or None."""
-    for index, gap in enumerate(model.structure.gaps):
-        if gap.type != "facet-pair" and gaps[index] < -tolerance:
-            return index
-    return None
-
-
 def gaps_hold(model: Model, x: np.ndarray, tolerance: float = 1e-9) -> bool:
     """Tell whether mirror and axis gaps are open and no modelled pair of facets crosses at x."""
     if not model.structure.gaps:
@@ -107,21 +99,6 @@ def gaps_hold(model: Model, x: np.ndarray, tolerance: float = 1e-9) -> bool:
     if broken_gap(model, model.local(x).gaps, tolerance) is not None:
         return False
     return not crossed_pairs(model, x, tolerance)
-
-
-def crossed_pairs(
-    model: Model, x: np.ndarray, tolerance: float = 1e-9
-) -> tuple[tuple[int, int], ...]:
-    """Return the modelled facet pairs that cross at x by more than `tolerance`."""
-    pairs = model.structure.pairs
-    if not pairs:
-        return ()
-    rays = model.rays(x)
-    n = len(rays)
-    first, second = np.array(pairs).T
-    arcs = np.stack([rays, np.roll(rays, -1, axis=0)], axis=1)
-    depth = crossing_depth(arcs[first % n], arcs[second % n])
-    return tuple(pair for pair, d in zip(pairs, depth, strict=True) if d > tolerance)
 
 
 MOST_FLAT_VARIABLES = 9

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import null_space
 from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.programme.contacts import closed_contacts, row_values
 from origami_nlp.programme.model import Model
 

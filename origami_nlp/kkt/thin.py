@@ -13,10 +13,12 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import cone, null_space
-from origami_nlp.kkt.neighbours import is_admissible, project
+from origami_nlp.kkt.certificates import cone
+from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.starts import BATCH, project_batch
+from origami_nlp.numerics.linear import null_space
+from origami_nlp.programme.admissible import is_admissible
 from origami_nlp.programme.contacts import Row, closed_contacts, row_values
 from origami_nlp.programme.model import Model
 

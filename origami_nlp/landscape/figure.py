@@ -19,7 +19,7 @@ from origami_nlp.chart.chart import Chart, chart_of
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
-from origami_nlp.minima.figure import plain
+from origami_nlp.show.style import plain
 
 if TYPE_CHECKING:
     from origami_nlp.barriers.find import Barriers, Pass

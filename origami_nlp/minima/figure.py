@@ -15,22 +15,14 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_path, check_type
-from origami_nlp.chart.axes import (
-    UNIT,
-    WARNING,
-    Marks,
-    colour_bar,
-    draw_area,
-    draw_curves,
-    legend_entries,
-    mark_minima,
-    norm_of,
-)
+from origami_nlp.chart.axes import UNIT, colour_bar, draw_area, draw_curves, norm_of
 from origami_nlp.chart.landscape import Landscape, landscape
 from origami_nlp.files.writing import save_figure
 from origami_nlp.minima.find import MinimaResult
+from origami_nlp.minima.marks import WARNING, Marks, legend_entries, mark_minima
 from origami_nlp.minima.stability import count_words, verdict
 from origami_nlp.show.drawing import draw_state
+from origami_nlp.show.style import plain
 
 if TYPE_CHECKING:
     from origami_nlp.minima.find import Minimum
@@ -225,14 +217,6 @@ def _title(result: MinimaResult) -> str:
     symmetry = "" if scene.group.is_trivial else f"symmetry {group}, "
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
     return plain(f"{who}: {count_words(result, 'no')}; {symmetry}{contact[scene.contact]}")
-
-
-def plain(text: str) -> str:
-    """Text that matplotlib does not take for a formula."""
-    pretty = (
-        text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")
-    )
-    return pretty.replace("$", r"\$")
 
 
 def _state_title(number: int, minimum: Minimum, result: MinimaResult) -> str:

@@ -194,7 +194,7 @@ def find_minima(
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
     begin = time.perf_counter()
-    model = scene.model()
+    model = Model(scene)
     record = Record()
     verdicts: dict[int, Classification] = {}
     found, missing = 0, 0.0

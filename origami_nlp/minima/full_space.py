@@ -13,10 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import RANK_TOLERANCE, null_space
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.descent import Followed, follow
 from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
 from origami_nlp.programme.model import Model
@@ -80,7 +80,7 @@ def judge_in_full_space(
     others
         Fold angles of the scene's symmetric minima, in order, to name where a descent lands.
     """
-    model = full_scene(scene).model()
+    model = Model(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
     eigenvalues, breaking = hessian_spectra(model, scene, x)
     what = classify(model, x)

@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from origami_nlp.kkt.polishing import Solve
 from origami_nlp.numerics.vectors import cross
 from origami_nlp.programme.compiled import Structure, compile_structure
 from origami_nlp.programme.contacts import Row
@@ -33,29 +34,6 @@ TOLERANCE = 1e-7
 """IPOPT's tolerance for springs of equal stiffness; soft springs need it smaller, the polish does the rest."""
 
 Pairs = tuple[tuple[int, int], ...]
-
-
-@dataclass(frozen=True)
-class Solve:
-    """What IPOPT answered.
-
-    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
-    bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
-    for the active-set guess.
-    pair_force: for each facet pair with a plane, the largest multiplier of its rows.
-    """
-
-    x: np.ndarray
-    status: str
-    iterations: int
-    residual: float
-    pull: np.ndarray
-    pair_force: dict[tuple[int, int], float]
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether IPOPT reports convergence."""
-        return self.status == "Solve_Succeeded"
 
 
 @dataclass(frozen=True)

@@ -6,19 +6,17 @@ A multiplier range that never ends, or a residual that does not apply, is null.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 from origami_nlp.errors import OptionError
-from origami_nlp.files.writing import write_whole
 from origami_nlp.kkt.classification import ContactForce
 from origami_nlp.minima.find import MinimaResult, Minimum, Rejected, SearchReport
 from origami_nlp.minima.full_space import FullSpace, LandsOn
 from origami_nlp.pattern.relations import Relation, Relations
 from origami_nlp.pattern.scene_file import scene_from_dict, scene_to_dict
+from origami_nlp.programme.model import Model
 
 SCHEMA = "origami-nlp/minima/1"
 
@@ -178,13 +176,7 @@ def result_from_dict(data: dict[str, Any]) -> MinimaResult:
                 _full_space_from_dict(m["full_space"]) if "full_space" in m else None,
             )
         )
-    return MinimaResult(scene, scene.model(), tuple(minima), SearchReport(**search))
-
-
-def write_json(data: Any, target: str | Path) -> None:
-    """Write JSON to a file, whole or not at all, or to standard output for ``"-"``."""
-    text = json.dumps(data, indent=2, allow_nan=False) + "\n"
-    write_whole(target, text.encode())
+    return MinimaResult(scene, Model(scene), tuple(minima), SearchReport(**search))
 
 
 def _finite(value: float) -> float | None:

@@ -9,9 +9,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt.polishing import BESIDE, Polished, exact_beside, guess_active, newton, polish
-from origami_nlp.kkt.starts import StartStream, broken_gap, crossed_pairs
-from origami_nlp.minima.ipopt import Solve, solve, solve_on_boundary
+from origami_nlp.kkt.polishing import (
+    BESIDE,
+    Polished,
+    Solve,
+    exact_beside,
+    guess_active,
+    newton,
+    polish,
+)
+from origami_nlp.kkt.starts import StartStream
+from origami_nlp.minima.ipopt import solve, solve_on_boundary
+from origami_nlp.programme.admissible import broken_gap, crossed_pairs
 from origami_nlp.programme.contacts import Row, same_gap
 from origami_nlp.programme.model import Model
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
+from origami_nlp.show.table import plain_text
 
 if TYPE_CHECKING:
     from origami_nlp.kkt.classification import ContactForce
@@ -168,16 +168,6 @@ def as_text(result: MinimaResult) -> str:
     return plain_text(110, lambda console: print_result(result, console)).rstrip()
 
 
-def plain_text(width: int, tell: Callable[[Console], None]) -> str:
-    """Return what `tell` prints as plain text, `width` columns wide.
-
-    In Jupyter a console would display instead of writing to its file.
-    """
-    text = io.StringIO()
-    tell(Console(file=text, width=width, color_system=None, force_jupyter=False))
-    return text.getvalue()
-
-
 SUMMARY_HEADS = (
     "scene",
     "symmetric minima",
@@ -262,20 +252,3 @@ def full_space_row(r: MinimaResult) -> tuple[str, ...]:
         *(str(verdicts.count(v)) for v in ("stable", "unstable", "undecided")),
         "; ".join(how),
     )
-
-
-def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
-    """Return rows as a table; the first column and long texts to the left, numbers to the right."""
-    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for k, head in enumerate(heads):
-        text = head.startswith(("kinds", "how"))
-        table.add_column(head, justify="left" if k == 0 or text else "right", no_wrap=not text)
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
-
-
-def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return rows as a Markdown table."""
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"

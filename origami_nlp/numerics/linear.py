@@ -18,6 +18,9 @@ MOST_CORNERS = 1000
 RANK = 1e-9
 """Singular values below this, for rows of unit length, count as zero."""
 
+RANK_TOLERANCE = 1e-7
+"""Singular values of the closure Jacobian below this count as zero."""
+
 
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Minimise |B mu - c| over mu >= 0 to rounding relative to the sizes of B [t, r] and c [t].
@@ -160,3 +163,11 @@ def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
         better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=1e-12)[0]
     improved = np.linalg.norm(b @ better - c) < np.linalg.norm(b @ mu - c)
     return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)
+
+
+def null_space(a: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+    """Return an orthonormal basis of the kernel of a, shape [n, n - rank]."""
+    if a.shape[0] == 0:
+        return np.eye(a.shape[1])
+    _, s, vt = np.linalg.svd(a)
+    return vt[int((s > tolerance).sum()) :].T

@@ -16,7 +16,6 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.embedding import examine
 from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.loads import row_name
 from origami_nlp.kkt.neighbours import project, search_spheres
 from origami_nlp.kkt.stationarity import distance_from_stationary
 from origami_nlp.kkt.thin import thin_at
@@ -26,7 +25,7 @@ from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_poin
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows, named_alpha, other_sides
 from origami_nlp.paper.published import Candidate
 from origami_nlp.pattern.angles import format_angle
-from origami_nlp.programme.contacts import closed_contacts
+from origami_nlp.programme.contacts import closed_contacts, row_name
 from origami_nlp.programme.model import Model
 
 PRINTED = 1e-6

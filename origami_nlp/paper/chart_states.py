@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from origami_nlp.chart.chart import wedge_elevation
-from origami_nlp.kkt.certificates import null_space
+from origami_nlp.numerics.linear import null_space
 from origami_nlp.programme.model import Model
 
 STRETCHED = 1.0

@@ -18,11 +18,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.certificates import RANK_TOLERANCE, null_space
-from origami_nlp.kkt.loads import row_name, row_weight
 from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.kkt.neighbours import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, gap_weights, row_values
+from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
+from origami_nlp.programme.admissible import is_admissible
+from origami_nlp.programme.contacts import (
+    Row,
+    closed_contacts,
+    gap_weights,
+    row_name,
+    row_values,
+    row_weight,
+)
 from origami_nlp.programme.model import Model
 
 LONGEST, SHORTEST = 0.04, 1e-9

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -16,9 +16,6 @@ from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.relations import ROUNDING, Relations, find_relations
 from origami_nlp.pattern.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
-
-if TYPE_CHECKING:
-    from origami_nlp.programme.model import Model
 
 Contact = Literal["full", "fold-limits", "none"]
 MOST_CREASES = 1_000
@@ -196,12 +193,6 @@ class Scene:
         k, rest = np.array(self.stiffness), np.array(self.rest_angles)
         energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
         return float(energy) if energy.ndim == 0 else energy
-
-    def model(self) -> Model:
-        """Pose the scene as a nonlinear programme; print the result to see what is modelled."""
-        from origami_nlp.programme.model import Model  # CasADi loads only when a model is asked for
-
-        return Model(self)
 
     def __repr__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)

@@ -266,3 +266,19 @@ def _limit_that_says_the_same(model: Model, row: Row, base: list[Row]) -> Row | 
                 # a valley turns the walk around the vertex to the left: the other facet opens on that side
                 return limit if row.side == limit.side else None
     return None
+
+
+def row_name(model: Model, row: Row) -> str:
+    """Say which contact a row is."""
+    if row.kind == "gap":
+        return model.gap_name(model.structure.gaps[row.index])
+    creases = model.creases_of(row.index)
+    sign = "+" if row.side > 0 else "-"
+    return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
+
+
+def row_weight(model: Model, row: Row) -> int:
+    """Return how many single contacts of the vertex one row stands for."""
+    if row.kind == "gap":
+        return model.structure.gaps[row.index].weight
+    return int(model.multiplicity[row.index])

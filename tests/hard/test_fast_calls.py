@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from origami_nlp import Scene, Vertex, examples
 from origami_nlp.numerics.vectors import cross
+from origami_nlp.programme.model import Model
 
 SCENES = [
     examples.degree6("pi/3", 1.0),
@@ -18,7 +19,7 @@ SCENES = [
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda s: f"{s.degree} {s.group.name} {s.contact}")
 def test_evaluators_return_what_the_functions_return(scene):
-    model, rng = scene.model(), np.random.default_rng(0)
+    model, rng = Model(scene), np.random.default_rng(0)
     f = model.functions
     kept = []
     for _ in range(10):

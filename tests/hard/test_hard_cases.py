@@ -12,6 +12,7 @@ from origami_nlp.bench.hard_flat import exact_state, regular_at_pi
 from origami_nlp.bench.hard_fold_point import beside, exact_fold_point, find_fold_point, ratio_scene
 from origami_nlp.kkt.polishing import polish
 from origami_nlp.minima.ipopt import solve
+from origami_nlp.programme.model import Model
 
 QUICK = (
     "flat state as a start",
@@ -100,7 +101,7 @@ def test_both_sides_of_the_fold_point_in_the_search():
 def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
     wedge = examples.degree8("pi/6", ratio)
     minimum = find_minima(wedge, max_starts=128).minima[0]
-    model, whole = wedge.model(), examples.degree8("pi/6", ratio, symmetry="none").model()
+    model, whole = Model(wedge), Model(examples.degree8("pi/6", ratio, symmetry="none"))
     phi = np.array(minimum.fold_angles)
     short, long = exact_state(model, model.reduce(phi)), exact_state(whole, phi)
     assert short is not None and long is not None
@@ -114,7 +115,7 @@ def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_regular_state_just_off_the_fold_limit_does_not_snap_to_it(distance, sign):
     scene, x = regular_at_pi(sign * (math.pi - distance))
-    model = scene.model()
+    model = Model(scene)
     state = polish(model, solve(model, x + 0.01))
     assert state.converged and np.abs(state.x - x).max() <= 1e-14
 
