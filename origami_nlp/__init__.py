@@ -10,16 +10,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import format_scene, parse_scene, read_scene
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern import Scene, Vertex, examples, format_scene, parse_scene, read_scene
 
 if TYPE_CHECKING:
-    from origami_nlp.folding.embedding import examine
-    from origami_nlp.minima.figure import draw_minima
-    from origami_nlp.minima.find import MinimaResult, Minimum, find_minima
-    from origami_nlp.programme.model import Model
+    from origami_nlp.folding import examine
+    from origami_nlp.minima import MinimaResult, Minimum, draw_minima, find_minima
+    from origami_nlp.programme import Model
 
 __version__ = "0.1.0"
 

@@ -13,8 +13,8 @@ from typing import Any
 from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
-from origami_nlp.minima.find import MinimaResult
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import MinimaResult
+from origami_nlp.programme import Model
 
 PANELS = examples.panels()
 folder: Path | None = None

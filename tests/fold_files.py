@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from origami_nlp import Vertex
-from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.folding import fold_vertex
 
 
 def disc(sectors_deg, letters=None, angles=None, turn=0.0, length=None):

@@ -8,14 +8,13 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent.rotations import fold, spin_sign
 from test_random_vertices import check
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.paper.appendix_a import crease_matrix
-from origami_nlp.programme.model import Model
+from origami_nlp.paper.baseline import crease_matrix
+from origami_nlp.programme import Model
 
 DEG = math.pi / 180
 

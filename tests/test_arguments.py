@@ -9,29 +9,25 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.barriers.figure import merge_tree_axes
-from origami_nlp.barriers.find import find_barriers
-from origami_nlp.bench.run import read_bench
-from origami_nlp.chart.landscape import landscape
-from origami_nlp.cone.flaps import write_flaps
-from origami_nlp.cone.full_space import cone_full_space
-from origami_nlp.cone.minima import branch_minima
-from origami_nlp.cone.phase import phase_diagram
-from origami_nlp.cone.phase_curves import phase_boundaries
-from origami_nlp.cone.phase_figure import draw_phase
-from origami_nlp.critical.find import find_critical_points
-from origami_nlp.landscape.exact import exact_landscape
-from origami_nlp.landscape.figure import draw_landscape
-from origami_nlp.minima.fold_out import write_fold
-from origami_nlp.paper.cone_limits import limits
-from origami_nlp.paper.grid_convergence import count_grid_minima
-from origami_nlp.pattern.fold_file import read_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
-from origami_nlp.space.find import analyse_space
-from origami_nlp.sweep.figure import draw_sweep
-from origami_nlp.sweep.load import load_states, load_sweep
-from origami_nlp.sweep.run import run_sweep
-from origami_nlp.sweep.spec import parse_sweep, read_sweep
+from origami_nlp.barriers import find_barriers, merge_tree_axes
+from origami_nlp.bench import read_bench
+from origami_nlp.chart import landscape
+from origami_nlp.cone import (
+    branch_minima,
+    cone_full_space,
+    draw_phase,
+    phase_boundaries,
+    phase_diagram,
+    write_flaps,
+)
+from origami_nlp.critical import find_critical_points
+from origami_nlp.landscape import draw_landscape, exact_landscape
+from origami_nlp.minima import write_fold
+from origami_nlp.paper import count_grid_minima, limits
+from origami_nlp.pattern import fold_vertices, read_fold, scene_at
+from origami_nlp.space import analyse_space
+from origami_nlp.sweep import draw_sweep, load_states, parse_sweep, read_sweep, run_sweep
+from origami_nlp.sweep.load import load_sweep
 
 SCENE = o.examples.degree6("pi/4")
 N = SCENE.degree

@@ -15,17 +15,23 @@ from typer.testing import CliRunner
 from origami_nlp.cli.audit import audit
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.stationarity import distance_from_stationary
-from origami_nlp.minima.find import find_minima
-from origami_nlp.paper.audit import CAUSES, PanelAudit, audit_candidates
-from origami_nlp.paper.audit_table import HEADS, as_markdown, audit_to_dict, totals
-from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_point
+from origami_nlp.folding import examine
+from origami_nlp.kkt import distance_from_stationary, project
+from origami_nlp.minima import find_minima
+from origami_nlp.paper import (
+    as_markdown,
+    audit_candidates,
+    audit_to_dict,
+    chart_distance,
+    read_candidates,
+)
+from origami_nlp.paper.audit import CAUSES, PanelAudit
+from origami_nlp.paper.audit_table import HEADS, totals
+from origami_nlp.paper.chart_states import chart_end, chart_point
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows
-from origami_nlp.paper.published import Candidate, parse_csv, parse_json, read_candidates
+from origami_nlp.paper.published import Candidate, parse_csv, parse_json
 from origami_nlp.pattern import examples
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 ROOT = Path(__file__).parent.parent
 REFERENCE = ROOT / ".." / "shared" / "reference" / "authors_candidates.json"

@@ -7,29 +7,23 @@ import math
 import numpy as np
 import pytest
 from computed_once import panel_result
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent.flood import ChartGrid
 from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
-from origami_nlp.barriers.find import find_barriers
+from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.graph import parabola_top, side_of_flat
 from origami_nlp.barriers.merge_tree import merge_tree
 from origami_nlp.barriers.table import full_words
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
-from origami_nlp.critical.find import find_critical_points
+from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.starts import StartStream
-from origami_nlp.minima.find import find_minima
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import StartStream, follow, project
+from origami_nlp.minima import find_minima
+from origami_nlp.pattern import Scene, Vertex, examples
+from origami_nlp.programme import Model, is_admissible
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:

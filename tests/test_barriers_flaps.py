@@ -9,13 +9,11 @@ from scipy.optimize import least_squares
 
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.full import exits, proved_exit
-from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.thin import thin_at
-from origami_nlp.minima.full_space import full_scene
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import examine
+from origami_nlp.kkt import thin_at
+from origami_nlp.minima import full_scene
+from origami_nlp.pattern import Scene, Vertex, examples
+from origami_nlp.programme import Model
 
 PI = math.pi
 UNEQUAL = (0.9, 1.2, 1.2, PI - 2.1, PI - 2.1, 0.9)

@@ -6,17 +6,14 @@ import numpy as np
 import pytest
 from computed_once import panel_result
 
-from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.stationarity import distance_from_stationary
-from origami_nlp.minima.find import Minimum, find_minima
-from origami_nlp.minima.full_space import FullSpace, full_scene
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.paper.appendix_a import EPS_GRADIENT, STEPS, appendix_a, crease_matrix
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import fold_vertex
+from origami_nlp.kkt import classify, distance_from_stationary, project
+from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
+from origami_nlp.numerics import null_space
+from origami_nlp.paper import STEPS, appendix_a
+from origami_nlp.paper.baseline import EPS_GRADIENT, crease_matrix
+from origami_nlp.pattern import Scene, examples
+from origami_nlp.programme import Model
 
 EXACT_TO = 1e-5  # relative error of centred differences at h = 3e-3 and smaller, rounding included
 

@@ -8,19 +8,17 @@ import numpy as np
 import pytest
 
 from origami_nlp import examples
-from origami_nlp.bench.attempt import Method, draw_starts, keep_apart
+from origami_nlp.bench import Judge, draw_starts, ipopt_alone, ours
+from origami_nlp.bench.attempt import Method, keep_apart
 from origami_nlp.bench.grids import judge_grid, run_grid
 from origami_nlp.bench.hessians import compare_hessians, exact_eigenvalues
-from origami_nlp.bench.judging import Judge
-from origami_nlp.bench.methods_casadi import OTHERS, ipopt_alone, others, silence
+from origami_nlp.bench.methods_casadi import OTHERS, others, silence
 from origami_nlp.bench.methods_closure import FORMS, closure_residual, closures, wedge_against_tied
-from origami_nlp.bench.methods_ours import ours
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
 from origami_nlp.minima.full_space import hessian_spectra
-from origami_nlp.programme.admissible import crossed_pairs
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model, crossed_pairs
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
 METHODS = [*ours(), *ipopt_alone(), *others(), *scipy_methods()]

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
+from origami_nlp.bench import solve_reference
 from origami_nlp.bench.exact_piece import ExactPiece, exact_angle
 from origami_nlp.bench.problems import panel_problems, random_problems
-from origami_nlp.bench.reference import Unsolved, solve_reference
-from origami_nlp.programme.contacts import Row, closed_contacts
-from origami_nlp.programme.model import Model
+from origami_nlp.bench.reference import Unsolved
+from origami_nlp.programme import Model, Row, closed_contacts
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),
@@ -51,7 +51,7 @@ def test_derivatives_of_closure_and_gaps_agree_with_differences(name):
 def test_closure_vanishes_where_the_programme_closes_and_gaps_are_equal(name):
     scene = SCENES[name]
     model = Model(scene)
-    from origami_nlp.bench.attempt import draw_starts
+    from origami_nlp.bench import draw_starts
 
     for start in draw_starts(model, 0, 4)[0]:
         with mp.workdps(30):

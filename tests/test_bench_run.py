@@ -8,22 +8,31 @@ import numpy as np
 import pytest
 
 from origami_nlp import examples
-from origami_nlp.bench import digest, scaling
-from origami_nlp.bench.attempt import Attempt, draw_starts
+from origami_nlp.bench import (
+    Judge,
+    digest,
+    draw_bench,
+    draw_starts,
+    ipopt_alone,
+    markdown,
+    ours,
+    read_bench,
+    scaling,
+    show,
+    write_bench,
+)
+from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.digest import Spread, Target, numbers
-from origami_nlp.bench.figure import draw_bench
 from origami_nlp.bench.interleave import Plan, run_problem
-from origami_nlp.bench.judging import Judge, Outcome
-from origami_nlp.bench.methods_casadi import ipopt_alone
-from origami_nlp.bench.methods_ours import OURS, ours
+from origami_nlp.bench.judging import Outcome
+from origami_nlp.bench.methods_ours import OURS
 from origami_nlp.bench.problems import CONTACTS, panel_problems, random_problems
-from origami_nlp.bench.report import markdown, show
-from origami_nlp.bench.run import SCHEMA, read_bench, run_search, write_bench
+from origami_nlp.bench.run import SCHEMA, run_search
 from origami_nlp.bench.tally import FALSE, Attempts, quantiles, ratios, summary, until_the_rule
 from origami_nlp.cli import app, main
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.search import Record, run_one
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import Record, run_one
+from origami_nlp.programme import Model
 
 SCENE = examples.degree6("5*pi/12", 1.0)
 PLAN = Plan(rounds=2, starts=4, sweep=2, budget=30.0)
@@ -319,7 +328,7 @@ def test_hard_cases_are_run_shown_and_counted(monkeypatch, tmp_path):
 
 @pytest.mark.slow
 def test_the_quick_run_has_every_part(tmp_path):
-    from origami_nlp.bench.run import run_bench
+    from origami_nlp.bench import run_bench
 
     said = []
     data = run_bench(quick=True, tell=said.append)

@@ -10,7 +10,7 @@ from computed_once import panel_result
 
 import origami_nlp
 from origami_nlp.cli import main
-from origami_nlp.minima.plain import result_from_dict, result_to_dict
+from origami_nlp.minima import result_from_dict, result_to_dict
 from origami_nlp.minima.table import as_text
 
 

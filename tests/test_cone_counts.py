@@ -7,20 +7,23 @@ import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent import cone_branches as brute
 from typer.testing import CliRunner
 
-from origami_nlp.bench.cone_speed import measure, scan_branches
-from origami_nlp.bench.cone_speed_table import as_markdown
+from origami_nlp.bench import as_markdown, measure
+from origami_nlp.bench.cone_speed import scan_branches
 from origami_nlp.cli import app
-from origami_nlp.cone import roots as cone_roots
-from origami_nlp.cone.branches import steep_end
-from origami_nlp.cone.count_map import count_map
-from origami_nlp.cone.energy import direction_classes, rest_state
-from origami_nlp.cone.flaps import class_of, cone_classes
-from origami_nlp.cone.minima import branch_minima
+from origami_nlp.cone import (
+    branch_minima,
+    class_of,
+    cone_classes,
+    count_map,
+    rest_state,
+    roots as cone_roots,
+    steep_end,
+)
+from origami_nlp.cone.energy import direction_classes
 from origami_nlp.errors import OrigamiError
 
 RATIOS = (1e-4, 1e4)

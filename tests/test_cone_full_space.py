@@ -7,14 +7,19 @@ import pytest
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
-from origami_nlp.cone.branches import ConeBranch
-from origami_nlp.cone.flaps import bracelets, class_of, write_flaps
-from origami_nlp.cone.full_space import cone_full_space, cone_scene, tangent_slope
-from origami_nlp.cone.minima import branch_minima
+from origami_nlp.cone import (
+    ConeBranch,
+    bracelets,
+    branch_minima,
+    class_of,
+    cone_full_space,
+    write_flaps,
+)
+from origami_nlp.cone.full_space import cone_scene, tangent_slope
 from origami_nlp.errors import OrigamiError
-from origami_nlp.folding.embedding import examine, fold_vertex
-from origami_nlp.minima.find import find_minima
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.minima import find_minima
+from origami_nlp.programme import Model
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
 

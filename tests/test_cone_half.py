@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from independent import cone_branches as brute
 
-from origami_nlp.cone.branches import ConeBranch, branch_end, is_cut, lone_end, steep_end
-from origami_nlp.cone.count_map import count_map
-from origami_nlp.cone.flaps import bracelets
-from origami_nlp.cone.minima import branch_minima
-from origami_nlp.folding.embedding import examine
+from origami_nlp.cone import ConeBranch, bracelets, branch_end, branch_minima, count_map, steep_end
+from origami_nlp.cone.branches import is_cut, lone_end
+from origami_nlp.folding import examine
 
 
 def tied_ratio(degree, valleys, rest_elevation):

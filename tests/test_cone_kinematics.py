@@ -7,26 +7,26 @@ from itertools import product
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
-from origami_nlp.cone.branches import ConeBranch, branch_end, branch_label, lone_end, steep_end
-from origami_nlp.cone.drawing import draw_branch, draw_foldings
-from origami_nlp.cone.flaps import (
-    bracelet_number,
+from origami_nlp.cone import (
+    ConeBranch,
     bracelets,
+    branch_end,
     class_of,
     cone_classes,
-    necklace_number,
-    necklaces,
+    draw_branch,
+    draw_foldings,
     parse_flaps,
-    symmetry_of,
+    steep_end,
     write_flaps,
 )
+from origami_nlp.cone.branches import branch_label, lone_end
+from origami_nlp.cone.flaps import bracelet_number, necklace_number, necklaces, symmetry_of
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.folding import examine, fold_vertex
 
 
 def words(flaps):

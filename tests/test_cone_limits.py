@@ -10,9 +10,10 @@ from typer.testing import CliRunner
 from origami_nlp.cli import app
 from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.paper.cone_limits import DEGREES, inverted_cone_energy, limits
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.folding import fold_vertex
+from origami_nlp.paper import limits
+from origami_nlp.paper.cone_limits import DEGREES, inverted_cone_energy
+from origami_nlp.pattern import Vertex
 
 LAST = 2 * np.pi / DEGREES[-1]
 

@@ -6,18 +6,24 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from mpmath import mp
 from typer.testing import CliRunner
 
 from origami_nlp.cli import app
-from origami_nlp.cone.count_map import count_map
-from origami_nlp.cone.energy import direction_classes, rest_state
-from origami_nlp.cone.minima import branch_minima
-from origami_nlp.cone.phase import phase_diagram
-from origami_nlp.cone.phase_curves import KINDS, phase_boundaries
-from origami_nlp.cone.phase_energy import branch_classes, class_energy, rest_angles, rest_range
+from origami_nlp.cone import (
+    branch_classes,
+    branch_minima,
+    count_map,
+    phase_boundaries,
+    phase_diagram,
+    rest_angles,
+    rest_range,
+    rest_state,
+)
+from origami_nlp.cone.energy import direction_classes
+from origami_nlp.cone.phase_curves import KINDS
+from origami_nlp.cone.phase_energy import class_energy
 from origami_nlp.paper import section5 as printed
 
 SIDE = 1e-9
@@ -130,8 +136,7 @@ def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
 @pytest.mark.parametrize("degree", [6, 10, 16])
 def test_class_energy_is_that_of_all_creases(degree, rest):
     """Against the sum over the fold angles of an assignment, and derivatives against 40 digits."""
-    from origami_nlp.cone.branches import ConeBranch
-    from origami_nlp.cone.flaps import bracelets, class_of
+    from origami_nlp.cone import ConeBranch, bracelets, class_of
 
     rng = np.random.default_rng(degree)
     low, high = rest_range(degree, rest)

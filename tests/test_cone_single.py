@@ -4,13 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent.cone_single import Range, bends, setup, undecided
 
-from origami_nlp.cone.branches import steep_end
+from origami_nlp.cone import cone_classes, steep_end
 from origami_nlp.cone.energy import direction_classes
-from origami_nlp.cone.flaps import cone_classes
 
 
 def open_boxes(degree):

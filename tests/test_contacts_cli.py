@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 
 import origami_nlp as o
 from origami_nlp.cli.contacts import contacts
+from origami_nlp.contact import report_contacts
 from origami_nlp.contact.figure import draw_contacts, images
-from origami_nlp.contact.pinned import SOFT, ContactReport, report_contacts
+from origami_nlp.contact.pinned import SOFT, ContactReport
 from origami_nlp.contact.report import as_html, as_markdown, contacts_to_dict, margin_number
 from origami_nlp.errors import OptionError
 

@@ -8,29 +8,22 @@ from functools import cache
 import numpy as np
 import pytest
 from computed_once import panel_result
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from typer.testing import CliRunner
 
 from origami_nlp import examples
 from origami_nlp.cli import app
 from origami_nlp.closed_forms import degree6, wedge3
+from origami_nlp.critical import CriticalPoints, compare_minima, find_critical_points
 from origami_nlp.critical.edges import possible_rows
-from origami_nlp.critical.find import compare_minima, find_critical_points
 from origami_nlp.critical.link import count_arcs, link_of
-from origami_nlp.critical.result import CriticalPoints
 from origami_nlp.critical.strata import strata_of
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.polishing import newton
-from origami_nlp.kkt.starts import project_batch
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import scene_to_dict
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import closed_contacts
-from origami_nlp.programme.model import Model
-from origami_nlp.space.find import analyse_space
+from origami_nlp.kkt import newton, project, project_batch
+from origami_nlp.numerics import null_space
+from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.programme import Model, closed_contacts, is_admissible
+from origami_nlp.space import analyse_space
 
 PANELS = examples.panels()
 SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis

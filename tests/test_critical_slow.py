@@ -7,9 +7,8 @@ import pytest
 from computed_once import panel_result
 from test_critical import PANELS, SHAPES, critical_points, kkt_points, random_energy
 
-from origami_nlp.critical.find import compare_minima, find_critical_points
-from origami_nlp.critical.table import panel_row
-from origami_nlp.space.find import analyse_space
+from origami_nlp.critical import compare_minima, find_critical_points, panel_row
+from origami_nlp.space import analyse_space
 
 DOC = Path(__file__).parent.parent / "docs" / "critical_points.md"
 

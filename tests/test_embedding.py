@@ -14,7 +14,7 @@ from independent.stationary import Stratum, determinant_classes, retract
 
 from origami_nlp import Vertex, examine
 from origami_nlp.kkt.starts import gaps_hold
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 BAND = 1e-9
 """Issue: no disagreement outside this distance [rad] from touching."""

@@ -16,11 +16,11 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import origami_nlp as o
-from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.folding import fold_vertex
 from origami_nlp.minima.figure import MOST_DRAWN
 from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import STYLE
-from origami_nlp.show.drawing import draw_state, pose_state
+from origami_nlp.show import draw_state, pose_state
 
 COARSE = 81  # cells of the landscape: the pictures are not looked at here
 

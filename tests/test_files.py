@@ -13,8 +13,13 @@ from typer.testing import CliRunner
 import origami_nlp
 from origami_nlp import OrigamiError
 from origami_nlp.cli import app, main
-from origami_nlp.files import writing as files
-from origami_nlp.files.writing import check_outputs, check_writable, make_folder, write_whole
+from origami_nlp.files import (
+    check_outputs,
+    check_writable,
+    make_folder,
+    write_whole,
+    writing as files,
+)
 
 ROOT = Path(origami_nlp.__file__).parents[1]
 needs_linux = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full: not Linux")

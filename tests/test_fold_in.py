@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError, find_minima
 from origami_nlp.cli import app
-from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY, parse_fold, read_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
+from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, fold_vertices, read_fold, scene_at
+from origami_nlp.pattern.fold_file import parse_fold
 
 SHARED = Path(__file__).parents[1].parent / "shared" / "fold"
 RUN = CliRunner()

@@ -13,12 +13,10 @@ from origami_nlp import OrigamiError, Scene, Vertex
 from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
 from origami_nlp.files import reading
-from origami_nlp.folding.embedding import examine
-from origami_nlp.folding.flat_fold import crimped, folds_flat
-from origami_nlp.pattern import fold_file
+from origami_nlp.folding import examine, folds_flat
+from origami_nlp.folding.flat_fold import crimped
+from origami_nlp.pattern import fold_file, fold_vertices, parse_scene
 from origami_nlp.pattern.fold_file import parse_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices
-from origami_nlp.pattern.scene_file import parse_scene
 
 RUN = CliRunner()
 

@@ -20,9 +20,10 @@ from origami_nlp import (
     parse_scene,
 )
 from origami_nlp.cli import app
-from origami_nlp.minima.fold_out import face_orders, minima_to_fold, write_fold, write_mesh
+from origami_nlp.minima import write_fold, write_mesh
+from origami_nlp.minima.fold_out import face_orders, minima_to_fold
+from origami_nlp.pattern import fold_vertices, scene_at
 from origami_nlp.pattern.fold_file import parse_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
 
 RUN = CliRunner()
 SCENES = {
@@ -102,7 +103,7 @@ def test_face_orders_of_shut_creases():
     for scene in (SCENES["shut"], SCENES["degree 6"]):
         for m in find_minima(scene, max_starts=60).minima:
             phi = np.array(m.fold_angles)
-            from origami_nlp.folding.embedding import fold_vertex
+            from origami_nlp.folding import fold_vertex
 
             creases, _ = fold_vertex(scene.vertex, phi)
             orders = face_orders(creases, phi)

@@ -13,8 +13,8 @@ from test_fold_in import closed_state
 
 from origami_nlp import find_minima
 from origami_nlp.minima.fold_out import minima_to_fold
+from origami_nlp.pattern import fold_vertices, scene_at
 from origami_nlp.pattern.fold_file import parse_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
 
 SHARED = Path(__file__).parents[1].parent / "shared" / "fold"
 OURS = {

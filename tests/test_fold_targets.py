@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError
 from origami_nlp.cli import app
-from origami_nlp.pattern.fold_file import REST_KEY, parse_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices, scene_at
+from origami_nlp.pattern import REST_KEY, fold_vertices, scene_at
+from origami_nlp.pattern.fold_file import parse_fold
 
 RUN = CliRunner()
 SECTORS = (60, 100, 120, 80)

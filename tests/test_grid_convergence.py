@@ -9,10 +9,10 @@ import pytest
 from computed_once import panel_result
 
 import origami_nlp as o
-from origami_nlp.chart.chart import chart_of
-from origami_nlp.minima.find import MinimaResult
-from origami_nlp.paper.grid_convergence import SIZES, GridErrors, count_grid_minima, grid_errors
-from origami_nlp.paper.grid_convergence_figure import draw_grid_convergence
+from origami_nlp.chart import chart_of
+from origami_nlp.minima import MinimaResult
+from origami_nlp.paper import GridErrors, count_grid_minima, draw_grid_convergence, grid_errors
+from origami_nlp.paper.grid_convergence import SIZES
 
 INTERIOR = ("degree8", "pi/4", 1.0)
 WALL = ("degree8", "pi/12", 100.0)

@@ -5,16 +5,14 @@ import math
 import numpy as np
 import pytest
 from computed_once import panel_result
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
-from origami_nlp.chart.chart import chart_of, wedge_elevation
-from origami_nlp.chart.landscape import landscape
+from origami_nlp.chart import chart_of, landscape, wedge_elevation
 from origami_nlp.closed_forms import wedge3
-from origami_nlp.folding.embedding import examine, fold_vertex
-from origami_nlp.kkt.starts import StartStream
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.kkt import StartStream
+from origami_nlp.programme import Model
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61

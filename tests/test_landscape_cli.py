@@ -11,7 +11,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.cli import main
-from origami_nlp.folding.embedding import examine, fold_vertex
+from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.landscape.plain import LISTS, landscape_from_dict
 

@@ -14,14 +14,18 @@ from computed_once import panel_result
 import origami_nlp as o
 from origami_nlp.contact.force_cone import distance_to_boundary
 from origami_nlp.contact.margin import LoadMargin, load_margin
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.loads import loaded_model, moments_of, sensitivity
-from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.kkt.polishing import newton
-from origami_nlp.minima.find import MinimaResult, Minimum
-from origami_nlp.numerics import quaternion as quat
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.contacts import (
+from origami_nlp.kkt import (
+    classify,
+    find_multipliers,
+    loaded_model,
+    moments_of,
+    newton,
+    sensitivity,
+)
+from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.numerics import null_space, quaternion as quat
+from origami_nlp.programme import (
+    Model,
     Row,
     closed_contacts,
     gap_weights,
@@ -29,7 +33,6 @@ from origami_nlp.programme.contacts import (
     row_values,
     row_weight,
 )
-from origami_nlp.programme.model import Model
 
 MULTIPLIER_FD = 1e-6
 """Relative agreement of contact moments with finite differences of the optimal energy."""

@@ -8,10 +8,10 @@ import pytest
 from computed_once import panel_result
 
 from origami_nlp import Scene, Vertex, examine, examples, find_minima
-from origami_nlp.kkt.descent import follow
-from origami_nlp.minima.stopping import enough, expected_undiscovered
-from origami_nlp.programme.compiled import compile_structure
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import follow
+from origami_nlp.minima import enough
+from origami_nlp.minima.stopping import expected_undiscovered
+from origami_nlp.programme import Model, compile_structure
 
 CLOSURE = 1e-14  # issue: closure of regular states
 KKT = 1e-12  # issue: KKT residual, relative to the torques that balance
@@ -139,7 +139,7 @@ def test_stopping_rule():
 def test_descent_from_random_states_ends_at_a_listed_minimum():
     """An independent look at completeness: downhill from anywhere leads to a state that was found."""
     rng = np.random.default_rng(0)
-    from origami_nlp.kkt.starts import StartStream
+    from origami_nlp.kkt import StartStream
 
     for scene in examples.panels()[::4]:
         result = panel_result(scene)

@@ -18,8 +18,7 @@ from independent.stands import CLOSES, RADII, Sheet, base, judge, product_of_fol
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.cli.vertices import read_fold_scene
-from origami_nlp.pattern.fold_file import read_fold
-from origami_nlp.pattern.fold_vertices import fold_vertices
+from origami_nlp.pattern import fold_vertices, read_fold
 
 pytestmark = pytest.mark.skipif(not EXTENDED, reason="no extended precision on this machine")
 

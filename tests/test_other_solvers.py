@@ -15,7 +15,7 @@ states = origami_nlp.find_minima(
 PROGRAMME = """
 import numpy as np
 from origami_nlp.numerics import linear
-from origami_nlp.kkt.multipliers import find_multipliers
+from origami_nlp.kkt import find_multipliers
 linear.MOST_CORNERS = 0  # SciPy's HiGHS as well
 assert abs(find_multipliers(np.ones((1, 3)), np.array([2.0])).upper - 2).max() < 1e-9
 """

@@ -15,7 +15,7 @@ from independent.rotations import fold, project, spin_sign
 from independent.scenes import SHAPES, build, degree, rational
 
 from origami_nlp import find_minima
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 RIGID = [("D", 1, 2, (False, False)), ("D", 2, 1, (False, False)), ("D", 3, 1, (False, False))]
 """As many equations as fold angles: only the flat state."""

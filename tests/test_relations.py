@@ -9,16 +9,15 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import origami_nlp
-from origami_nlp.kkt.classification import classify
+from origami_nlp.kkt import classify
+from origami_nlp.minima import result_from_dict, result_to_dict
 from origami_nlp.minima.find import Rejected
 from origami_nlp.minima.hinges import hinge_minima
-from origami_nlp.minima.plain import result_from_dict, result_to_dict
 from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 
 def count_by_fractions(parts: list[int]) -> int:

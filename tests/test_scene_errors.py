@@ -6,7 +6,7 @@ import pytest
 
 from origami_nlp.cli import main
 from origami_nlp.errors import OrigamiError
-from origami_nlp.pattern.scene_file import parse_scene
+from origami_nlp.pattern import parse_scene
 
 GOOD = {
     "sector_angles": '["pi/4", "pi/2", "pi/4", "pi/4", "pi/2", "pi/4"]',

@@ -16,8 +16,7 @@ from typer.testing import CliRunner
 
 import origami_nlp
 from origami_nlp.cli import app, main, progress
-from origami_nlp.files.screen import Screen
-from origami_nlp.files.text import printable
+from origami_nlp.files import Screen, printable
 
 RUN = CliRunner()
 HOSTILE = "a\x1b[31mred\x07\x9b1m\r\u202e[bold]b[/x]\ttail"

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.kkt.second_order import extreme_rays, has_no_level_direction

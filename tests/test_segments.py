@@ -11,21 +11,13 @@ import pytest
 from computed_once import panel_result
 
 import origami_nlp as o
-from origami_nlp.chart.boundary_lines import trace_boundary
+from origami_nlp.chart import trace_boundary
 from origami_nlp.contact.segments import SegmentReport, find_segments, segments_to_dict
 from origami_nlp.contact.segments_figure import draw_segments
-from origami_nlp.minima.find import MinimaResult
-from origami_nlp.path.curve import (
-    CLOSED_TO,
-    BoundaryCurve,
-    Point,
-    advance,
-    evaluate,
-    follow_boundary,
-)
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import MinimaResult
+from origami_nlp.path import BoundaryCurve, Point, advance, evaluate, follow_boundary
+from origami_nlp.path.curve import CLOSED_TO
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),

@@ -11,21 +11,27 @@ import numpy as np
 import pytest
 import shapely
 from computed_once import panel_result
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import origami_nlp as o
-from origami_nlp.chart.boundary_lines import Boundary, trace_boundary, with_energy
-from origami_nlp.chart.chart import chart_of
-from origami_nlp.chart.grid import allowed, chart_limits, distance_from
-from origami_nlp.chart.region import admissible_region
+from origami_nlp.chart import (
+    Boundary,
+    admissible_region,
+    allowed,
+    chart_limits,
+    chart_of,
+    trace_boundary,
+    with_energy,
+)
+from origami_nlp.chart.grid import distance_from
 from origami_nlp.cli import main
 from origami_nlp.contact.segments import find_segments
-from origami_nlp.folding.embedding import examine, fold_vertex
-from origami_nlp.landscape.exact import exact_landscape, metastable_stretches
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.landscape import exact_landscape
+from origami_nlp.landscape.exact import metastable_stretches
 from origami_nlp.landscape.panel import fill_outwards
-from origami_nlp.paper import sheets as sheet
-from origami_nlp.paper.sheets import Sheet, draw_sheet, find_panels, sheet_table
+from origami_nlp.paper import draw_sheet, find_panels, sheet_table, sheets as sheet
+from origami_nlp.paper.sheets import Sheet
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),

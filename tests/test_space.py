@@ -5,22 +5,19 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent.kuhn import kuhn_surface
 from independent.search_layers import symmetrically_admissible
 from independent.search_manifold import Piece
 from typer.testing import CliRunner
 
-from origami_nlp.chart.chart import admissible, chart_of
+from origami_nlp.chart import admissible, chart_of
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import examine, fold_vertex
-from origami_nlp.pattern.examples import degree6, degree8
-from origami_nlp.pattern.scene_file import format_scene
-from origami_nlp.space import topology
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.pattern import degree6, degree8, format_scene
+from origami_nlp.space import analyse_space, topology
 from origami_nlp.space.chain import chain_of
-from origami_nlp.space.find import analyse_space
 from origami_nlp.space.mesh import SEAM, mesh_sheets
 
 SCENES = {

@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.examples import degree6, degree8
+from origami_nlp.pattern import degree6, degree8
+from origami_nlp.space import analyse_space, find_transitions
 from origami_nlp.space.events import find_events
-from origami_nlp.space.find import analyse_space
-from origami_nlp.space.transitions import find_transitions, signature_of
+from origami_nlp.space.transitions import signature_of
 
 LOW, HIGH = 0.1, math.pi / 2 - 0.1
 

@@ -12,12 +12,12 @@ from typer.testing import CliRunner
 
 import origami_nlp as o
 from origami_nlp.cli import app
+from origami_nlp.minima import judge_in_full_space, minima_table
 from origami_nlp.minima.fold_out import minima_to_fold
-from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import WARNING
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
-from origami_nlp.minima.table import as_text, minima_table
+from origami_nlp.minima.table import as_text
 
 SCENE = o.examples.degree6("pi/3", 1)
 

@@ -17,9 +17,9 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError, find_minima
 from origami_nlp.cli import app
-from origami_nlp.sweep.load import load_states, load_sweep, sweep_grid
-from origami_nlp.sweep.run import run_scene, run_sweep
-from origami_nlp.sweep.spec import parse_sweep, read_sweep
+from origami_nlp.sweep import load_states, parse_sweep, read_sweep, run_sweep
+from origami_nlp.sweep.load import load_sweep, sweep_grid
+from origami_nlp.sweep.run import run_scene
 from origami_nlp.sweep.store import read_table
 
 RUN = CliRunner()
@@ -370,7 +370,7 @@ def test_examples_files_and_lists(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["png", "pdf"])
 def test_figures(finished, tmp_path, suffix):
-    from origami_nlp.sweep.figure import draw_sweep
+    from origami_nlp.sweep import draw_sweep
 
     figure = draw_sweep(finished, tmp_path / f"a.{suffix}")
     titles = {axes.get_title() for axes in figure.axes}

@@ -3,15 +3,14 @@
 import math
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from independent.admissible import admissible
 from independent.neighbours import Problem
 from independent.rotations import fold, project, spin_sign
 from independent.scenes import SHAPES, build
 
 from origami_nlp import Scene
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 derandomized = settings(derandomize=True, deadline=None, max_examples=60, database=None)
 cases = st.tuples(st.sampled_from(SHAPES), st.integers(0, 2**32 - 1))

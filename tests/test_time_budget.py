@@ -10,8 +10,7 @@ from typer.testing import CliRunner
 from origami_nlp import OrigamiError, examples
 from origami_nlp.bench import time_budget
 from origami_nlp.cli import app
-from origami_nlp.minima import find as minima
-from origami_nlp.minima import ipopt, search
+from origami_nlp.minima import find as minima, ipopt, search
 
 RUN = CliRunner()
 

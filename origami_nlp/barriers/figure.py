@@ -36,7 +36,7 @@ def draw_merge_trees(
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    from origami_nlp.files.writing import save_figure
+    from origami_nlp.files import save_figure
 
     columns = min(columns, len(several))
     rows = math.ceil(len(several) / columns)

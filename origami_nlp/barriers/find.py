@@ -20,12 +20,9 @@ from origami_nlp.barriers.merge_tree import MergeTree
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.find import MinimaResult, find_minima
-from origami_nlp.minima.full_space import judge_in_full_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import closed_contacts, row_name
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, closed_contacts, is_admissible, row_name
 
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""

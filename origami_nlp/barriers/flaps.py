@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 SHUT = 1e-9
 """A crease this close to +-pi [rad] is shut: polished states are there to rounding."""

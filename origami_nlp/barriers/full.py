@@ -25,14 +25,11 @@ import numpy as np
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import energies, side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.thin import thin_at
-from origami_nlp.minima.full_space import full_scene
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import project, thin_at
+from origami_nlp.minima import full_scene
+from origami_nlp.numerics import null_space
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""

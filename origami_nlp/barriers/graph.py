@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.chart.chart import admissible
-from origami_nlp.programme.model import Model
+from origami_nlp.chart import admissible
+from origami_nlp.programme import Model
 
 CLOSED_TO = 1e-11
 """Vertices of the graph close at least this well."""

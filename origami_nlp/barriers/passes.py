@@ -17,14 +17,9 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.barriers.graph import energies, feasible
-from origami_nlp.kkt.certificates import CURVED, judge_branch
-from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.polishing import newton
-from origami_nlp.numerics.linear import RANK_TOLERANCE
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import CURVED, follow, judge_branch, newton, project
+from origami_nlp.numerics import RANK_TOLERANCE
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -162,7 +157,7 @@ def critical_at(model: Model, x: np.ndarray) -> Critical | None:
 
 def _bent_down(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray | None:
     """Return the direction of lowest curvature with `rows` held closed."""
-    from origami_nlp.path.curve import evaluate  # only where a verdict left it out
+    from origami_nlp.path import evaluate  # only where a verdict left it out
 
     point = evaluate(model, x, rows)
     return None if point is None else point.tangent / np.sqrt(model.multiplicity)

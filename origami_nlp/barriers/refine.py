@@ -24,10 +24,8 @@ from origami_nlp.barriers.passes import (
     slide,
 )
 from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt.starts import flat_foldings
-from origami_nlp.kkt.thin import thin_at
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import flat_foldings, thin_at
+from origami_nlp.programme import Model, is_admissible
 
 MOST_ROUNDS = 6
 

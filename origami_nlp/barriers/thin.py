@@ -11,12 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.thin import _states_on_limits, thin_at
-from origami_nlp.path.curve import follow_boundary
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import project, states_on_limits, thin_at
+from origami_nlp.path import follow_boundary
+from origami_nlp.programme import Model, Row, is_admissible
 
 SAME = 0.02
 """A state this close [rad] to a curve with the same closed contacts lies on it."""
@@ -44,7 +41,7 @@ def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ())
     if not model.structure.limits or model.freedom != 2:
         return []
     curves: list[ThinCurve] = []
-    for x in (*known, *_states_on_limits(model, np.random.default_rng(seed))):
+    for x in (*known, *states_on_limits(model, np.random.default_rng(seed))):
         held = thin_at(model, x)
         if not held or not is_admissible(model, x):
             continue

@@ -4,3 +4,7 @@
 methods each, `run` interleaves them, `judging` decides what each answer is, `report` and `figure` tell.
 `scaling` measures time and memory against size; `hard` holds the cases that are hard by construction.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.starts import StartStream
-from origami_nlp.minima.search import FEW_PAIRS, MOST_PAIR_ROUNDS
-from origami_nlp.programme.admissible import crossed_pairs
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import StartStream
+from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
+from origami_nlp.programme import Model, crossed_pairs
 
 Pairs = tuple[tuple[int, int], ...]
 

@@ -17,11 +17,15 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.cone.branches import branch_end, steep_end
-from origami_nlp.cone.count_map import count_map
-from origami_nlp.cone.energy import rest_state
-from origami_nlp.cone.flaps import cone_classes
-from origami_nlp.cone.minima import BranchMinima, branch_minima
+from origami_nlp.cone import (
+    BranchMinima,
+    branch_end,
+    branch_minima,
+    cone_classes,
+    count_map,
+    rest_state,
+    steep_end,
+)
 
 BRUTE_DEGREES = 18
 """Largest degree done by brute force (1,024 branches)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from origami_nlp.bench.cone_speed import BRUTE_NODES, MAP_SIZE, SAMPLED, SpeedRow
-from origami_nlp.cone.table import number_words
+from origami_nlp.cone import number_words
 
 HEADS = (
     "N",

@@ -23,8 +23,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from origami_nlp.programme.gaps import Gap
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Gap, Model
 
 LARGEST_DENOMINATOR = 720
 """Angles that are a multiple of pi with a denominator up to this, to rounding, stand for that multiple."""

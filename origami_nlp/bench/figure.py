@@ -8,7 +8,7 @@ from typing import Any
 
 from origami_nlp.bench.digest import Row, Spread, rows
 from origami_nlp.bench.methods_ours import OURS
-from origami_nlp.files.writing import save_figure
+from origami_nlp.files import save_figure
 
 STYLES = {  # Okabe and Ito's colours, told apart by marker too
     OURS: ("#000000", "*", 13),

@@ -16,9 +16,8 @@ import numpy as np
 from origami_nlp.bench.judging import Judge
 from origami_nlp.bench.problems import Problem
 from origami_nlp.bench.tally import quantiles
-from origami_nlp.chart.landscape import landscape
-from origami_nlp.paper.chart_states import chart_distance
-from origami_nlp.paper.grid_minima import grid_points
+from origami_nlp.chart import landscape
+from origami_nlp.paper import chart_distance, grid_points
 
 SIZES = (65, 129, 257, 513, 1025)
 CELLS = 1.5

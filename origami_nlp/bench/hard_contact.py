@@ -9,13 +9,10 @@ import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import ROUNDING, nearest, regular_at_pi
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.polishing import polish
-from origami_nlp.minima.find import find_minima
-from origami_nlp.minima.search import Record, solve_without_crossing
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import classify, polish
+from origami_nlp.minima import Record, find_minima, solve_without_crossing
+from origami_nlp.pattern import Scene, examples
+from origami_nlp.programme import Model
 
 CLOSURE_PULL = 0.3
 """Torque [N m] by which closure pulls at the closed crease, so that its rest angle stays within +-pi."""

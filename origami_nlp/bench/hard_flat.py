@@ -9,18 +9,17 @@ import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.polishing import polish
-from origami_nlp.kkt.starts import BATCH, project_batch
-from origami_nlp.minima.find import MinimaResult, Minimum, find_minima
-from origami_nlp.minima.search import SAME, Record, solve_without_crossing
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.angles import parse_angles
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import BATCH, classify, polish, project_batch
+from origami_nlp.minima import (
+    SAME,
+    MinimaResult,
+    Minimum,
+    Record,
+    find_minima,
+    solve_without_crossing,
+)
+from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
 
 ROUNDING = 1e-14
 """Bound on fold angles that are known exactly [rad]."""

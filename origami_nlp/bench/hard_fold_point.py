@@ -22,11 +22,9 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.polishing import newton
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import classify, newton
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model
 
 REST = -3.0
 """Rest angle of every crease [rad]: the ratio is then stationary along the branch."""

@@ -13,11 +13,10 @@ import numpy as np
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_springs import against_50_digits
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.minima.find import find_minima
+from origami_nlp.minima import find_minima
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.model import Model
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model
 
 DEGREE = 60
 STARTS = 150

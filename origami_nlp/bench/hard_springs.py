@@ -11,14 +11,10 @@ import numpy as np
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import EPS, ROUNDING, exact_state, known_state
 from origami_nlp.errors import SceneError
-from origami_nlp.kkt.starts import StartStream
-from origami_nlp.minima.find import MinimaResult, find_minima
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import StartStream
+from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.pattern import Scene, Vertex, examples
+from origami_nlp.programme import Model, Row, is_admissible, row_values
 
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:

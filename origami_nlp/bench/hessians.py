@@ -16,9 +16,9 @@ import numpy as np
 
 from origami_nlp.bench.problems import Problem
 from origami_nlp.bench.reference import Unsolved, solve_reference
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.paper.appendix_a import STEPS, appendix_a
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.paper import STEPS, appendix_a
+from origami_nlp.programme import Model
 
 
 def exact_eigenvalues(model: Model, x: np.ndarray) -> np.ndarray:

@@ -15,15 +15,12 @@ import numpy as np
 
 from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
-from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.classification import classify
-from origami_nlp.kkt.polishing import polish
-from origami_nlp.minima.find import find_minima
-from origami_nlp.minima.search import Record, solve_without_crossing
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import examine
+from origami_nlp.kkt import classify, polish
+from origami_nlp.minima import Record, find_minima, solve_without_crossing
+from origami_nlp.numerics import null_space
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, closed_contacts, gap_weights, row_values
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""

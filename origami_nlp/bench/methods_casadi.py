@@ -22,9 +22,8 @@ from origami_nlp.bench.attempt import (
     keep_apart,
 )
 from origami_nlp.bench.programme import Programme, programme, violation
-from origami_nlp.minima.ipopt import OPTIONS
-from origami_nlp.programme.compiled import Structure
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import OPTIONS
+from origami_nlp.programme import Model, Structure
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 QUIET_QP = {

@@ -21,7 +21,7 @@ from origami_nlp.bench.attempt import FEASIBLE, Attempt, Method, Solver, StartPo
 from origami_nlp.bench.methods_casadi import ipopt_options
 from origami_nlp.bench.programme import programme
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 FORMS = {
     "quaternion": "vector part of the quaternion",

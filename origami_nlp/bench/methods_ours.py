@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from origami_nlp.bench.attempt import Attempt, Method, Solver, StartPoint
-from origami_nlp.kkt.classification import classify
-from origami_nlp.minima.search import Answer, Record, run_one
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import classify
+from origami_nlp.minima import Answer, Record, run_one
+from origami_nlp.programme import Model
 
 OURS = "this package"
 

@@ -19,7 +19,7 @@ from origami_nlp.bench.attempt import (
     keep_apart,
 )
 from origami_nlp.bench.programme import Evaluator, Programme, programme, violation
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 SLSQP_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)
 TRUST_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

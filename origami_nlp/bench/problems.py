@@ -8,9 +8,7 @@ from typing import get_args
 
 import numpy as np
 
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Contact, Scene
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern import Contact, Scene, Vertex, examples
 
 RANDOM_VERTICES = 30
 DEGREES = range(4, 13)

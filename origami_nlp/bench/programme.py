@@ -12,9 +12,8 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.bench.attempt import Pairs
-from origami_nlp.minima.ipopt import TOLERANCE, build_solver, separating_normal
-from origami_nlp.programme.compiled import Structure
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import TOLERANCE, build_solver, separating_normal
+from origami_nlp.programme import Model, Structure
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.bench.exact_piece import ExactPiece, Jet
-from origami_nlp.programme.contacts import Row, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model, Row, row_values
 
 DIGITS = 50
 WORKING = 60

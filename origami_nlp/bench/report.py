@@ -7,7 +7,7 @@ from typing import Any
 
 from origami_nlp.bench.digest import LEVEL, Row, Spread, hessian_ratios, job_summary, rows, targets
 from origami_nlp.bench.methods_ours import OURS
-from origami_nlp.show.table import rows_markdown
+from origami_nlp.show import rows_markdown
 
 HEADS = (
     "method",

@@ -28,10 +28,9 @@ from origami_nlp.bench.problems import Problem, panel_problems, quick_problems, 
 from origami_nlp.bench.scaling import run_scaling
 from origami_nlp.bench.tally import Attempts, summary
 from origami_nlp.errors import OptionError
-from origami_nlp.files.writing import write_whole
-from origami_nlp.minima.find import FEWEST_STARTS, find_minima
-from origami_nlp.minima.search import FEW_PAIRS
-from origami_nlp.programme.model import Model
+from origami_nlp.files import write_whole
+from origami_nlp.minima import FEW_PAIRS, FEWEST_STARTS, find_minima
+from origami_nlp.programme import Model
 
 SCHEMA = "origami-nlp/bench/1"
 FULL = Plan(rounds=5, starts=26, sweep=2, budget=0.6)

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 DEGREES = (4, 6, 8, 12, 16, 20, 24, 30, 40, 50, 60)
 QUICK_DEGREES = (4, 8, 12, 20)
@@ -63,7 +63,7 @@ def measure_degree(n: int, contact: str, seed: int) -> dict[str, Any]:
 
     from origami_nlp.bench.attempt import draw_starts
     from origami_nlp.bench.problems import random_vertex
-    from origami_nlp.minima.search import Record, run_one
+    from origami_nlp.minima import Record, run_one
 
     scene = random_vertex(
         np.random.default_rng([seed, n]), n, "full" if contact == "full" else "none"
@@ -97,8 +97,8 @@ def measure_degree(n: int, contact: str, seed: int) -> dict[str, Any]:
 def measure_scenes(count: int, seed: int) -> dict[str, Any]:
     """Measure the main job's solves on `count` scenes of one structure, a sweep over the stiffness ratio."""
     from origami_nlp.bench.attempt import draw_starts
-    from origami_nlp.minima.search import Record, run_one
-    from origami_nlp.pattern.examples import degree6
+    from origami_nlp.minima import Record, run_one
+    from origami_nlp.pattern import degree6
 
     base = memory()
     begin = time.process_time()

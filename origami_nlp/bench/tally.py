@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bench.judging import Outcome
-from origami_nlp.minima.stopping import enough
+from origami_nlp.minima import enough
 
 LEVELS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 """Errors of fold angles [rad] at which methods are compared."""

@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files.writing import save_figure
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.model import Model
-from origami_nlp.show.table import rows_markdown, rows_table
+from origami_nlp.files import save_figure
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model
+from origami_nlp.show import rows_markdown, rows_table
 
 STAGES = (
     "building",
@@ -99,8 +99,7 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
     from origami_nlp.kkt import starts
-    from origami_nlp.minima import find as minima
-    from origami_nlp.minima import ipopt, search
+    from origami_nlp.minima import find as minima, ipopt, search
     from origami_nlp.programme import compiled as structure
 
     watch, inside = _Stopwatch(), {"evaluation": 0.0}

@@ -16,8 +16,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from origami_nlp.chart.landscape import Landscape
-from origami_nlp.minima.marks import _HANDLE
+from origami_nlp.chart.energy_map import Landscape
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
@@ -68,7 +67,7 @@ def draw_area(
             label.set_alpha(1.0)
             label.set_path_effects([withStroke(linewidth=1.4, foreground="#30343a")])
     for line in chart.handles:
-        axes.plot(line[:, 0], line[:, 1], **_HANDLE, clip_on=False)
+        axes.plot(line[:, 0], line[:, 1], **HANDLE, clip_on=False)
     axes.add_patch(
         Rectangle((left, low), right - left, high - low, fill=False, color="#555555", linewidth=0.8)
     )
@@ -152,3 +151,11 @@ def angle_ticks(axis: Any, low: float, high: float) -> None:
         4: "π",
     }
     axis.set_ticks([q * math.pi / 4 for q in quarters], [names.get(q, f"{q}π/4") for q in quarters])
+
+
+HANDLE: dict[str, Any] = {
+    "color": "#A0206A",
+    "linewidth": 2.2,
+    "linestyle": (0, (3, 1.5)),
+    "zorder": 4,
+}

@@ -18,12 +18,18 @@ from origami_nlp.chart.boundary_walk import LONGEST, walk
 from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.thin import thin_at
-from origami_nlp.path.curve import BoundaryCurve, Point, correct, evaluate
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_name, row_values, row_weight
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import thin_at
+from origami_nlp.path import BoundaryCurve, Point, correct, evaluate
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import (
+    Model,
+    Row,
+    closed_contacts,
+    is_admissible,
+    row_name,
+    row_values,
+    row_weight,
+)
 
 CLOSED = 1e-6
 """Gap [rad] of a contact at a bisected point, before Newton closes it."""

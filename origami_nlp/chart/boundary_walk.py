@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.chart.chart import admissible
-from origami_nlp.path.curve import Point, advance, correct, evaluate
-from origami_nlp.programme.admissible import broken_gap, is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_name
-from origami_nlp.programme.model import Model
+from origami_nlp.path import Point, advance, correct, evaluate
+from origami_nlp.programme import Model, Row, broken_gap, closed_contacts, is_admissible, row_name
 
 LONGEST, SHORTEST = 0.04, 1e-10
 """Longest step, and the step [rad] to which the end of a line is bisected."""

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
-from origami_nlp.folding.embedding import crossing_depth, fold_vertex
+from origami_nlp.folding import crossing_depth, fold_vertex
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 CROSSING = 1e-9
 """Facets that cross deeper than this (sine of an angle) are excluded; touching ones are not."""

@@ -7,10 +7,9 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt.starts import StartStream
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.admissible import broken_gap
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import StartStream
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, broken_gap
 
 CLOSED = 1e-12
 """Largest entry of loop closure at a traced point."""

@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.chart.boundary_lines import Boundary
 from origami_nlp.chart.chart import chart_of
 from origami_nlp.chart.grid import allowed
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon

@@ -29,7 +29,7 @@ from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.verify import verify
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
-from origami_nlp.files.text import printable
+from origami_nlp.files import printable
 
 app = typer.Typer(
     no_args_is_help=True,

@@ -9,7 +9,7 @@ import typer
 
 from origami_nlp.cli.minima import JsonFile, Seed
 from origami_nlp.cli.progress import progress
-from origami_nlp.paper.published import read_candidates
+from origami_nlp.paper import read_candidates
 
 
 def audit(
@@ -24,11 +24,9 @@ def audit(
     ] = None,
 ) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json, write_whole
-    from origami_nlp.minima.find import check_options
-    from origami_nlp.paper.audit import audit_candidates
-    from origami_nlp.paper.audit_table import as_markdown, audit_to_dict, summary_table
+    from origami_nlp.files import check_outputs, screen, write_json, write_whole
+    from origami_nlp.minima import check_options
+    from origami_nlp.paper import as_markdown, audit_candidates, audit_to_dict, summary_table
 
     check_options(seed, 1)
     check_outputs(("--json", json), ("--markdown", markdown))

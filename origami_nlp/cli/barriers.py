@@ -10,7 +10,7 @@ import typer
 from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure, progress_bar
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 
 def barriers(
@@ -37,12 +37,16 @@ def barriers(
     check_figure(figure)
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
-    from origami_nlp.barriers.figure import draw_merge_trees
-    from origami_nlp.barriers.find import check_freedoms, find_barriers
-    from origami_nlp.barriers.table import barriers_to_dict, markdown_rows, print_barriers
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json, write_whole
-    from origami_nlp.minima.find import check_options, find_minima
+    from origami_nlp.barriers import (
+        barriers_to_dict,
+        check_freedoms,
+        draw_merge_trees,
+        find_barriers,
+        markdown_rows,
+        print_barriers,
+    )
+    from origami_nlp.files import check_outputs, screen, write_json, write_whole
+    from origami_nlp.minima import check_options, find_minima
     from origami_nlp.pattern import examples
 
     check_options(seed, 1)

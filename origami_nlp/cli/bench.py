@@ -38,8 +38,8 @@ def bench(
 
     Set OMP_NUM_THREADS=1 for steady numbers: seconds are processor time of one thread.
     """
-    from origami_nlp.files.writing import check_outputs
-    from origami_nlp.minima.find import check_options
+    from origami_nlp.files import check_outputs
+    from origami_nlp.minima import check_options
 
     check_options(seed, 1)
     check_figure(figure)
@@ -56,11 +56,8 @@ def _speed(
     """Run all methods, show the headline and the targets, and write what was asked for."""
     from rich.markdown import Markdown as Rendered
 
-    from origami_nlp.bench.report import in_short
-    from origami_nlp.bench.report import markdown as as_markdown
-    from origami_nlp.bench.run import run_bench, write_bench
-    from origami_nlp.files.screen import PAGE, screen
-    from origami_nlp.files.writing import write_whole
+    from origami_nlp.bench import in_short, markdown as as_markdown, run_bench, write_bench
+    from origami_nlp.files import PAGE, screen, write_whole
 
     with _status() as tell:
         data = run_bench(quick=quick, seed=seed, tell=tell)
@@ -68,7 +65,7 @@ def _speed(
     if json:
         write_bench(data, json)
     if figure:
-        from origami_nlp.bench.figure import draw_bench
+        from origami_nlp.bench import draw_bench
 
         draw_bench(data, figure)
     if markdown:
@@ -85,9 +82,8 @@ def _profile(
     from dataclasses import asdict
 
     from origami_nlp.bench import time_budget
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import write_json, write_whole
-    from origami_nlp.pattern.examples import panels
+    from origami_nlp.files import screen, write_json, write_whole
+    from origami_nlp.pattern import panels
 
     budgets = []
     with _status() as tell:
@@ -123,9 +119,8 @@ def _hard(
         raise OptionError(
             f"{option} does not go with --hard: the hard cases are one table, all of it"
         )
-    from origami_nlp.bench.hard import run_hard
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import write_json, write_whole
+    from origami_nlp.bench import run_hard
+    from origami_nlp.files import screen, write_json, write_whole
 
     with _status() as tell:
         report = run_hard(lambda name, outcome: tell(f"{name}: {outcome.setting}"))

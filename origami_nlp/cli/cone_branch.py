@@ -22,13 +22,9 @@ def branch(
     json: JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.cone.branches import ConeBranch
-    from origami_nlp.cone.flaps import parse_flaps
-    from origami_nlp.cone.plain import branch_to_dict, write_lines
-    from origami_nlp.cone.table import print_branch
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout
-    from origami_nlp.pattern.angles import parse_angle
+    from origami_nlp.cone import ConeBranch, branch_to_dict, parse_flaps, print_branch, write_lines
+    from origami_nlp.files import check_writable, is_stdout, screen
+    from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
     nu = parse_angle(elevation, "--elevation")

@@ -37,12 +37,9 @@ def count(
     json: JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.cone.minima import branch_minima
-    from origami_nlp.cone.plain import count_to_dict, write_lines
-    from origami_nlp.cone.table import print_count
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout
-    from origami_nlp.pattern.angles import parse_angle
+    from origami_nlp.cone import branch_minima, count_to_dict, print_count, write_lines
+    from origami_nlp.files import check_writable, is_stdout, screen
+    from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
     found = branch_minima(

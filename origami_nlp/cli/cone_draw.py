@@ -30,11 +30,9 @@ def draw(
 ) -> None:
     """Draw all different foldings of a degree, or one assignment at one or more elevations."""
     check_figure(figure)
-    from origami_nlp.cone.branches import ConeBranch
-    from origami_nlp.cone.drawing import draw_branch, draw_foldings
-    from origami_nlp.cone.flaps import check_degree, parse_flaps
-    from origami_nlp.files.writing import check_writable
-    from origami_nlp.pattern.angles import parse_angle
+    from origami_nlp.cone import ConeBranch, check_degree, draw_branch, draw_foldings, parse_flaps
+    from origami_nlp.files import check_writable
+    from origami_nlp.pattern import parse_angle
 
     check_writable(figure, "--figure")
     angles = [parse_angle(text, "--elevation") for text in elevation or []]

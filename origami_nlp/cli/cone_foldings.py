@@ -22,11 +22,14 @@ def foldings(
     json: JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
-    from origami_nlp.cone.flaps import LARGEST_LISTED, check_degree
-    from origami_nlp.cone.plain import foldings_to_dict, write_lines
-    from origami_nlp.cone.table import print_foldings
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout
+    from origami_nlp.cone import (
+        LARGEST_LISTED,
+        check_degree,
+        foldings_to_dict,
+        print_foldings,
+        write_lines,
+    )
+    from origami_nlp.files import check_writable, is_stdout, screen
 
     check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
     check_writable(json, "--json")

@@ -33,11 +33,14 @@ def phase(
     ] = False,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
-    from origami_nlp.cone.phase import check_size, phase_diagram
-    from origami_nlp.cone.phase_plain import diagram_to_dict, map_as_csv
-    from origami_nlp.cone.phase_table import print_diagram
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, is_stdout, write_json, write_whole
+    from origami_nlp.cone import (
+        check_size,
+        diagram_to_dict,
+        map_as_csv,
+        phase_diagram,
+        print_diagram,
+    )
+    from origami_nlp.files import check_outputs, is_stdout, screen, write_json, write_whole
 
     check_figure(figure)
     check_size(size)
@@ -59,7 +62,7 @@ def phase(
     if json:
         write_json(diagram_to_dict(diagram), json)
     if figure:
-        from origami_nlp.cone.phase_figure import draw_phase
+        from origami_nlp.cone import draw_phase
 
         draw_phase(diagram, figure)
 
@@ -72,13 +75,15 @@ def fractions(
     json: JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
-    from origami_nlp.cone.phase import check_size
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, is_stdout, write_json, write_whole
-    from origami_nlp.paper import section5_table as table
-    from origami_nlp.paper.section5 import STATEMENTS, check_statements
-    from origami_nlp.paper.section5_plain import findings_to_dict
-    from origami_nlp.show.table import folding_table, rows_markdown
+    from origami_nlp.cone import check_size
+    from origami_nlp.files import check_outputs, is_stdout, screen, write_json, write_whole
+    from origami_nlp.paper import (
+        STATEMENTS,
+        check_statements,
+        findings_to_dict,
+        section5_table as table,
+    )
+    from origami_nlp.show import folding_table, rows_markdown
 
     check_size(size)
     check_outputs(("--markdown", markdown), ("--json", json))
@@ -106,12 +111,9 @@ def full(
     json: JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.cone.full_space import cone_full_space
-    from origami_nlp.cone.phase_plain import full_space_to_dict
-    from origami_nlp.cone.phase_table import print_full_space
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout, write_json
-    from origami_nlp.pattern.angles import parse_angle
+    from origami_nlp.cone import cone_full_space, full_space_to_dict, print_full_space
+    from origami_nlp.files import check_writable, is_stdout, screen, write_json
+    from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
     at = parse_angle(elevation, "--elevation")
@@ -136,13 +138,10 @@ def limits(
     json: JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, is_stdout, write_json
-    from origami_nlp.paper.cone_limits import limits as measure
-    from origami_nlp.paper.section5_plain import limits_to_dict
-    from origami_nlp.paper.section5_table import LIMIT_HEADS, limit_row
-    from origami_nlp.pattern.angles import parse_angle
-    from origami_nlp.show.table import folding_table
+    from origami_nlp.files import check_writable, is_stdout, screen, write_json
+    from origami_nlp.paper import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
+    from origami_nlp.pattern import parse_angle
+    from origami_nlp.show import folding_table
 
     check_writable(json, "--json")
     found = measure(parse_angle(elevation, "--elevation"), ratio)

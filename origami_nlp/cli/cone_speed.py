@@ -25,11 +25,9 @@ def speed(
     """Measure the time of an exact count against N, beside brute force, each with its error."""
     from rich.markdown import Markdown
 
-    from origami_nlp.bench.cone_speed import MAP_DEGREES, measure
-    from origami_nlp.bench.cone_speed_table import as_markdown
-    from origami_nlp.files.screen import PAGE, screen
-    from origami_nlp.files.writing import check_writable, write_whole
-    from origami_nlp.minima.find import check_options
+    from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
+    from origami_nlp.files import PAGE, check_writable, screen, write_whole
+    from origami_nlp.minima import check_options
 
     check_options(seed, points)
     check_writable(markdown, "--markdown")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli.minima import JsonFile, SceneFile, Seed, progress_bar
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 
 def contacts(
@@ -31,11 +31,9 @@ def contacts(
 ) -> None:
     """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
     stated = read_scene(scene)
-    from origami_nlp.contact import report as contact_report
-    from origami_nlp.contact.pinned import report_contacts
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json, write_whole
-    from origami_nlp.minima.find import check_options, find_minima
+    from origami_nlp.contact import report as contact_report, report_contacts
+    from origami_nlp.files import check_outputs, screen, write_json, write_whole
+    from origami_nlp.minima import check_options, find_minima
 
     check_options(seed, max_starts)
     check_outputs(("--json", json), ("--markdown", markdown), ("--html", html))

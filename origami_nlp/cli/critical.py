@@ -10,7 +10,7 @@ import typer
 from origami_nlp.cli.minima import JsonFile, Seed, progress_bar
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 
 def critical(
@@ -35,14 +35,19 @@ def critical(
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
     from rich.text import Text
 
-    from origami_nlp.critical.find import compare_minima, find_critical_points
-    from origami_nlp.critical.table import PANEL_HEADS, panel_row, point_lines, points_table
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json, write_whole
-    from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.pattern.examples import panels
-    from origami_nlp.show.table import rows_markdown, rows_table
-    from origami_nlp.space.find import analyse_space
+    from origami_nlp.critical import (
+        PANEL_HEADS,
+        compare_minima,
+        find_critical_points,
+        panel_row,
+        point_lines,
+        points_table,
+    )
+    from origami_nlp.files import check_outputs, screen, write_json, write_whole
+    from origami_nlp.minima import check_options, find_minima
+    from origami_nlp.pattern import panels
+    from origami_nlp.show import rows_markdown, rows_table
+    from origami_nlp.space import analyse_space
 
     check_options(seed, 1)
     check_outputs(("--json", json), ("--markdown", markdown))

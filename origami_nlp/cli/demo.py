@@ -10,14 +10,14 @@ import typer
 from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
-    from origami_nlp.minima.find import MinimaResult
+    from origami_nlp.minima import MinimaResult
 
 
 def search_panels(seed: int, full: bool = False) -> list[MinimaResult]:
     """Find the minima of all 18 panels of the paper's two landscape figures."""
     from origami_nlp.cli.minima import progress_bar
     from origami_nlp.cli.progress import progress
-    from origami_nlp.minima.find import check_options, find_minima
+    from origami_nlp.minima import check_options, find_minima
 
     check_options(seed, 1)
     results: list[MinimaResult] = []
@@ -35,12 +35,9 @@ def demo(
     seed: Annotated[int, typer.Option(help="Seed of the random starts.")] = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, make_folder, write_json
-    from origami_nlp.minima.figure import draw_minima
-    from origami_nlp.minima.plain import result_to_dict
-    from origami_nlp.minima.table import DEMO_HEADS, demo_rows, print_result
-    from origami_nlp.show.table import rows_table
+    from origami_nlp.files import check_outputs, make_folder, screen, write_json
+    from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima, print_result, result_to_dict
+    from origami_nlp.show import rows_table
 
     out = make_folder(out, "--out")
     check_outputs(

@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene_file import format_scene
+from origami_nlp.pattern import examples, format_scene
 
 FAMILIES = {"degree6": examples.degree6, "degree8": examples.degree8}
 

@@ -8,7 +8,7 @@ import typer
 
 from origami_nlp.cli.minima import SceneFile, Seed, progress_bar
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 
 def grid(
@@ -20,11 +20,10 @@ def grid(
     from rich.table import Table
     from rich.text import Text
 
-    from origami_nlp.chart.landscape import landscape
-    from origami_nlp.files.screen import screen
-    from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.table import minima_table
-    from origami_nlp.paper.grid_minima import follow_grid_minima
+    from origami_nlp.chart import landscape
+    from origami_nlp.files import screen
+    from origami_nlp.minima import check_options, find_minima, minima_table
+    from origami_nlp.paper import follow_grid_minima
 
     stated = read_scene(scene)
     check_options(seed, 1)

@@ -10,13 +10,13 @@ import typer
 from origami_nlp.cli.minima import FigureFile, JsonFile, SceneFile, Seed, check_figure, progress_bar
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from origami_nlp.barriers.find import Barriers
-    from origami_nlp.landscape.exact import ExactLandscape
+    from origami_nlp.barriers import Barriers
+    from origami_nlp.landscape import ExactLandscape
 
 SMALLEST, LARGEST = 16, 4097
 
@@ -36,9 +36,8 @@ def landscape(
     seed: Seed = 0,
 ) -> None:
     """Map the energy landscape of SCENE: exact boundaries, minima, space, critical points and passes."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, save_figure, write_json
-    from origami_nlp.minima.find import check_options, find_minima
+    from origami_nlp.files import check_outputs, save_figure, screen, write_json
+    from origami_nlp.minima import check_options, find_minima
 
     check_figure(figure)
     check_npz(npz)
@@ -47,11 +46,11 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     check_outputs(("--figure", figure), ("--npz", npz), ("--json", json))
-    from origami_nlp.chart.chart import chart_of
-    from origami_nlp.landscape.exact import exact_landscape
+    from origami_nlp.chart import chart_of
+    from origami_nlp.landscape import exact_landscape
 
     if chart_of(stated) is None:
-        from origami_nlp.chart.landscape import landscape as coordinates
+        from origami_nlp.chart import landscape as coordinates
 
         why = coordinates(stated, 8).reason or "it has one symmetric freedom only"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
@@ -69,9 +68,9 @@ def landscape(
     if json or passes:
         barriers = _barriers(console, exact, seed)
     if json:
-        from origami_nlp.critical.find import find_critical_points
-        from origami_nlp.landscape.plain import landscape_to_dict
-        from origami_nlp.space.find import analyse_space
+        from origami_nlp.critical import find_critical_points
+        from origami_nlp.landscape import landscape_to_dict
+        from origami_nlp.space import analyse_space
 
         with progress("space and critical points"):
             space = analyse_space(stated)
@@ -83,7 +82,7 @@ def landscape(
         _write_npz(exact, npz)
         console.print(f"arrays written to {npz}")
     if figure:
-        from origami_nlp.landscape.figure import draw_landscape
+        from origami_nlp.landscape import draw_landscape
 
         save_figure(draw_landscape(exact, barriers), figure, 200)
         console.print(f"figure written to {figure}")
@@ -100,8 +99,8 @@ def _write_npz(exact: ExactLandscape, npz: Path) -> None:
 
     import numpy as np
 
-    from origami_nlp.files.writing import write_whole
-    from origami_nlp.landscape.exact import to_arrays
+    from origami_nlp.files import write_whole
+    from origami_nlp.landscape import to_arrays
 
     content = io.BytesIO()
     np.savez_compressed(content, **to_arrays(exact))
@@ -147,7 +146,7 @@ def _tell(console: Console, exact: ExactLandscape) -> None:
 
 
 def _barriers(console: Console, exact: ExactLandscape, seed: int) -> Barriers:
-    from origami_nlp.barriers.find import find_barriers
+    from origami_nlp.barriers import find_barriers
 
     with progress("passes between minima"):
         barriers = find_barriers(exact.result.scene, exact.result, seed=seed)

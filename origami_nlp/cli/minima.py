@@ -12,8 +12,7 @@ import typer
 
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import Scene, read_scene
 
 SceneFile = Annotated[
     str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
@@ -91,16 +90,13 @@ def minima(
         "rest_angles": rest_angles,
     }
     stated = _read(scene, {key: value for key, value in options.items() if value is not None})
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json
-    from origami_nlp.minima.find import check_options, find_minima
-    from origami_nlp.minima.plain import result_to_dict
-    from origami_nlp.minima.table import print_result
+    from origami_nlp.files import check_outputs, screen, write_json
+    from origami_nlp.minima import check_options, find_minima, print_result, result_to_dict
 
     check_options(seed, max_starts)
     check_outputs(("--json", json), ("--figure", figure), ("--fold", fold), ("--mesh", mesh))
     if mesh:
-        from origami_nlp.minima.fold_out import check_mesh
+        from origami_nlp.minima import check_mesh
 
         check_mesh(mesh)
     console = screen(json, fold)
@@ -110,12 +106,12 @@ def minima(
     if json:
         write_json(result_to_dict(result), json)
     if figure:
-        from origami_nlp.minima.figure import draw_minima
+        from origami_nlp.minima import draw_minima
 
         draw_minima(result, figure)
         console.print(f"figure written to {figure}")
     if fold or mesh:
-        from origami_nlp.minima.fold_out import write_fold, write_mesh
+        from origami_nlp.minima import write_fold, write_mesh
 
         for target, write in ((fold, write_fold), (mesh, write_mesh)):
             if target:

@@ -22,11 +22,9 @@ def panels(
     json: JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json, write_whole
-    from origami_nlp.minima import table
-    from origami_nlp.minima.plain import result_to_dict
-    from origami_nlp.show.table import rows_markdown, rows_table
+    from origami_nlp.files import check_outputs, screen, write_json, write_whole
+    from origami_nlp.minima import result_to_dict, table
+    from origami_nlp.show import rows_markdown, rows_table
 
     check_outputs(("--markdown", markdown), ("--json", json))
     results = search_panels(seed, full)

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from origami_nlp.files.text import printable
+from origami_nlp.files import printable
 
 if TYPE_CHECKING:
-    from origami_nlp.files.screen import Screen
+    from origami_nlp.files import Screen
 
 INTERVAL = 10.0
 """Seconds between two lines where there is no terminal."""
@@ -76,7 +76,7 @@ def progress(title: str, total: float | None = None) -> Iterator[Report]:
     Without a terminal a line comes every `INTERVAL` seconds, so that a log shows that the job lives.  A job
     started inside another one appears as what the outer one is at.
     """
-    from origami_nlp.files.screen import Screen
+    from origami_nlp.files import Screen
 
     report = Report(title, total)
     screen = Screen(stderr=True)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
 
-    from origami_nlp.minima.find import MinimaResult
-    from origami_nlp.paper.grid_convergence import GridCount, GridErrors
+    from origami_nlp.minima import MinimaResult
+    from origami_nlp.paper import GridCount, GridErrors
 
 ENDINGS = ("png", "pdf")
 """Written to --out."""
@@ -41,7 +41,7 @@ class Request:
 
 
 def _sheet(request: Request) -> Figure:
-    from origami_nlp.paper.sheets import draw_sheet, find_panels, sheet_table
+    from origami_nlp.paper import draw_sheet, find_panels, sheet_table
 
     with progress(request.name) as report:
         panels = find_panels(request.name, seed=request.seed, progress=report)
@@ -50,9 +50,13 @@ def _sheet(request: Request) -> Figure:
 
 
 def _grid_convergence(request: Request) -> Figure:
-    from origami_nlp.minima.find import find_minima
-    from origami_nlp.paper.grid_convergence import count_grid_minima, grid_errors
-    from origami_nlp.paper.grid_convergence_figure import draw_grid_convergence, print_convergence
+    from origami_nlp.minima import find_minima
+    from origami_nlp.paper import (
+        count_grid_minima,
+        draw_grid_convergence,
+        grid_errors,
+        print_convergence,
+    )
     from origami_nlp.pattern import examples
 
     scenes = examples.panels()
@@ -73,7 +77,7 @@ def _grid_convergence(request: Request) -> Figure:
 
 
 def _cones(request: Request) -> Figure:
-    from origami_nlp.paper.cone_figures import draw_cone_figure
+    from origami_nlp.paper import draw_cone_figure
 
     return draw_cone_figure(request.name)
 
@@ -106,9 +110,8 @@ def reproduce(
     seed: Seed = 0,
 ) -> None:
     """Draw a figure of the paper anew, from exact states and boundaries."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, make_folder, save_figure
-    from origami_nlp.minima.find import check_options
+    from origami_nlp.files import check_outputs, make_folder, save_figure, screen
+    from origami_nlp.minima import check_options
 
     if name not in FIGURES:
         raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")

@@ -8,7 +8,7 @@ import typer
 
 from origami_nlp.cli.minima import FigureFile, JsonFile, SceneFile, check_figure
 from origami_nlp.cli.progress import progress
-from origami_nlp.pattern.scene_file import read_scene
+from origami_nlp.pattern import read_scene
 
 
 def space(
@@ -20,10 +20,8 @@ def space(
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
     check_figure(figure)
     stated = read_scene(scene)
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_json
-    from origami_nlp.space.find import analyse_space
-    from origami_nlp.space.table import print_space
+    from origami_nlp.files import check_outputs, screen, write_json
+    from origami_nlp.space import analyse_space, print_space
 
     check_outputs(("--json", json), ("--figure", figure))
     console = screen(json)
@@ -33,7 +31,7 @@ def space(
     if json:
         write_json(found.to_dict(), json)
     if figure:
-        from origami_nlp.space.figure import draw_space
+        from origami_nlp.space import draw_space
 
         draw_space(found, figure)
         console.print(f"figure written to {figure}")

@@ -28,10 +28,8 @@ def sweep(
     figure: FigureFile = None,
 ) -> None:
     """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, make_folder
-    from origami_nlp.sweep.run import run_sweep
-    from origami_nlp.sweep.spec import read_sweep
+    from origami_nlp.files import check_writable, make_folder, screen
+    from origami_nlp.sweep import read_sweep, run_sweep
 
     check_figure(figure)
     check_writable(figure, "--figure")
@@ -56,7 +54,7 @@ def sweep(
         console.print("interrupted: the same command goes on from here")
         raise typer.Exit(130)
     if figure:
-        from origami_nlp.sweep.figure import draw_sweep
+        from origami_nlp.sweep import draw_sweep
 
         draw_sweep(out, figure)
         console.print(f"figure written to {figure}")

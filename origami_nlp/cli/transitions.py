@@ -18,10 +18,8 @@ def transitions(
     json: JsonFile = None,
 ) -> None:
     """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, write_json
-    from origami_nlp.space.table import print_transitions
-    from origami_nlp.space.transitions import find_transitions
+    from origami_nlp.files import check_writable, screen, write_json
+    from origami_nlp.space import find_transitions, print_transitions
 
     check_writable(json, "--json")
     with progress(family, 1.0) as tell:

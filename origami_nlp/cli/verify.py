@@ -33,8 +33,7 @@ def verify(
     number).  Exit code 0: every claim is decided (proved, or its corrected
     statement proved); 1: some claim is not; 2: an option has a value it cannot take.
     """
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_outputs, write_whole
+    from origami_nlp.files import check_outputs, screen, write_whole
     from symbolic import report
     from symbolic.catalogue import claim_by_id, claims
 

@@ -11,10 +11,8 @@ import typer
 
 from origami_nlp.cli.minima import JsonFile
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.flat_fold import folds_flat
-from origami_nlp.pattern.fold_file import Frame, read_fold
-from origami_nlp.pattern.fold_vertices import FoldVertex, fold_vertices, scene_at
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.folding import folds_flat
+from origami_nlp.pattern import FoldVertex, Frame, Scene, fold_vertices, read_fold, scene_at
 
 SCHEMA = "origami-nlp/vertices/1"
 HEADS = (
@@ -39,8 +37,7 @@ def vertices(
     json: JsonFile = None,
 ) -> None:
     """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis."""
-    from origami_nlp.files.screen import screen
-    from origami_nlp.files.writing import check_writable, write_json
+    from origami_nlp.files import check_writable, screen, write_json
 
     check_writable(json, "--json")
     frames = read_fold(fold, frame)

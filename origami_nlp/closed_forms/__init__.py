@@ -8,6 +8,9 @@ the generated modules.
 
 from origami_nlp.closed_forms._chart import ChartPoint, Reason
 from origami_nlp.closed_forms._cone import (
+    MIXED,
+    SHALLOW,
+    STEEP,
     ConeAngles,
     cone_contact_elevation,
     cone_fold_angles,
@@ -18,6 +21,9 @@ from origami_nlp.closed_forms._degree6 import degree6
 from origami_nlp.closed_forms._dihedral import wedge3
 
 __all__ = [
+    "MIXED",
+    "SHALLOW",
+    "STEEP",
     "ChartPoint",
     "ConeAngles",
     "Reason",

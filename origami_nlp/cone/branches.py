@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import shown
-from origami_nlp.closed_forms._cone import cone_fold_angles
+from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.cone.flaps import (
     Flaps,
     check_degree,
@@ -36,8 +36,7 @@ from origami_nlp.cone.flaps import (
     write_flaps,
 )
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.pattern.angles import format_angle
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern import Vertex, format_angle
 
 UP, DOWN = 1, -1
 END_RULES = ("contract", "contact")

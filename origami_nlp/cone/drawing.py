@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from origami_nlp.cone.branches import ConeBranch, direction_name
 from origami_nlp.cone.flaps import necklaces, write_flaps
 from origami_nlp.errors import OptionError
-from origami_nlp.files.writing import save_figure
-from origami_nlp.pattern.angles import format_angle
-from origami_nlp.show.drawing import MOUNTAIN, VALLEY, draw_state
+from origami_nlp.files import save_figure
+from origami_nlp.pattern import format_angle
+from origami_nlp.show import MOUNTAIN, VALLEY, draw_state
 
 CELL, TITLE, NOTE = 2.1, 0.62, 0.5
 """Side of a drawing, height of its title, and of the note below [in]."""

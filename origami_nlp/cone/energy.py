@@ -25,11 +25,11 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.closed_forms._cone import MIXED, SHALLOW, STEEP, cone_roots
+from origami_nlp.closed_forms import MIXED, SHALLOW, STEEP, cone_roots
 from origami_nlp.cone.branches import SLACK, branch_end, is_cut, steep_end
 from origami_nlp.cone.flaps import ConeClasses, check_degree, cone_classes
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.pattern.angles import format_angle
+from origami_nlp.pattern import format_angle
 
 REST_RULES = ("waterbomb", "paper")
 TO_SIZES = np.array([2.0, -2.0, -1.0])

@@ -19,11 +19,10 @@ from origami_nlp.cone.branches import ConeBranch, branch_label
 from origami_nlp.cone.energy import Rest, rest_state
 from origami_nlp.cone.flaps import Folding, bracelets, check_degree, class_of
 from origami_nlp.cone.minima import ConeCount, branch_minima, check_ratio
-from origami_nlp.minima.full_space import FullSpace, judge_in_full_space
-from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.model import Model
+from origami_nlp.minima import FullSpace, judge_in_full_space
+from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model
 
 LARGEST_DEGREE = 16
 """The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""

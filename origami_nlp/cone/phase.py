@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
-from origami_nlp.cone.count_map import CountMap, count_map
 from origami_nlp.cone.flaps import check_degree
+from origami_nlp.cone.map import CountMap, count_map
 from origami_nlp.cone.minima import check_depth, check_ratio
 from origami_nlp.cone.phase_curves import Boundary, phase_boundaries
 from origami_nlp.cone.phase_energy import rest_range

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.closed_forms import cone_roots
-from origami_nlp.closed_forms._cone import SHALLOW, STEEP
+from origami_nlp.closed_forms import SHALLOW, STEEP, cone_roots
 from origami_nlp.cone.branches import branch_end, steep_end
 from origami_nlp.cone.energy import check_rest_rule, crease_angles
 from origami_nlp.cone.flaps import cone_classes

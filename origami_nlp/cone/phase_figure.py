@@ -17,7 +17,7 @@ from origami_nlp.arguments import check_path, check_type
 from origami_nlp.cone.phase import PhaseDiagram
 from origami_nlp.cone.phase_curves import Boundary
 from origami_nlp.cone.phase_energy import BranchClass, class_energy
-from origami_nlp.files.writing import save_figure
+from origami_nlp.files import save_figure
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {

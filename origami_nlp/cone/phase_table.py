@@ -13,7 +13,7 @@ from origami_nlp.cone.branches import direction_name
 from origami_nlp.cone.flaps import write_flaps
 from origami_nlp.cone.full_space import BranchVerdict, ConeFullSpace
 from origami_nlp.cone.phase import PhaseDiagram
-from origami_nlp.show.table import folding_table
+from origami_nlp.show import folding_table
 
 FULL_HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 

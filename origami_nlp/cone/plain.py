@@ -23,7 +23,7 @@ from origami_nlp.cone.flaps import (
     write_flaps,
 )
 from origami_nlp.cone.minima import ConeCount
-from origami_nlp.files.writing import write_whole
+from origami_nlp.files import write_whole
 
 COUNT_SCHEMA = "origami-nlp/cone/1"
 FOLDINGS_SCHEMA = "origami-nlp/cone-foldings/1"

@@ -17,7 +17,7 @@ from origami_nlp.cone.flaps import (
     write_flaps,
 )
 from origami_nlp.cone.minima import ConeCount
-from origami_nlp.pattern.angles import format_angle
+from origami_nlp.pattern import format_angle
 
 MOST_ROWS = 60
 LONGEST_NUMBER = 9

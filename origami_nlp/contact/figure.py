@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.kkt.classification import ContactForce
-from origami_nlp.programme.model import Model
-from origami_nlp.show.drawing import Pose, draw_state, pose_state
+from origami_nlp.kkt import ContactForce
+from origami_nlp.programme import Model
+from origami_nlp.show import Pose, draw_state, pose_state
 
 LOADED, IDLE = "#b5179e", "#6c757d"
 """Contacts that push, and contacts that only touch."""

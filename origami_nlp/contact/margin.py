@@ -26,24 +26,31 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.contact.force_cone import distance_to_boundary
-from origami_nlp.kkt.certificates import judge_branch
-from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.loads import Sensitivity, loaded_model, moments_of, sensitivity
-from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.kkt.polishing import newton, polish
-from origami_nlp.minima.search import Record, solve_without_crossing
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import (
+from origami_nlp.kkt import (
+    Multipliers,
+    Sensitivity,
+    find_multipliers,
+    follow,
+    judge_branch,
+    loaded_model,
+    moments_of,
+    newton,
+    polish,
+    project,
+    sensitivity,
+)
+from origami_nlp.minima import Record, solve_without_crossing
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import (
     CLOSED,
+    Model,
     Row,
     closed_contacts,
+    is_admissible,
     row_name,
     row_values,
     row_weight,
 )
-from origami_nlp.programme.model import Model
 
 CARRIES = 1e-10
 """Multipliers (energy divided by the mean stiffness) up to this carry nothing."""

@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.contact.margin import LoadMargin, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, find_segments
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.find import MinimaResult, Minimum
+from origami_nlp.minima import MinimaResult, Minimum
 
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""

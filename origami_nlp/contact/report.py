@@ -21,8 +21,8 @@ from rich.text import Text
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.pinned import SOFT, ContactReport, PinnedState
 from origami_nlp.contact.segments import SegmentReport, segments_to_dict
-from origami_nlp.minima.table import contact_words
-from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.minima import contact_words
+from origami_nlp.pattern import scene_to_dict
 
 SCHEMA = "origami-nlp/contacts/1"
 HEADS = (

@@ -21,16 +21,12 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart.boundary_lines import BoundaryLine, trace_boundary, with_energy
-from origami_nlp.chart.chart import chart_of
-from origami_nlp.kkt.neighbours import project
-from origami_nlp.minima.find import MinimaResult
-from origami_nlp.path.curve import BoundaryCurve, correct, follow_boundary
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import scene_to_dict
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
+from origami_nlp.kkt import project
+from origami_nlp.minima import MinimaResult
+from origami_nlp.path import BoundaryCurve, correct, follow_boundary
+from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""

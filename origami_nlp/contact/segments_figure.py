@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.contact.segments import SegmentReport
-from origami_nlp.files.writing import save_figure
+from origami_nlp.files import save_figure
 
 RED, LINE, BAND = "#c1121f", "#26323f", "#f0d9b5"
 MOST_CURVES = 8

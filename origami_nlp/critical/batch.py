@@ -15,10 +15,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from origami_nlp.folding.embedding import crossing_depth
-from origami_nlp.programme.compiled import Structure, compile_structure
-from origami_nlp.programme.contacts import Row
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import crossing_depth
+from origami_nlp.programme import Model, Row, Structure, compile_structure
 
 OUTSIDE = 1e-12
 """Fold angles beyond pi by more than this [rad], and gaps below minus this, are not admissible."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from origami_nlp.critical.link import RADII, Link, link_of
 from origami_nlp.critical.result import Kind
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 SHARP = 1e-4
 """Slopes along the ends of a link (relative to the largest) above this are decided at first order."""

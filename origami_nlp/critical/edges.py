@@ -15,9 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.critical import batch
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
 
 STEP = 0.06
 """Length [rad] of the steps along a curve, shorter where it bends."""

@@ -33,14 +33,19 @@ from origami_nlp.critical.result import (
     Stratum,
 )
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
-from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.minima.find import MinimaResult
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_name, row_weight
-from origami_nlp.programme.contacts import row_values as one_row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import find_multipliers
+from origami_nlp.minima import MinimaResult
+from origami_nlp.numerics import null_space
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import (
+    Model,
+    Row,
+    closed_contacts,
+    is_admissible,
+    row_name,
+    row_values as one_row_values,
+    row_weight,
+)
 
 SAME = 1e-6
 """KKT points that differ by less [rad] are one."""

@@ -22,10 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.critical import batch
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model, Row, is_admissible
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from origami_nlp.errors import SceneFileError
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import scene_from_dict, scene_to_dict
+from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
 
 SCHEMA = "origami-nlp/critical/1"
 

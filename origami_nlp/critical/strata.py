@@ -17,11 +17,9 @@ from origami_nlp.critical import batch
 from origami_nlp.critical.edges import Edge, possible_rows, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.starts import flat_foldings
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import flat_foldings
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model, is_admissible
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.show.table import plain_text
+from origami_nlp.show import plain_text
 
 if TYPE_CHECKING:
     from origami_nlp.critical.result import CriticalPoint, CriticalPoints

@@ -1,1 +1,5 @@
-"""Room."""
+"""Files and screens: the one way in, the one way out, and the console of every command."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -19,9 +19,8 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import quaternion as quat
-from origami_nlp.numerics.vectors import cross
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.numerics import cross, quaternion as quat
+from origami_nlp.pattern import Vertex
 
 SNAP = 1e-8
 """Distance on the unit sphere below which two features are taken to touch [rad]."""

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from origami_nlp.folding.embedding import examine
-from origami_nlp.pattern.fold_vertices import FoldVertex, make_vertex
+from origami_nlp.pattern import FoldVertex, make_vertex
 
 FLAT = 1e-4
 """Gaps [rad] that noise in coordinates may leave in a flat folding."""

@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics.vectors import cross
+from origami_nlp.numerics import cross
 
 Strand = tuple[int, int]
 """(arc, piece): the piece-th part of facet `arc`, cut at the nodes that lie on it."""

@@ -21,9 +21,8 @@ import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
-from origami_nlp.numerics.linear import RANK_TOLERANCE, nearest_in_cone, null_space
-from origami_nlp.programme.contacts import Row, gap_weights, row_values
-from origami_nlp.programme.model import Local, Model
+from origami_nlp.numerics import RANK_TOLERANCE, nearest_in_cone, null_space
+from origami_nlp.programme import Local, Model, Row, gap_weights, row_values
 
 STATIONARY = 1e-11
 """Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.folding.embedding import examine
+from origami_nlp.folding import examine
 from origami_nlp.kkt.certificates import STATIONARY, BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import (
     CLOSES,
@@ -18,10 +18,17 @@ from origami_nlp.kkt.neighbours import (
     project,
     search_spheres,
 )
-from origami_nlp.programme.admissible import broken_gap, is_admissible
-from origami_nlp.programme.contacts import CLOSED, Contacts, Row, closed_contacts
-from origami_nlp.programme.gaps import Gap
-from origami_nlp.programme.model import Local, Model
+from origami_nlp.programme import (
+    CLOSED,
+    Contacts,
+    Gap,
+    Local,
+    Model,
+    Row,
+    broken_gap,
+    closed_contacts,
+    is_admissible,
+)
 
 AT_REST = 1e-24
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""

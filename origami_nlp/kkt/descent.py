@@ -16,10 +16,16 @@ import numpy as np
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbours import project, search_spheres
 from origami_nlp.kkt.polishing import Solve, exact_beside, polish
-from origami_nlp.numerics.linear import nearest, null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import CLOSED, Row, closed_contacts, row_values, same_gap
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import nearest, null_space
+from origami_nlp.programme import (
+    CLOSED,
+    Model,
+    Row,
+    closed_contacts,
+    is_admissible,
+    row_values,
+    same_gap,
+)
 
 LONGEST = 0.1
 """Longest step [rad]."""

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.contacts import Row, gap_weights, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model, Row, gap_weights, row_values
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics.linear import (
-    extremes,
-    has_ray,
-    nearest,
-    nonnegative_least_squares,
-    refined,
-)
+from origami_nlp.numerics import extremes, has_ray, nearest, nonnegative_least_squares, refined
 
 
 @dataclass(frozen=True)

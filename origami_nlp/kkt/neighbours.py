@@ -9,10 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model, Row, is_admissible, row_values
 
 RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""

@@ -14,10 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt.starts import project_batch
-from origami_nlp.numerics.vectors import cross
-from origami_nlp.pattern.relations import ROUNDING
-from origami_nlp.programme.contacts import Row, gap_weights, row_values, same_gap
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import cross
+from origami_nlp.pattern import ROUNDING
+from origami_nlp.programme import Model, Row, gap_weights, row_values, same_gap
 
 MOST_STEPS = 12
 MOST_REPAIRS = 8

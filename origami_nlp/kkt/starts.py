@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.programme.admissible import broken_gap, crossed_pairs
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model, broken_gap, crossed_pairs
 
 BATCH = 64
 """Starts that are drawn and projected together."""

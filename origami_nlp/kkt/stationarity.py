@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.contacts import closed_contacts, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model, closed_contacts, row_values
 
 
 def distance_from_stationary(model: Model, x: np.ndarray, closed: float = 1e-7) -> float:

@@ -17,10 +17,8 @@ from origami_nlp.kkt.certificates import cone
 from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.starts import BATCH, project_batch
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import Row, closed_contacts, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
 
 MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
@@ -34,7 +32,7 @@ def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
         return []
     ends: list[np.ndarray] = []
     tried: dict[tuple[Row, ...], int] = {}
-    for x in _states_on_limits(model, np.random.default_rng(seed)):
+    for x in states_on_limits(model, np.random.default_rng(seed)):
         held = thin_at(model, x)
         if not held or tried.get(held, 0) >= MOST_ON_A_SET or not is_admissible(model, x):
             continue
@@ -45,7 +43,7 @@ def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
     return ends
 
 
-def _states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
+def states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
     """Return closed states within the fold limits that have one or two fold angles at +-pi."""
     n = model.size
     single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT

@@ -1,1 +1,5 @@
-"""Room."""
+"""Exact energy landscapes: boundary, minima, passes, drawn and as JSON."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -13,11 +13,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.chart.boundary_lines import Boundary, trace_boundary, with_energy
-from origami_nlp.chart.landscape import Landscape, Place, landscape
-from origami_nlp.chart.region import admissible_region
-from origami_nlp.contact.segments import SLOPE, STIFFNESS, flat_parts
-from origami_nlp.minima.find import MinimaResult
+from origami_nlp.chart import (
+    Boundary,
+    Landscape,
+    Place,
+    admissible_region,
+    landscape,
+    trace_boundary,
+    with_energy,
+)
+from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.minima import MinimaResult
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon

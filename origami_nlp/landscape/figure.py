@@ -13,16 +13,14 @@ from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.arguments import check_type
-from origami_nlp.chart.axes import angle_ticks, coordinate_label
-from origami_nlp.chart.boundary_lines import chart_points
-from origami_nlp.chart.chart import Chart, chart_of
+from origami_nlp.chart import Chart, angle_ticks, chart_of, chart_points, coordinate_label
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
-from origami_nlp.show.style import plain
+from origami_nlp.show import plain
 
 if TYPE_CHECKING:
-    from origami_nlp.barriers.find import Barriers, Pass
+    from origami_nlp.barriers import Barriers, Pass
 
 STYLE = PanelStyle(star=16.0, line=1.2, text=10.5, numbers=True)
 PATH: dict[str, Any] = {
@@ -46,7 +44,7 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     """
     check_type("exact", exact, ExactLandscape)
     if barriers is not None:
-        from origami_nlp.barriers.find import Barriers  # only who has barriers has loaded them
+        from origami_nlp.barriers import Barriers  # only who has barriers has loaded them
 
         check_type("barriers", barriers, Barriers)
     if exact.chart.kind != "area":

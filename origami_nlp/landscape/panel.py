@@ -18,11 +18,9 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.chart.chart import chart_of
-from origami_nlp.chart.grid import chart_limits
-from origami_nlp.chart.landscape import Branch
+from origami_nlp.chart import Branch, chart_limits, chart_of
 from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.minima.find import Minimum
+from origami_nlp.minima import Minimum
 
 VERDICTS = {
     "stable": ("#FFC107", "stable in the full space"),

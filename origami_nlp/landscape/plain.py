@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import scene_from_dict, scene_to_dict
+from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
 
 if TYPE_CHECKING:
-    from origami_nlp.barriers.find import Barriers
-    from origami_nlp.critical.result import CriticalPoints
-    from origami_nlp.space.find import Space
+    from origami_nlp.barriers import Barriers
+    from origami_nlp.critical import CriticalPoints
+    from origami_nlp.space import Space
 
 SCHEMA = "origami-nlp/landscape/1"
 FROM_SPACE = ("components", "holes", "pinch_points", "handles", "euler_characteristic")

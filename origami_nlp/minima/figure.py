@@ -15,14 +15,20 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_path, check_type
-from origami_nlp.chart.axes import UNIT, colour_bar, draw_area, draw_curves, norm_of
-from origami_nlp.chart.landscape import Landscape, landscape
-from origami_nlp.files.writing import save_figure
+from origami_nlp.chart import (
+    UNIT,
+    Landscape,
+    colour_bar,
+    draw_area,
+    draw_curves,
+    landscape,
+    norm_of,
+)
+from origami_nlp.files import save_figure
 from origami_nlp.minima.find import MinimaResult
 from origami_nlp.minima.marks import WARNING, Marks, legend_entries, mark_minima
 from origami_nlp.minima.stability import count_words, verdict
-from origami_nlp.show.drawing import draw_state
-from origami_nlp.show.style import plain
+from origami_nlp.show import draw_state, plain
 
 if TYPE_CHECKING:
     from origami_nlp.minima.find import Minimum

@@ -20,17 +20,24 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.kkt.classification import Classification, ContactForce, Kind, classify
-from origami_nlp.kkt.polishing import CLOSES
-from origami_nlp.kkt.starts import flat_foldings, rest_state, rigid_states
-from origami_nlp.kkt.thin import handle_minima
+from origami_nlp.folding import fold_vertex
+from origami_nlp.kkt import (
+    CLOSES,
+    Classification,
+    ContactForce,
+    Kind,
+    classify,
+    flat_foldings,
+    handle_minima,
+    rest_state,
+    rigid_states,
+)
 from origami_nlp.minima.full_space import FullSpace, judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.minima.stopping import enough, expected_undiscovered
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.model import Model
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model
 
 FEWEST_STARTS = 128
 """Starts that are made whatever the stopping rule says."""

@@ -20,12 +20,10 @@ import numpy as np
 import origami_nlp
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.files.writing import write_whole
-from origami_nlp.folding.embedding import SNAP, fold_vertex
-from origami_nlp.folding.layers import layer_problem, ordered
+from origami_nlp.files import write_whole
+from origami_nlp.folding import SNAP, fold_vertex, layer_problem, ordered
 from origami_nlp.minima.find import MinimaResult, Minimum
-from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 

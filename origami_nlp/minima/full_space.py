@@ -13,13 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.kkt.classification import Classification, classify
-from origami_nlp.kkt.descent import Followed, follow
-from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.programme.contacts import closed_contacts, gap_weights, row_values
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import Classification, Followed, classify, find_multipliers, follow
+from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, closed_contacts, gap_weights, row_values
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 

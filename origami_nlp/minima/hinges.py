@@ -20,9 +20,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.kkt.polishing import CLOSES
-from origami_nlp.programme.model import Model
+from origami_nlp.folding import fold_vertex
+from origami_nlp.kkt import CLOSES
+from origami_nlp.programme import Model
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""

@@ -11,14 +11,14 @@ import math
 from html import escape
 from typing import TYPE_CHECKING
 
-from origami_nlp.chart.axes import UNIT
+from origami_nlp.chart import UNIT
 from origami_nlp.minima.figure import draw_minima
 from origami_nlp.minima.marks import STYLE
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.minima.table import geometry_lines, undecided_lines
 
 if TYPE_CHECKING:
-    from origami_nlp.kkt.classification import ContactForce
+    from origami_nlp.kkt import ContactForce
     from origami_nlp.minima.find import MinimaResult, Minimum
 
 DPI = 72

@@ -10,12 +10,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from origami_nlp.kkt.polishing import Solve
-from origami_nlp.numerics.vectors import cross
-from origami_nlp.programme.compiled import Structure, compile_structure
-from origami_nlp.programme.contacts import Row
-from origami_nlp.programme.gaps import separation_rows
-from origami_nlp.programme.model import Model
+from origami_nlp.kkt import Solve
+from origami_nlp.numerics import cross
+from origami_nlp.programme import Model, Row, Structure, compile_structure, separation_rows
 
 OPTIONS = {
     "print_level": 0,

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.chart.landscape import Landscape, Place
+from origami_nlp.chart import HANDLE, Landscape, Place
 from origami_nlp.minima.find import Minimum
 
 WARNING = "#B00020"
@@ -112,7 +112,7 @@ def legend_entries(
     if any(p.family for p in places):
         entries.append(_sample("family on one point", **{**_RING, "markersize": 13}))
     if chart.handles:
-        entries.append(Line2D([], [], label="1-handle", **_HANDLE))
+        entries.append(Line2D([], [], label="1-handle", **HANDLE))
     return entries
 
 
@@ -129,14 +129,6 @@ def _surrounds(minimum: Minimum, place: Place, freedom: int) -> list[dict[str, A
     if place.family:
         extra.append({**_RING, **halo})
     return extra
-
-
-_HANDLE: dict[str, Any] = {
-    "color": "#A0206A",
-    "linewidth": 2.2,
-    "linestyle": (0, (3, 1.5)),
-    "zorder": 4,
-}
 
 
 _RING = {"marker": "o", "markersize": 23, "markerfacecolor": "none", "markeredgecolor": "black"}

@@ -11,12 +11,11 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt.classification import ContactForce
+from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.find import MinimaResult, Minimum, Rejected, SearchReport
 from origami_nlp.minima.full_space import FullSpace, LandsOn
-from origami_nlp.pattern.relations import Relation, Relations
-from origami_nlp.pattern.scene_file import scene_from_dict, scene_to_dict
-from origami_nlp.programme.model import Model
+from origami_nlp.pattern import Relation, Relations, scene_from_dict, scene_to_dict
+from origami_nlp.programme import Model
 
 SCHEMA = "origami-nlp/minima/1"
 

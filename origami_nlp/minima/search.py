@@ -9,20 +9,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt.polishing import (
+from origami_nlp.kkt import (
     BESIDE,
     Polished,
     Solve,
+    StartStream,
     exact_beside,
     guess_active,
     newton,
     polish,
 )
-from origami_nlp.kkt.starts import StartStream
 from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.programme.admissible import broken_gap, crossed_pairs
-from origami_nlp.programme.contacts import Row, same_gap
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model, Row, broken_gap, crossed_pairs, same_gap
 
 SAME = 1e-8
 """Polished states closer than this in every fold angle [rad] are one state."""

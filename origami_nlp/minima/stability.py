@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from origami_nlp.minima.find import MinimaResult, Minimum
-    from origami_nlp.pattern.scene import Scene
+    from origami_nlp.pattern import Scene
 
 ORDER = ("stable", "unstable", "undecided")
 NOT_ASKED = "not asked"

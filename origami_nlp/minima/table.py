@@ -13,10 +13,10 @@ from rich.table import Table
 from rich.text import Text
 
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
-from origami_nlp.show.table import plain_text
+from origami_nlp.show import plain_text
 
 if TYPE_CHECKING:
-    from origami_nlp.kkt.classification import ContactForce
+    from origami_nlp.kkt import ContactForce
     from origami_nlp.minima.find import MinimaResult
     from origami_nlp.minima.full_space import FullSpace
 

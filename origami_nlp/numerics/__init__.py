@@ -1,1 +1,5 @@
-"""Room."""
+"""Rotations, vectors and small linear programmes: mathematics that knows nothing of origami."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

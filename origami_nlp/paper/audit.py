@@ -14,19 +14,15 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import examine
-from origami_nlp.kkt.descent import follow
-from origami_nlp.kkt.neighbours import project, search_spheres
-from origami_nlp.kkt.stationarity import distance_from_stationary
-from origami_nlp.kkt.thin import thin_at
-from origami_nlp.minima.find import MinimaResult, find_minima
-from origami_nlp.paper.appendix_a import appendix_a
+from origami_nlp.folding import examine
+from origami_nlp.kkt import distance_from_stationary, follow, project, search_spheres, thin_at
+from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.paper.baseline import appendix_a
 from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_point
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows, named_alpha, other_sides
 from origami_nlp.paper.published import Candidate
-from origami_nlp.pattern.angles import format_angle
-from origami_nlp.programme.contacts import closed_contacts, row_name
-from origami_nlp.programme.model import Model
+from origami_nlp.pattern import format_angle
+from origami_nlp.programme import Model, closed_contacts, row_name
 
 PRINTED = 1e-6
 """Accuracy of published fold angles [rad]: closure and equality are judged to this."""

@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from origami_nlp.paper.audit import CAUSES, Audited, PanelAudit
-from origami_nlp.pattern.scene_file import scene_to_dict
+from origami_nlp.pattern import scene_to_dict
 
 SCHEMA = "origami-nlp/audit/1"
 HEADS = ("published", *CAUSES, "exact minima", "represented", "reached", "appendix A strict")

@@ -15,9 +15,9 @@ import math
 
 import numpy as np
 
-from origami_nlp.chart.chart import wedge_elevation
-from origami_nlp.numerics.linear import null_space
-from origami_nlp.programme.model import Model
+from origami_nlp.chart import wedge_elevation
+from origami_nlp.numerics import null_space
+from origami_nlp.programme import Model
 
 STRETCHED = 1.0
 """A grid step that spans at least this many radians of fold angle is next to a singular chart point."""

@@ -8,11 +8,10 @@ import math
 import numpy as np
 
 from origami_nlp.closed_forms import wedge3
-from origami_nlp.folding.embedding import examine
+from origami_nlp.folding import examine
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.paper.published import INDEPENDENT
-from origami_nlp.pattern.angles import format_angle
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern import Vertex, format_angle
 
 CLOSES = 1e-6
 """|vec q| of a state with seven printed digits that closes."""

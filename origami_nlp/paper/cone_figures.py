@@ -15,13 +15,22 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.cone.branches import ConeBranch, class_label
-from origami_nlp.cone.flaps import Folding, bracelets, class_of, cone_classes
-from origami_nlp.cone.phase import PhaseDiagram, phase_diagram
-from origami_nlp.cone.phase_energy import rest_range
-from origami_nlp.cone.phase_figure import draw_boundaries, draw_map, legend
+from origami_nlp.cone import (
+    ConeBranch,
+    Folding,
+    PhaseDiagram,
+    bracelets,
+    class_label,
+    class_of,
+    cone_classes,
+    draw_boundaries,
+    draw_map,
+    legend,
+    phase_diagram,
+    rest_range,
+)
 from origami_nlp.paper.section5 import DEPTH
-from origami_nlp.show.drawing import draw_state
+from origami_nlp.show import draw_state
 
 SIZE, ZOOMED = 160, 120
 """Points of the maps along each coordinate."""

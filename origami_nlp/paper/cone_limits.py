@@ -21,7 +21,7 @@ from origami_nlp.closed_forms import (
     cone_partial_angles,
     cone_roots,
 )
-from origami_nlp.cone.minima import check_ratio
+from origami_nlp.cone import check_ratio
 from origami_nlp.errors import OptionError
 
 DEGREES = (8, 16, 32, 64, 128, 256, 512, 1024)

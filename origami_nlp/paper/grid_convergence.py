@@ -21,13 +21,19 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole, shown
-from origami_nlp.chart.chart import chart_of, family_of
-from origami_nlp.chart.grid import allowed, chart_limits
-from origami_nlp.chart.landscape import LARGEST_SIZE, Landscape, landscape
+from origami_nlp.chart import (
+    LARGEST_SIZE,
+    Landscape,
+    allowed,
+    chart_limits,
+    chart_of,
+    family_of,
+    landscape,
+)
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.find import MinimaResult
+from origami_nlp.minima import MinimaResult
 from origami_nlp.paper.grid_minima import grid_points
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 SIZES = (65, 129, 257, 513, 1025)
 REACH, STATE_REACH = 0.35, 1.0

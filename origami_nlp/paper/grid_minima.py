@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.chart.landscape import Landscape, landscape
-from origami_nlp.kkt.descent import follow
-from origami_nlp.minima.find import MinimaResult
+from origami_nlp.chart import Landscape, landscape
+from origami_nlp.kkt import follow
+from origami_nlp.minima import MinimaResult
 
 
 @dataclass(frozen=True)

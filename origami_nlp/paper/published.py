@@ -25,9 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from origami_nlp.errors import OrigamiError, SceneFileError
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.angles import format_angle, parse_angle, parse_angles
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene, examples, format_angle, parse_angle, parse_angles
 
 INDEPENDENT = {6: (0, 1, 2, 3, 2, 1), 8: (0, 1, 2, 1, 0, 1, 2, 1)}
 """For each degree, which independent fold angle every crease has (D1 and D2 of the paper)."""

@@ -15,10 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.cone.branches import steep_end
-from origami_nlp.cone.count_map import count_map
-from origami_nlp.cone.energy import crease_angles
-from origami_nlp.cone.phase_energy import SIGNS, branch_classes, rest_angles, rest_range
+from origami_nlp.cone import (
+    SIGNS,
+    branch_classes,
+    count_map,
+    crease_angles,
+    rest_angles,
+    rest_range,
+    steep_end,
+)
 
 DEPTH = 1e-3
 """The paper's threshold (footnote of section 5)."""

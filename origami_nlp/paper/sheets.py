@@ -17,15 +17,18 @@ from matplotlib.ticker import MaxNLocator
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.chart.axes import angle_ticks, coordinate_label
-from origami_nlp.chart.boundary_lines import Boundary, trace_boundary
+from origami_nlp.chart import Boundary, angle_ticks, coordinate_label, trace_boundary
 from origami_nlp.errors import OptionError
-from origami_nlp.landscape.exact import ExactLandscape, exact_landscape
-from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
-from origami_nlp.minima.find import find_minima
-from origami_nlp.minima.plain import result_from_dict, result_to_dict
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.landscape import (
+    ExactLandscape,
+    PanelStyle,
+    draw_panel,
+    exact_landscape,
+    legend_of,
+    write_counts,
+)
+from origami_nlp.minima import find_minima, result_from_dict, result_to_dict
+from origami_nlp.pattern import Scene, examples
 from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int], None]

@@ -18,18 +18,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.multipliers import find_multipliers
-from origami_nlp.numerics.linear import RANK_TOLERANCE, null_space
-from origami_nlp.programme.admissible import is_admissible
-from origami_nlp.programme.contacts import (
+from origami_nlp.kkt import find_multipliers
+from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.programme import (
+    Model,
     Row,
     closed_contacts,
     gap_weights,
+    is_admissible,
     row_name,
     row_values,
     row_weight,
 )
-from origami_nlp.programme.model import Model
 
 LONGEST, SHORTEST = 0.04, 1e-9
 """Longest step, and the step [rad] to which the end of a curve is bisected."""

@@ -1,1 +1,5 @@
-"""Room."""
+"""What the user states: a vertex, its symmetry, a scene, and the files that hold them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

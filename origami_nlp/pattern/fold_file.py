@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.files.reading import read_limited
+from origami_nlp.files import read_limited
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.files.text import is_unicode, printable
+from origami_nlp.files import is_unicode, printable
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.relations import ROUNDING, Relations, find_relations
 from origami_nlp.pattern.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry

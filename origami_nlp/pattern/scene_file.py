@@ -12,7 +12,7 @@ from typing import Any
 
 from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import SceneFileError
-from origami_nlp.files.reading import parse_toml, read_limited
+from origami_nlp.files import parse_toml, read_limited
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.symmetry import TOLERANCE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.folding.embedding import crossing_depth, examine
+from origami_nlp.folding import crossing_depth, examine
 from origami_nlp.programme.model import Model
 
 

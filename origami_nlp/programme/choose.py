@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 from origami_nlp.programme.gaps import Gap, LeftOut, can_cross
 
 

@@ -16,9 +16,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from origami_nlp.folding.embedding import SNAP, fold_vertex
-from origami_nlp.folding.layers import LayerProblem, layer_problem
-from origami_nlp.numerics.vectors import cross
+from origami_nlp.folding import SNAP, LayerProblem, fold_vertex, layer_problem
+from origami_nlp.numerics import cross
 from origami_nlp.programme.compiled import Structure
 from origami_nlp.programme.model import Model
 

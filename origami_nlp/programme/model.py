@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Functions, Structure, compile_structure
 from origami_nlp.programme.gaps import Gap

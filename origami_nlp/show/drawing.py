@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.folding.embedding import fold_vertex
-from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.folding import fold_vertex
+from origami_nlp.pattern import Vertex
 
 MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
 UPPER, LOWER = "#f6ead2", "#c3d3dc"

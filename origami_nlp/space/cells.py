@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.chart.chart import admissible
-from origami_nlp.folding.embedding import examine
+from origami_nlp.chart import admissible
+from origami_nlp.folding import examine
 from origami_nlp.space.chain import WRAPPED
 from origami_nlp.space.mesh import (
     BORDER_P,

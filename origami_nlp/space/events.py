@@ -21,9 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.folding.embedding import crossing_depth, examine, fold_vertex
+from origami_nlp.folding import crossing_depth, examine, fold_vertex
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 from origami_nlp.space.chain import Chain, chain_of
 
 STARTS = 12
@@ -182,7 +182,7 @@ def _equations(
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
-    from origami_nlp.programme.closure import fold_piece
+    from origami_nlp.programme import fold_piece
 
     one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
     slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer

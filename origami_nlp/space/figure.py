@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from origami_nlp.chart.chart import crease_number
-from origami_nlp.files.writing import save_figure
+from origami_nlp.chart import crease_number
+from origami_nlp.files import save_figure
 from origami_nlp.space.find import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.chart.chart import wedge_point
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.chart import wedge_point
+from origami_nlp.pattern import Scene
 from origami_nlp.space import topology
 from origami_nlp.space.cells import Cells, admissible_cells, check_thin
 from origami_nlp.space.chain import Chain, chain_of

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.pattern.angles import format_angle
+from origami_nlp.pattern import format_angle
 from origami_nlp.space.find import Space
 from origami_nlp.space.transitions import Sweep
 

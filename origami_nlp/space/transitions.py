@@ -22,9 +22,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import examine, fold_vertex
-from origami_nlp.pattern.examples import degree6, degree8
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.events import Event, System, find_events, walls_of
 from origami_nlp.space.find import Space, analyse_space

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.arguments import check_path
 from origami_nlp.errors import SweepError
-from origami_nlp.files.writing import save_figure
+from origami_nlp.files import save_figure
 from origami_nlp.sweep.load import KINDS, sweep_grid
 
 COLOURS = {

@@ -50,7 +50,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     except OrigamiError as error:
         return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
     try:
-        from origami_nlp.minima.find import find_minima
+        from origami_nlp.minima import find_minima
 
         s = sweep.search
         result = find_minima(

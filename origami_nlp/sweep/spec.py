@@ -41,11 +41,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import SweepError
-from origami_nlp.files.reading import parse_toml, read_limited
-from origami_nlp.pattern import examples
-from origami_nlp.pattern.angles import parse_angle
-from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.scene_file import scene_from_dict
+from origami_nlp.files import parse_toml, read_limited
+from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict
 
 MOST_SCENES = 10_000_000
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}

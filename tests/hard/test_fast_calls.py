@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from origami_nlp import Scene, Vertex, examples
-from origami_nlp.numerics.vectors import cross
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import cross
+from origami_nlp.programme import Model
 
 SCENES = [
     examples.degree6("pi/3", 1.0),

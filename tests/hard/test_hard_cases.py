@@ -10,9 +10,9 @@ from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.bench.hard import HardCase, HardReport, Measured, Outcome, hard_cases, run_case
 from origami_nlp.bench.hard_flat import exact_state, regular_at_pi
 from origami_nlp.bench.hard_fold_point import beside, exact_fold_point, find_fold_point, ratio_scene
-from origami_nlp.kkt.polishing import polish
+from origami_nlp.kkt import polish
 from origami_nlp.minima.ipopt import solve
-from origami_nlp.programme.model import Model
+from origami_nlp.programme import Model
 
 QUICK = (
     "flat state as a start",

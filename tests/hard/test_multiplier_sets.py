@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 
-from origami_nlp.kkt.multipliers import find_multipliers, smallest_norm
-from origami_nlp.numerics import linear
-from origami_nlp.numerics.linear import nearest, nearest_in_cone, nonnegative_least_squares
+from origami_nlp.kkt import find_multipliers
+from origami_nlp.kkt.multipliers import smallest_norm
+from origami_nlp.numerics import linear, nearest, nearest_in_cone, nonnegative_least_squares
 
 # the set at a flat folding of a vertex with sectors pi/13 (5, 5, 5, 1, 5, 5): HiGHS cycled on it for ever
 _PAIR = np.array(

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.closed_forms._cone import cone_fold_angles
+from origami_nlp.closed_forms import cone_fold_angles
 
 UNIFORM, GEOMETRIC = 400, 60
 

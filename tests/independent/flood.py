@@ -21,9 +21,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.chart.chart import Chart, admissible, chart_of, crease_number
+from origami_nlp.chart import Chart, admissible, chart_of, crease_number
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 ROWS = 32
 """Grid rows that are evaluated together."""

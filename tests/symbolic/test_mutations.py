@@ -5,8 +5,7 @@ import sympy as sp
 
 from origami_nlp.errors import OrigamiError
 from symbolic import catalogue
-from symbolic.claims import section3_branches8 as s38b
-from symbolic.claims import section3_degree8 as s38
+from symbolic.claims import section3_branches8 as s38b, section3_degree8 as s38
 from symbolic.rotations import Quaternion
 from symbolic.statement import StatementError, form_of
 

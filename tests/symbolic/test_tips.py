@@ -6,7 +6,7 @@ import sympy as sp
 from computed_once import panel_result
 
 from origami_nlp import Vertex, examine, examples
-from origami_nlp.folding.embedding import fold_vertex
+from origami_nlp.folding import fold_vertex
 from symbolic.claims import section3_contact
 from symbolic.claims.section3_energy import crease_average
 from symbolic.rotations import E3

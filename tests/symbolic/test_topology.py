@@ -6,7 +6,7 @@ import sympy as sp
 
 from origami_nlp import examples
 from origami_nlp.closed_forms import degree6
-from origami_nlp.folding.embedding import examine
+from origami_nlp.folding import examine
 from symbolic.catalogue import claim_by_id
 from symbolic.claims.section3_topology import derived_segments
 

@@ -20,7 +20,7 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern import Scene
 
 STEPS = (3e-4, 1e-3, 3e-3)
 """Finite-difference steps h of the paper [rad]."""

@@ -22,8 +22,8 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.embedding import examine
-from origami_nlp.pattern.scene import Scene
+from origami_nlp.folding import examine
+from origami_nlp.pattern import Scene
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,35 @@
+from .axes import (
+    HANDLE as HANDLE,
+    UNIT as UNIT,
+    angle_ticks as angle_ticks,
+    colour_bar as colour_bar,
+    coordinate_label as coordinate_label,
+    draw_area as draw_area,
+    draw_curves as draw_curves,
+    norm_of as norm_of,
+)
+from .boundary_lines import (
+    Boundary as Boundary,
+    BoundaryLine as BoundaryLine,
+    chart_points as chart_points,
+    trace_boundary as trace_boundary,
+    with_energy as with_energy,
+)
+from .chart import (
+    Chart as Chart,
+    admissible as admissible,
+    chart_of as chart_of,
+    crease_number as crease_number,
+    family_of as family_of,
+    wedge_elevation as wedge_elevation,
+    wedge_point as wedge_point,
+)
+from .energy_map import (
+    LARGEST_SIZE as LARGEST_SIZE,
+    Branch as Branch,
+    Landscape as Landscape,
+    Place as Place,
+    landscape as landscape,
+)
+from .grid import allowed as allowed, chart_limits as chart_limits
+from .region import admissible_region as admissible_region

@@ -1,0 +1,12 @@
+from .console import PAGE as PAGE, Screen as Screen, screen as screen
+from .reading import parse_toml as parse_toml, read_limited as read_limited
+from .text import is_unicode as is_unicode, printable as printable
+from .writing import (
+    check_outputs as check_outputs,
+    check_writable as check_writable,
+    is_stdout as is_stdout,
+    make_folder as make_folder,
+    save_figure as save_figure,
+    write_json as write_json,
+    write_whole as write_whole,
+)

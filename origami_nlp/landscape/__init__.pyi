@@ -1,0 +1,13 @@
+from .exact import (
+    ExactLandscape as ExactLandscape,
+    exact_landscape as exact_landscape,
+    to_arrays as to_arrays,
+)
+from .figure import draw_landscape as draw_landscape
+from .panel import (
+    PanelStyle as PanelStyle,
+    draw_panel as draw_panel,
+    legend_of as legend_of,
+    write_counts as write_counts,
+)
+from .plain import landscape_to_dict as landscape_to_dict

@@ -1,0 +1,39 @@
+from . import find as find, ipopt as ipopt, search as search, table as table
+from .figure import draw_minima as draw_minima
+from .find import (
+    FEWEST_STARTS as FEWEST_STARTS,
+    MinimaResult as MinimaResult,
+    Minimum as Minimum,
+    check_options as check_options,
+    find_minima as find_minima,
+)
+from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
+from .full_space import (
+    FullSpace as FullSpace,
+    full_scene as full_scene,
+    judge_in_full_space as judge_in_full_space,
+)
+from .ipopt import (
+    OPTIONS as OPTIONS,
+    TOLERANCE as TOLERANCE,
+    build_solver as build_solver,
+    separating_normal as separating_normal,
+)
+from .plain import result_from_dict as result_from_dict, result_to_dict as result_to_dict
+from .search import (
+    FEW_PAIRS as FEW_PAIRS,
+    MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
+    SAME as SAME,
+    Answer as Answer,
+    Record as Record,
+    run_one as run_one,
+    solve_without_crossing as solve_without_crossing,
+)
+from .stopping import enough as enough
+from .table import (
+    DEMO_HEADS as DEMO_HEADS,
+    contact_words as contact_words,
+    demo_rows as demo_rows,
+    minima_table as minima_table,
+    print_result as print_result,
+)

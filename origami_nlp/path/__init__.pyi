@@ -1,0 +1,8 @@
+from .curve import (
+    BoundaryCurve as BoundaryCurve,
+    Point as Point,
+    advance as advance,
+    correct as correct,
+    evaluate as evaluate,
+    follow_boundary as follow_boundary,
+)

@@ -1,0 +1,29 @@
+from . import examples as examples
+from .angles import (
+    format_angle as format_angle,
+    parse_angle as parse_angle,
+    parse_angles as parse_angles,
+)
+from .crease_pattern import (
+    FoldVertex as FoldVertex,
+    fold_vertices as fold_vertices,
+    make_vertex as make_vertex,
+    scene_at as scene_at,
+)
+from .examples import degree6 as degree6, degree8 as degree8, panels as panels
+from .fold_file import (
+    REST_KEY as REST_KEY,
+    STIFFNESS_KEY as STIFFNESS_KEY,
+    Frame as Frame,
+    read_fold as read_fold,
+)
+from .relations import ROUNDING as ROUNDING, Relation as Relation, Relations as Relations
+from .scene import Contact as Contact, Scene as Scene
+from .scene_file import (
+    format_scene as format_scene,
+    parse_scene as parse_scene,
+    read_scene as read_scene,
+    scene_from_dict as scene_from_dict,
+    scene_to_dict as scene_to_dict,
+)
+from .vertex import Vertex as Vertex
