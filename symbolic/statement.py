@@ -111,7 +111,7 @@ def one_of(*words: Any) -> OneOf:
 
 
 @dataclass(frozen=True)
-class Row:
+class Contact:
     """A tuple with these parts in this order."""
 
     parts: tuple[Form, ...]
@@ -124,9 +124,9 @@ class Row:
             part.read(entry, f"{field}[{i}]")
 
 
-def row(*parts: Form) -> Row:
+def row(*parts: Form) -> Contact:
     """Form of a tuple with these parts."""
-    return Row(parts)
+    return Contact(parts)
 
 
 @dataclass(frozen=True)
@@ -261,5 +261,5 @@ def form_of(printed: Any) -> Form:
     if isinstance(printed, sp.MatrixBase):
         return Grid(printed.shape, frozenset(printed.free_symbols))
     if isinstance(printed, tuple):
-        return Row(tuple(form_of(part) for part in printed))
+        return Contact(tuple(form_of(part) for part in printed))
     raise TypeError(f"{printed!r} has no form of its own: the claim must give one")

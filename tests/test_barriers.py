@@ -23,7 +23,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import StartStream, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model, is_admissible
+from origami_nlp.programme import Model
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:
@@ -140,7 +140,7 @@ def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
     model = Model(make(alpha, 1, symmetry="none"))
     seen = {1: 0, -1: 0}
     for start in itertools.islice(StartStream(model, 0), 150):
-        if start.feasible and is_admissible(model, start.x):
+        if start.feasible and not model.refuses(start.x):
             phi = model.expand(start.x)
             area = 2 * math.pi - phi.sum()
             assert -1e-9 <= area <= 4 * math.pi + 1e-9
@@ -162,7 +162,7 @@ def reached_from_flat(found, many=14):
         states = np.array([x for x, residual in steps if residual < 1e-11])
         if len(states) < len(steps) or np.abs(np.diff(states, axis=0)).max() > 0.2:
             continue  # not one curve from the flat state
-        if not all(model.energy(x) < flat and is_admissible(model, x) for x in states):
+        if not all(model.energy(x) < flat and not model.refuses(x) for x in states):
             continue
         path = follow(model, states[-1])
         assert (np.diff(path.energies) < 0).all()
@@ -246,7 +246,7 @@ def test_paths_can_be_replayed(which, request):
         assert p.path_energy.max() <= p.energy * (1 + 1e-12)
         x = model.reduce(p.path)
         assert max(float(np.abs(model.closure(y)[0]).max()) for y in x) < 1e-10
-        assert all(is_admissible(model, y) for y in x[:: max(1, len(x) // 40)])
+        assert all(not model.refuses(y) for y in x[:: max(1, len(x) // 40)])
     assert is_ultrametric(found.matrix())
     assert len(found.merges) == len(found.result.minima) - 1
     for basin in found.unlisted:  # ripples of the graph, not minima that the list lacks

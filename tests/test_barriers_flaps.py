@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.full import exits, proved_exit
 from origami_nlp.folding import examine
-from origami_nlp.kkt import thin_at
+from origami_nlp.kkt import State, thin_at
 from origami_nlp.minima import full_scene
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
@@ -102,7 +102,7 @@ def test_the_package_calls_the_same_states_thin():
         if np.abs(hinges).min() < 0.05 or not examine(model.scene.vertex, phi).admissible:
             continue
         found = flap_exit(model.scene, phi)
-        assert (found is not None) == bool(thin_at(model, phi))
+        assert (found is not None) == bool(thin_at(State(model, phi)))
         if found:
             assert found.shut == (1, 3, 5) and hinges[found.hinge // 2 - 1] < 0
             thin += 1

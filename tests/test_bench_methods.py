@@ -18,7 +18,7 @@ from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
 from origami_nlp.minima.full_space import hessian_spectra
-from origami_nlp.programme import Model, crossed_pairs
+from origami_nlp.programme import Model
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
 METHODS = [*ours(), *ipopt_alone(), *others(), *scipy_methods()]
@@ -135,7 +135,7 @@ def test_facets_that_cross_get_a_plane_from_any_solver():
     for start in draw_starts(model, 0, 6)[0]:
         answer = solver(replace(start, pairs=()))
         if answer.claims:
-            assert not crossed_pairs(model, answer.x, 1e-5)
+            assert not model.crossed(answer.x, 1e-5)
     calls = []
 
     def once(x, pairs):

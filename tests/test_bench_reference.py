@@ -11,7 +11,7 @@ from origami_nlp.bench import solve_reference
 from origami_nlp.bench.exact_piece import ExactPiece, exact_angle
 from origami_nlp.bench.problems import panel_problems, random_problems
 from origami_nlp.bench.reference import Unsolved
-from origami_nlp.programme import Model, Row, closed_contacts
+from origami_nlp.programme import Contact, Model
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),
@@ -93,7 +93,7 @@ def test_references_close_and_balance_in_the_whole_vertex(scene):
     for m in result.minima:
         model = result.model
         x = model.reduce(np.array(m.fold_angles))
-        rows = closed_contacts(model, x, model.local(x).gaps).combinations()[0]
+        rows = model.closed(x).combinations()[0]
         reference = solve_reference(model, x, rows)
         assert reference.angle_error(x) < 1e-13 and reference.residual < 1e-45
         assert abs(reference.energy - m.energy) <= 1e-14 * max(m.energy, model.scale)
@@ -120,7 +120,7 @@ def test_references_close_and_balance_in_the_whole_vertex(scene):
 def test_a_flat_folding_is_known_exactly_and_a_wrong_state_is_refused():
     model = Model(SCENES["D1"])
     x = math.pi * np.array([-1.0, 0.0, 0.0, -1.0])
-    rows = (Row("limit", 0, -1), Row("limit", 3, -1))
+    rows = (Contact("limit", 0, -1), Contact("limit", 3, -1))
     reference = solve_reference(model, x, rows)
     with mp.workdps(60):
         assert abs(mp.mpf(reference.digits[0]) + mp.pi) < mp.mpf(10) ** -48
@@ -137,6 +137,6 @@ def test_thin_sets_have_references_too():
     for m in thin:
         model = result.model
         x = model.reduce(np.array(m.fold_angles))
-        rows = closed_contacts(model, x, model.local(x).gaps).combinations()[0]
+        rows = model.closed(x).combinations()[0]
         reference = solve_reference(model, x, rows)
         assert reference.residual < 1e-45 and reference.angle_error(x) < 1e-13

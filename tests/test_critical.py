@@ -22,7 +22,7 @@ from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.kkt import newton, project, project_batch
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.programme import Model, closed_contacts, is_admissible
+from origami_nlp.programme import Model, is_admissible
 from origami_nlp.space import analyse_space
 
 PANELS = examples.panels()
@@ -110,9 +110,9 @@ def kkt_points(scene, rng, starts):
             if residual > 1e-12 or np.abs(begin).max() > math.pi + 0.1:
                 continue
             end, _ = newton(model, begin, held)
-            if end is None or not end.converged or not is_admissible(model, end.x):
+            if end is None or not end.converged or model.refuses(end.x):
                 continue
-            contacts = closed_contacts(model, end.x, model.local(end.x).gaps)
+            contacts = model.closed(end.x)
             closed = {*contacts.base, *(r for o in contacts.branches for p in o for r in p)}
             closed |= {r for pair in contacts.implied for r in pair}
             if all(any((r.kind, r.index) == (c.kind, c.index) for c in closed) for r in held):

@@ -25,13 +25,10 @@ from origami_nlp.kkt import (
 from origami_nlp.minima import MinimaResult, Minimum
 from origami_nlp.numerics import null_space, quaternion as quat
 from origami_nlp.programme import (
+    Contact,
     Model,
-    Row,
-    closed_contacts,
-    gap_weights,
     row_name,
     row_values,
-    row_weight,
 )
 
 MULTIPLIER_FD = 1e-6
@@ -79,8 +76,8 @@ def pinned(result: MinimaResult) -> list[np.ndarray]:
     ]
 
 
-def held(model: Model, x: np.ndarray) -> tuple[Row, ...]:
-    choices = closed_contacts(model, x, model.local(x).gaps).combinations()
+def held(model: Model, x: np.ndarray) -> tuple[Contact, ...]:
+    choices = model.closed(x).combinations()
     assert choices
     return choices[0]
 
@@ -119,7 +116,7 @@ RANDOM = (
 # ---------------------------------------------------------------- multipliers
 
 
-def shifted_energy(model: Model, x: np.ndarray, row: Row, opening: float) -> float:
+def shifted_energy(model: Model, x: np.ndarray, row: Contact, opening: float) -> float:
     """Least energy near x (scene's units) with the contact's limit moved: opening of `row` at least `opening`."""
     f = model.functions
     g, lower, upper = (
@@ -127,7 +124,7 @@ def shifted_energy(model: Model, x: np.ndarray, row: Row, opening: float) -> flo
         [0.0] * model.equation_count,
         [0.0] * model.equation_count,
     )
-    if row.kind == "limit":
+    if row.is_limit:
         g.append(math.pi - row.side * f.x[row.index])
     else:
         g.append(row.side * f.gaps[row.index])
@@ -156,10 +153,10 @@ def test_moment_is_the_slope_of_the_optimal_energy_under_a_shifted_limit(name: s
         ahead, behind = (shifted_energy(model, x, rows[0], s * h) for s in (1, -1))
         slopes.append((ahead - behind) / (2 * h))
     richardson = (4 * slopes[1] - slopes[0]) / 3
-    assert moment * row_weight(model, rows[0]) == pytest.approx(richardson, rel=MULTIPLIER_FD)
+    assert moment * model.weight(rows[0]) == pytest.approx(richardson, rel=MULTIPLIER_FD)
 
 
-def mp_multipliers(model: Model, x: np.ndarray, row: Row) -> list[mp.mpf]:
+def mp_multipliers(model: Model, x: np.ndarray, row: Contact) -> list[mp.mpf]:
     """Solve the KKT system of one held contact to 50 digits, from the geometry up; D_n wedges of creases only."""
     n, order = model.size, model.structure.order
     p = [mp.mpf(float(v)) for v in model.parameters]
@@ -178,7 +175,7 @@ def mp_multipliers(model: Model, x: np.ndarray, row: Row) -> list[mp.mpf]:
         else:
             normal = quat.rotate(q, (mp.sin(mp.pi / order), -mp.cos(mp.pi / order), mp.mpf(0)))
             out = [normal[1] + mp.cos(mp.pi / order)]
-        if row.kind == "limit":
+        if row.is_limit:
             return [*out, mp.mpf(math.pi) - row.side * v[row.index]]
         gap = model.structure.gaps[row.index]
         if gap.type == "axis":
@@ -204,7 +201,7 @@ def mp_multipliers(model: Model, x: np.ndarray, row: Row) -> list[mp.mpf]:
     _, a = row_values(model, x, (row,), local.gaps, local.gaps_jacobian)
     jac = np.vstack([local.closure_jacobian, a])
     start = np.linalg.lstsq(jac.T, local.gradient, rcond=None)[0]
-    hessian = model.hessian(x, -start[:-1], -gap_weights(model, (row,), start[-1:]))
+    hessian = model.hessian(x, -start[:-1], -model.weights((row,), start[-1:]))
     count = len(jac)
     inverse = np.linalg.inv(np.block([[hessian, -jac.T], [jac, np.zeros((count, count))]]))
     u = [mp.mpf(float(v)) for v in (*x, *start)]
@@ -227,7 +224,7 @@ def test_moment_agrees_with_a_50_digit_solve(name: str) -> None:
     with mp.workdps(90):
         exact = float(mp_multipliers(model, x, rows[0])[-1])
     contact = minimum_of(name).contacts[0]
-    scaled = contact.multiplier * row_weight(model, rows[0]) / model.scale
+    scaled = contact.multiplier * model.weight(rows[0]) / model.scale
     assert scaled == pytest.approx(exact, rel=MULTIPLIER_MP)
 
 
@@ -354,7 +351,7 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
             rows = held(model, x)
             local = model.local(x)
             root = np.sqrt(model.multiplicity)
-            _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+            _, a = local.openings(rows)
             z = null_space(local.closure_jacobian / root)
             b = (a / root @ z).T
             span = b @ np.linalg.pinv(b)

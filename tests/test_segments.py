@@ -17,7 +17,7 @@ from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.minima import MinimaResult
 from origami_nlp.path import BoundaryCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.path.curve import CLOSED_TO
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
+from origami_nlp.programme import Contact, Model, row_values
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),
@@ -64,7 +64,7 @@ def points(model: Model, curve: BoundaryCurve, count: int = 5) -> list[Point]:
     return out
 
 
-def errors(model: Model, point: Point, rows: tuple[Row, ...], h: float) -> tuple[float, float]:
+def errors(model: Model, point: Point, rows: tuple[Contact, ...], h: float) -> tuple[float, float]:
     """Errors of dU/ds and d2U/ds2 at a point against energies at arclength -h, 0 and h."""
     sides = []
     for sign in (1.0, -1.0):
@@ -111,7 +111,7 @@ def test_states_of_a_curve_close_keep_their_contacts_and_are_admissible(name: st
         values, _ = row_values(model, x, curve.rows, local.gaps, local.gaps_jacobian)
         assert np.abs(local.closure).max() <= 10 * CLOSED_TO
         assert np.abs(values).max() <= 10 * CLOSED_TO
-        assert is_admissible(model, x)
+        assert not model.refuses(x)
         assert energy == pytest.approx(search(name).scene.energy(phi), rel=1e-12)
 
 
@@ -144,7 +144,7 @@ def test_a_curve_with_more_freedom_is_a_geodesic_in_the_softest_direction() -> N
     pinned = [m for m in result.minima if m.kind == "contact-pinned"]
     assert pinned, [m.kind for m in result.minima]
     x = model.reduce(np.array(pinned[0].fold_angles))
-    choices = closed_contacts(model, x, model.local(x).gaps).combinations()
+    choices = model.closed(x).combinations()
     assert choices
     first = evaluate(model, x, choices[0])
     assert first is not None and first.dimension == 2

@@ -15,14 +15,14 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
-from origami_nlp.barriers.graph import StateGraph, energies, side_of_flat
+from origami_nlp.barriers.graph import StateGraph, side_of_flat
 from origami_nlp.barriers.merge_tree import MergeTree
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, closed_contacts, is_admissible, row_name
+from origami_nlp.programme import Model
 
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
@@ -142,7 +142,7 @@ def find_barriers(
     for life, v in tree.others:
         if len(unlisted) == MOST_UNLISTED:
             break
-        if not is_admissible(model, work.graph.states[v]):
+        if model.refuses(work.graph.states[v]):
             continue  # a touching state without a layer order: the graph does not ask for one
         down = slide(model, work.graph.states[v], work.minima)
         lands = down.lands_on + 1 if down is not None and down.lands_on is not None else None
@@ -198,10 +198,10 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
     v = work.top(merge)
     states = work.path(tree, merge, i, j)
     energy = float(g.energy[v]) if v in work.exact else merge.height
-    x = g.states[v] if v in work.exact else states[int(energies(model, states).argmax())]
+    x = g.states[v] if v in work.exact else states[int(model.energies(states).argmax())]
     kind = work.kind_of(merge)
     critical = critical_at(model, x) if kind not in ("mesh", "flat state", "singular") else None
-    contacts = closed_contacts(model, x, model.local(x).gaps)
+    contacts = model.closed(x)
     rows = (contacts.combinations() or [contacts.base])[0]
     sides = side_of_flat(model.expand(np.array([work.minima[i], work.minima[j]])))
     if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
@@ -216,10 +216,10 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
         energy,
         kind,
         tuple(model.expand(x).tolist()),
-        tuple(row_name(model, row) for row in rows),
+        tuple(model.name(row) for row in rows),
         critical.residual if critical else math.nan,
         model.expand(states),
-        energies(model, states),
+        model.energies(states),
         rough,
         why,
     )

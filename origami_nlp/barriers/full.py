@@ -23,13 +23,13 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.barriers.flaps import flap_exit
-from origami_nlp.barriers.graph import energies, side_of_flat
+from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
-from origami_nlp.kkt import project, thin_at
+from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
+from origami_nlp.programme import Contact, Model
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
@@ -91,7 +91,7 @@ class Exits:
     proof: why no exit is lower, in words; empty where that is what the samples say.
     """
 
-    held: tuple[Row, ...]
+    held: tuple[Contact, ...]
     sampled: int
     lowest: float
     state: np.ndarray | None
@@ -116,7 +116,7 @@ def full_pass(
     at = np.array(symmetric.fold_angles)
     path = symmetric.path
     model = Model(full_scene(scene))
-    upper = float(energies(model, model.reduce(path)).max())
+    upper = float(model.energies(model.reduce(path)).max())
     bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
     open_sets: list[str] = []
     side = side_of_flat(np.array(states))
@@ -159,7 +159,7 @@ def proved_exit(model: Model, state: np.ndarray) -> Exits | None:
     found = flap_exit(model.scene, state)
     if found is None:
         return None
-    held = thin_at(model, model.reduce(state))
+    held = thin_at(State(model, model.reduce(state)))
     proof = f"proved: phi_{found.hinge} = 0 at every way out"
     return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
 
@@ -176,7 +176,7 @@ def exits(
     which is then bisected.  Steps to inadmissible states end the set there.  Those of `known` that are exits
     of this set count as well: samples have to beat them.
     """
-    held = thin_at(model, x)
+    held = thin_at(State(model, x))
     if not held:
         return Exits((), 0, math.inf, None, model.freedom)
     seen = [x]
@@ -188,7 +188,7 @@ def exits(
     while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
         here = frontier.pop()
         local = model.local(here)
-        _, a = row_values(model, here, held, local.gaps, local.gaps_jacobian)
+        _, a = local.openings(held)
         tangent = null_space(np.vstack([local.closure_jacobian, a]))
         dimension = max(dimension, tangent.shape[1])
         for step in _steps(tangent):
@@ -197,9 +197,9 @@ def exits(
             if residual > 1e-11 or near:
                 continue
             seen.append(y)
-            if (np.abs(y) > model.bound + 1e-12).any() or not is_admissible(model, y):
+            if (np.abs(y) > model.bound + 1e-12).any() or model.refuses(y):
                 continue
-            if set(held) <= set(thin_at(model, y)):
+            if set(held) <= set(thin_at(State(model, y))):
                 frontier.append(y)
                 count += 1
                 continue
@@ -212,10 +212,10 @@ def exits(
     return Exits(held, count, lowest, state, dimension, not frontier)
 
 
-def _is_exit(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> bool:
+def _is_exit(model: Model, x: np.ndarray, held: tuple[Contact, ...]) -> bool:
     """Tell whether the contacts `held` are closed at x and need not stay so."""
-    contacts = closed_contacts(model, x, model.local(x).gaps)
-    return set(held) <= set(contacts.base) and not set(held) <= set(thin_at(model, x))
+    contacts = model.closed(x)
+    return set(held) <= set(contacts.base) and not set(held) <= set(thin_at(State(model, x)))
 
 
 def _steps(tangent: np.ndarray) -> list[np.ndarray]:
@@ -226,7 +226,7 @@ def _steps(tangent: np.ndarray) -> list[np.ndarray]:
 
 
 def _last_thin(
-    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Row, ...]
+    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Contact, ...]
 ) -> np.ndarray:
     """Bisect to where the set stops being thin (to the tolerance of `thin_at`)."""
     low, high = thin, thick
@@ -234,7 +234,7 @@ def _last_thin(
         middle, residual = project(model, 0.5 * (low + high), held)
         if residual > 1e-12:
             break
-        if set(held) <= set(thin_at(model, middle)):
+        if set(held) <= set(thin_at(State(model, middle))):
             low = middle
         else:
             high = middle

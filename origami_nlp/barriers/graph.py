@@ -19,13 +19,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.chart import admissible
+from origami_nlp.kkt import project
+from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import Model
 
-CLOSED_TO = 1e-11
-"""Vertices of the graph close at least this well."""
-INSIDE = 1e-9
-"""Mirror and axis gaps may be this negative [sine of an angle]."""
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
 BISECTIONS = 20
@@ -127,7 +124,7 @@ def grow(
     free = np.array([k for k in range(len(x)) if k not in apart])
     edges, middle, height = _join(model, x[free], spacing)
     edges = free[edges]
-    energy = energies(model, x)
+    energy = model.energies(x)
     if joined:
         link = np.array(joined)
         edges, middle = np.vstack([edges, link]), np.vstack([middle, x[link[:, 1]]])
@@ -135,48 +132,11 @@ def grow(
     return StateGraph(x, energy, edges, middle, height, spacing, complete)
 
 
-def energies(model: Model, x: np.ndarray) -> np.ndarray:
-    """Elastic energies of states [..., n] in the scene's units."""
-    n = model.size
-    k, rest = model.parameters[-2 * n : -n], model.parameters[-n:]
-    return 0.5 * model.scale * np.sum(k * (x - rest) ** 2, axis=-1)
-
-
-def feasible(model: Model, x: np.ndarray) -> np.ndarray:
-    """Tell which closed states [K, n] are admissible, but for the order of touching layers, shape [K]."""
-    if not len(x):
-        return np.zeros(0, dtype=bool)
-    good = admissible(model.scene, model.expand(x))
-    p = np.tile(model.parameters[:, None], (1, len(x)))
-    good &= np.asarray(model.functions.sheet.map(len(x))(x.T, p)).ravel() > 0
-    own = [i for i, gap in enumerate(model.structure.gaps) if gap.type != "facet-pair"]
-    if own:
-        gaps = np.asarray(model.functions.local.map(len(x))(x.T, p)[3])
-        good &= (gaps[own] >= -INSIDE).all(axis=0)
-    return good
-
-
-def close(model: Model, x: np.ndarray, rounds: int = 12) -> tuple[np.ndarray, np.ndarray]:
-    """Pull states [K, n] onto loop closure by Gauss-Newton; return them and which of them close."""
-    x = np.array(x, dtype=float)
-    if not len(x):
-        return x, np.zeros(0, dtype=bool)
-    p = np.tile(model.parameters[:, None], (1, len(x)))
-    closure = model.functions.closure.map(len(x))
-    residual = np.full(len(x), math.inf)
-    for _ in range(rounds):
-        g, jac = closure(x.T, p)
-        g = np.asarray(g).T
-        residual = np.abs(g).max(axis=1)
-        if residual.max() <= 1e-14:
-            break
-        jac = np.asarray(jac).reshape(g.shape[1], len(x), -1).transpose(1, 0, 2)
-        square = jac @ jac.transpose(0, 2, 1) + 1e-14 * np.eye(g.shape[1])
-        step = np.einsum("kij,ki->kj", jac, np.linalg.solve(square, g[..., None])[..., 0])
-        length = np.linalg.norm(step, axis=1, keepdims=True)
-        x = x - step * np.minimum(1.0, 0.5 / np.maximum(length, 1e-300))
-    x = np.where(np.abs(np.abs(x) - math.pi) <= 1e-12, np.copysign(math.pi, x), x)
-    return x, residual <= CLOSED_TO
+def close(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pull states [K, n] onto loop closure; return them and which of them close."""
+    x, residual = project(model, x, steps=12)
+    x = np.where(np.abs(np.abs(x) - math.pi) <= CLOSES, np.copysign(math.pi, x), x)
+    return x, residual <= CLOSES
 
 
 def _cells(x: np.ndarray, spacing: float) -> list[tuple[int, ...]]:
@@ -192,11 +152,8 @@ def _directions(freedom: int) -> np.ndarray:
 def _tangents(model: Model, x: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the tangent space at each state, [K, n, freedom]; more than that where singular
     states have a larger kernel is left out."""
-    p = np.tile(model.parameters[:, None], (1, len(x)))
-    g, jac = model.functions.closure.map(len(x))(x.T, p)
-    m = np.asarray(g).shape[0]
-    jac = np.asarray(jac).reshape(m, len(x), -1).transpose(1, 0, 2)
-    return np.linalg.svd(jac)[2][:, m:].transpose(0, 2, 1)
+    _, jac = model.closure(x)
+    return np.linalg.svd(jac)[2][:, model.equation_count :].transpose(0, 2, 1)
 
 
 def _step_out(
@@ -223,7 +180,7 @@ def _step_out(
     y, good = close(model, ahead)
     good &= np.abs(y).max(axis=1, initial=0) >= 0.1 * spacing
     good &= np.linalg.norm(y - ahead, axis=1) <= 0.6 * spacing
-    good[good] = feasible(model, y[good])
+    good[good] = model.admissible(y[good])
     cut = _cut_back(model, origin[~good], ahead[~good])
     cut = cut[
         np.abs(cut).max(axis=1, initial=0) >= 0.1 * spacing
@@ -256,7 +213,7 @@ def _cut_back(model: Model, inside: np.ndarray, outside: np.ndarray) -> np.ndarr
         want = inside + middle[:, None] * (outside - inside)
         y, good = close(model, want)
         good &= np.linalg.norm(y - want, axis=1) <= 0.6 * step
-        good[good] = feasible(model, y[good])
+        good[good] = model.admissible(y[good])
         best[good] = y[good]
         low, high = np.where(good, middle, low), np.where(good, high, middle)
     return best[low > 0.05]
@@ -270,7 +227,7 @@ def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.n
     a, b = x[edges[:, 0]], x[edges[:, 1]]
     length = np.linalg.norm(a - b, axis=1)
     middle, good = _reach(model, 0.5 * (a + b), STRAY * length)
-    height = parabola_top(energies(model, a), energies(model, middle), energies(model, b))
+    height = parabola_top(model.energies(a), model.energies(middle), model.energies(b))
     # along a bent boundary the middle is outside: go round it on either side, by two shorter legs
     for sign in (1.0, -1.0):
         todo = np.flatnonzero(~good)
@@ -283,7 +240,7 @@ def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.n
             quarter, fine = _reach(model, 0.5 * (via + end), STRAY * leg, ok)
             ok &= fine
             tops.append(
-                parabola_top(energies(model, end), energies(model, quarter), energies(model, via))
+                parabola_top(model.energies(end), model.energies(quarter), model.energies(via))
             )
         done = todo[ok]
         good[done], middle[done] = True, via[ok]
@@ -343,7 +300,7 @@ def _reach(
     good &= np.linalg.norm(y - want, axis=1) <= stray + 1e-12
     if only is not None:
         good &= only
-    good[good] = feasible(model, y[good])
+    good[good] = model.admissible(y[good])
     return y, good
 
 

@@ -16,10 +16,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.barriers.graph import energies, feasible
-from origami_nlp.kkt import CURVED, follow, judge_branch, newton, project
-from origami_nlp.numerics import RANK_TOLERANCE
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
+from origami_nlp.kkt import State, follow, judge_branch, newton, project
+from origami_nlp.numerics import CURVED
+from origami_nlp.programme import Contact, Model
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -82,7 +81,7 @@ class Critical:
     """
 
     x: np.ndarray
-    rows: tuple[Row, ...]
+    rows: tuple[Contact, ...]
     index: int
     residual: float
     kind: PassKind
@@ -103,10 +102,10 @@ class Descent:
 def critical_near(model: Model, starts: np.ndarray, reach: float) -> list[Critical]:
     """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
     found: list[Critical] = []
-    tried: set[tuple[int, tuple[Row, ...]]] = set()
+    tried: set[tuple[int, tuple[Contact, ...]]] = set()
     for k, x in enumerate(starts):
-        contacts = closed_contacts(model, x, model.local(x).gaps, reach)
-        sets: list[tuple[Row, ...]] = [()]
+        contacts = model.closed(x, reach)
+        sets: list[tuple[Contact, ...]] = [()]
         for rows in contacts.combinations() or [contacts.base]:
             sets += [(row,) for row in rows]
             sets += list(itertools.combinations(rows, 2))
@@ -120,20 +119,18 @@ def critical_near(model: Model, starts: np.ndarray, reach: float) -> list[Critic
             if any(np.abs(state.x - c.x).max() <= 1e-7 for c in found):
                 continue
             what = critical_at(model, state.x)
-            if what is not None and what.index == 1 and is_admissible(model, state.x):
+            if what is not None and what.index == 1 and not model.refuses(state.x):
                 found.append(what)
     return found
 
 
 def critical_at(model: Model, x: np.ndarray) -> Critical | None:
     """Judge a polished state: its index on the pieces of the feasible set; None if it is not stationary on each."""
-    local = model.local(x)
-    contacts = closed_contacts(model, x, local.gaps)
-    choices = contacts.combinations() or [contacts.base]
-    judged = [judge_branch(model, x, rows, local) for rows in choices]
-    size = 1.0 + float(np.abs(local.gradient).max())
+    state = State(model, x)
+    judged = [judge_branch(state.on(rows)) for rows in state.pieces]
+    size = 1.0 + float(np.abs(state.gradient).max())
     residual = max(b.multipliers.residual for b in judged) / size
-    residual = max(residual, float(np.abs(local.closure).max()))
+    residual = max(residual, state.residual)
     if residual > 1e-9:
         return None
     index, direction = 0, None
@@ -142,7 +139,7 @@ def critical_at(model: Model, x: np.ndarray) -> Critical | None:
         below = int((b.eigenvalues < -CURVED * scale).sum())
         if below >= index:
             index, direction = below, b.direction
-    if (np.linalg.svd(local.closure_jacobian, compute_uv=False) <= RANK_TOLERANCE).any():
+    if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= 1e-9 else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
         kind = "corner"
@@ -155,7 +152,7 @@ def critical_at(model: Model, x: np.ndarray) -> Critical | None:
     return Critical(x, judged[0].rows, index, residual, kind, direction)
 
 
-def _bent_down(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray | None:
+def _bent_down(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray | None:
     """Return the direction of lowest curvature with `rows` held closed."""
     from origami_nlp.path import evaluate  # only where a verdict left it out
 
@@ -189,7 +186,7 @@ def both_sides(
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
             y = np.clip(y, -model.bound, model.bound)
             lower = model.energy_change(pass_.x, y) < 0
-            if residual <= 1e-12 and lower and is_admissible(model, y):
+            if residual <= 1e-12 and lower and not model.refuses(y):
                 down = slide(model, y, minima)
                 if down is not None:
                     sides.append(down)
@@ -213,6 +210,6 @@ def leg_is_below(
         out.append(np.clip(y, -model.bound, model.bound))
     states = np.array(out)
     slack = 1e-12 * max(abs(level), model.scale)
-    if not feasible(model, states).all() or (energies(model, states) > level + slack).any():
+    if not model.admissible(states).all() or (model.energies(states) > level + slack).any():
         return None
     return states

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.barriers.graph import energies, grow
+from origami_nlp.barriers.graph import grow
 from origami_nlp.barriers.merge_tree import Merge, MergeTree, merge_tree
 from origami_nlp.barriers.passes import (
     Critical,
@@ -24,8 +24,8 @@ from origami_nlp.barriers.passes import (
     slide,
 )
 from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt import flat_foldings, thin_at
-from origami_nlp.programme import Model, is_admissible
+from origami_nlp.kkt import State, flat_foldings, thin_at
+from origami_nlp.programme import Model
 
 MOST_ROUNDS = 6
 
@@ -43,10 +43,10 @@ class RefinedGraph:
         known = list(minima)
         self.exact: dict[int, Critical] = {}
         for x in [*flat_foldings(model), *(s for c in self.curves for s in c.states[[0, -1]])]:
-            if is_admissible(model, x) and all(np.abs(x - k).max() > 1e-9 for k in known):
+            if not model.refuses(x) and all(np.abs(x - k).max() > 1e-9 for k in known):
                 known.append(x)
         self.singular = range(len(minima), len(known))
-        thin = [v for v, x in enumerate(known) if thin_at(model, x)]
+        thin = [v for v, x in enumerate(known) if thin_at(State(model, x))]
         self.graph = grow(model, known, spacing, chains=[c.states for c in self.curves], alone=thin)
         self._tie_chains()
         self.mesh = merge_tree(
@@ -79,7 +79,7 @@ class RefinedGraph:
         g = self.graph
         start = len(g.states)
         x = np.vstack([g.states, states])
-        energy = energies(self.model, x)
+        energy = self.model.energies(x)
         if links:
             new = np.array(links)
             self.graph = replace(

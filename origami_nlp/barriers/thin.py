@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt import project, states_on_limits, thin_at
+from origami_nlp.kkt import State, project, states_on_limits, thin_at
 from origami_nlp.path import follow_boundary
-from origami_nlp.programme import Model, Row, is_admissible
+from origami_nlp.programme import Contact, Model
 
 SAME = 0.02
 """A state this close [rad] to a curve with the same closed contacts lies on it."""
@@ -31,19 +31,19 @@ class ThinCurve:
     curve goes on into a full-dimensional set there (True), or ends (False).
     """
 
-    held: tuple[Row, ...]
+    held: tuple[Contact, ...]
     states: np.ndarray = field(repr=False)
     ends: tuple[bool, bool]
 
 
 def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ()) -> list[ThinCurve]:
     """Find and follow every one-dimensional thin set that random states at phi = +-pi, or `known` states, lie on."""
-    if not model.structure.limits or model.freedom != 2:
+    if not model.has_limits or model.freedom != 2:
         return []
     curves: list[ThinCurve] = []
     for x in (*known, *states_on_limits(model, np.random.default_rng(seed))):
-        held = thin_at(model, x)
-        if not held or not is_admissible(model, x):
+        held = thin_at(State(model, x))
+        if not held or model.refuses(x):
             continue
         if any(c.held == held and _on(c.states, x) for c in curves):
             continue
@@ -59,11 +59,11 @@ def _on(states: np.ndarray, x: np.ndarray) -> bool:
 
 
 def _thin_part(
-    model: Model, x: np.ndarray, held: tuple[Row, ...], states: np.ndarray
+    model: Model, x: np.ndarray, held: tuple[Contact, ...], states: np.ndarray
 ) -> list[ThinCurve]:
     """Cut a followed curve to the stretch around x on which it is thin."""
     here = int(np.abs(states - x).max(axis=1).argmin())
-    thin = [thin_at(model, y) == held for y in states]
+    thin = [thin_at(State(model, y)) == held for y in states]
     if not thin[here]:
         return []
     parts, opens = [], []
@@ -85,7 +85,7 @@ def _thin_part(
 
 
 def _last_thin(
-    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Row, ...]
+    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Contact, ...]
 ) -> np.ndarray:
     """Bisect between a thin state and one where the set is thick."""
     low, high = thin, thick
@@ -95,16 +95,16 @@ def _last_thin(
             np.abs(high - low).max()
         ):
             break
-        if thin_at(model, middle) == held:
+        if thin_at(State(model, middle)) == held:
             low = middle
         else:
             high = middle
     return _snap(model, 0.5 * (low + high), held)
 
 
-def _snap(model: Model, state: np.ndarray, held: tuple[Row, ...]) -> np.ndarray:
+def _snap(model: Model, state: np.ndarray, held: tuple[Contact, ...]) -> np.ndarray:
     """Set fold angles within the tolerance of `thin_at` of a multiple of pi/2 to it, where that closes."""
     whole = 0.5 * math.pi * np.round(state / (0.5 * math.pi))
     snapped, residual = project(model, np.where(np.abs(state - whole) <= SNAP, whole, state), held)
     near = residual <= 1e-12 and np.abs(snapped - state).max() <= 2 * SNAP
-    return snapped if near and is_admissible(model, snapped) else state
+    return snapped if near and not model.refuses(snapped) else state

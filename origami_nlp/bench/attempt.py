@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
-from origami_nlp.programme import Model, crossed_pairs
+from origami_nlp.programme import Model
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -109,7 +109,7 @@ def keep_apart(
         building += answer.building
         if answer.x is None:
             break
-        crossed = crossed_pairs(model, answer.x, 1e-6)
+        crossed = model.crossed(answer.x, 1e-6)
         if not crossed or set(crossed) <= set(pairs):
             break
         pairs = tuple(sorted({*pairs, *crossed}))

@@ -36,7 +36,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Row:
+class Contact:
     """One method over a family of problems.
 
     starts: how many.  seconds: a start.  angle, energy, multiplier, eigenvalue: median errors.
@@ -60,7 +60,7 @@ class Row:
     failed: int
 
 
-def rows(part: dict[str, Any], family: str | None = None) -> list[Row]:
+def rows(part: dict[str, Any], family: str | None = None) -> list[Contact]:
     """Return one row for each method of a part of the data that ran, over the problems of a family (or all)."""
     problems = {p["name"]: p for p in part["problems"] if family in (None, p["family"])}
     out = []
@@ -73,10 +73,10 @@ def rows(part: dict[str, Any], family: str | None = None) -> list[Row]:
     return out
 
 
-def _row(method: dict[str, Any], cells: list[dict[str, Any]], problems: dict[str, Any]) -> Row:
+def _row(method: dict[str, Any], cells: list[dict[str, Any]], problems: dict[str, Any]) -> Contact:
     minima = sum(len(problems[c["problem"]]["minima"]) for c in cells)
     found = [c["until_the_rule"]["found"] for c in cells]
-    return Row(
+    return Contact(
         method["label"],
         method["family"],
         method["accuracy"],

@@ -91,10 +91,10 @@ class ExactPiece:
         s, n = model.structure, model.size
         self.kind, self.order, self.size = s.kind, s.order, n
         self.gap_list, self.count = s.gaps, len(s.has_crease)
-        numbers = model.parameters.tolist()
-        self.sectors = [exact_angle(a) for a in numbers[: -2 * n]]
-        self.stiffness = np.array([mp.mpf(k) for k in numbers[-2 * n : -n]])
-        self.rest = np.array([exact_angle(a) for a in numbers[-n:]])
+        p = model.parameters
+        self.sectors = [exact_angle(a) for a in p.sectors.tolist()]
+        self.stiffness = np.array([mp.mpf(k) for k in p.stiffness.tolist()])
+        self.rest = np.array([exact_angle(a) for a in p.rest.tolist()])
         self.scale = mp.mpf(model.scale)
         self._flat: list[np.ndarray] = []  # flat directions of all rays, images of C_n included
         self._variable: list[int | None] = []

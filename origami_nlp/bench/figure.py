@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.bench.digest import Row, Spread, rows
+from origami_nlp.bench.digest import Contact, Spread, rows
 from origami_nlp.bench.methods_ours import OURS
 from origami_nlp.files import save_figure
 
@@ -64,9 +64,9 @@ def draw_bench(data: dict[str, Any], target: Path) -> None:
     save_figure(figure, target, 150)
 
 
-def _work_precision(ax: Any, found: list[Row], title: str) -> None:
+def _work_precision(ax: Any, found: list[Contact], title: str) -> None:
     """Draw one line a family of methods, one point a tolerance; whiskers are quartiles over problems."""
-    families: dict[str, list[Row]] = {}
+    families: dict[str, list[Contact]] = {}
     for row in found:
         if row.seconds and row.errors["angle"]:
             families.setdefault(row.family, []).append(row)

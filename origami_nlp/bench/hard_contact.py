@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import ROUNDING, nearest, regular_at_pi
-from origami_nlp.kkt import classify, polish
+from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
 from origami_nlp.pattern import Scene, examples
 from origami_nlp.programme import Model
@@ -37,7 +37,7 @@ def _weakly_active() -> Iterator[Outcome]:
         model, record = Model(scene), Record()
         answer = solve_without_crossing(model, x + np.array([0.1, -0.1, -0.2, 0.1, 0.1]), record)
         state = polish(model, answer)
-        what = classify(model, state.x, polished=state.converged)
+        what = classify(State(model, state.x), polished=state.converged)
         pushes = [c.multiplier for c in what.contacts if c.type == "fold-limit"]
         error = abs(pushes[0] - moment) if pushes else math.inf
         # the rest angle is rounded to 4e-16: so is the moment

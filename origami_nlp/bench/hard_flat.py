@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
-from origami_nlp.kkt import BATCH, classify, polish, project_batch
+from origami_nlp.kkt import BATCH, State, classify, polish, project
 from origami_nlp.minima import (
     SAME,
     MinimaResult,
@@ -19,7 +19,7 @@ from origami_nlp.minima import (
     solve_without_crossing,
 )
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
+from origami_nlp.programme import Contact, Model
 
 ROUNDING = 1e-14
 """Bound on fold angles that are known exactly [rad]."""
@@ -30,9 +30,9 @@ def _vertex(sectors: tuple[str, ...]) -> Vertex:
     return Vertex(parse_angles(sectors, "sector_angles"))
 
 
-def rows_closed(model: Model, x: np.ndarray) -> tuple[Row, ...]:
+def rows_closed(model: Model, x: np.ndarray) -> tuple[Contact, ...]:
     """Return the contacts closed at a polished state, on its first smooth piece."""
-    contacts = closed_contacts(model, x, model.local(x).gaps)
+    contacts = model.closed(x)
     return (contacts.combinations() or [contacts.base])[0]
 
 
@@ -85,7 +85,7 @@ def _flat_starts() -> Iterator[Outcome]:
         record = Record()
         answer = solve_without_crossing(model, np.zeros(model.size), record)
         state = polish(model, answer)
-        what = classify(model, state.x, polished=state.converged)
+        what = classify(State(model, state.x), polished=state.converged)
         exact = exact_state(model, state.x)
         left = float(np.abs(state.x).max())
         measured = [Measured("closure", state.closure_residual, ROUNDING)]
@@ -171,11 +171,11 @@ def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     x[:, 2] = angle
     frozen = np.zeros_like(x, dtype=bool)
     frozen[:, 2] = True
-    x, residual = project_batch(model, x, frozen)
+    x, residual = project(model, x, frozen=frozen)
     for state in x[residual <= 1e-12]:
         state[2] = angle
         rank = np.linalg.svd(model.closure(state)[1], compute_uv=False).min()
-        if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and is_admissible(model, state):
+        if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and not model.refuses(state):
             # closed to rounding only: the least energy is about 1e-31
             return Scene(vertex, (1.0,) * 5, tuple(state.tolist()), "none"), state
     raise AssertionError("no regular state with this fold angle")

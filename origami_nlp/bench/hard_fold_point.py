@@ -22,7 +22,7 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.bench.hard import HardCase, Measured, Outcome
-from origami_nlp.kkt import classify, newton
+from origami_nlp.kkt import State, classify, newton
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 
@@ -140,7 +140,7 @@ def beside(point: FoldPoint, ratio: float, symmetry: str = "D3") -> list[tuple[n
                 continue
             near = np.abs(state.x - point.x).max() <= 50 * reach
             if near and all(np.abs(state.x - x).max() > 1e-3 * reach for x, _ in found):
-                found.append((state.x, classify(model, state.x).verdict))
+                found.append((state.x, classify(State(model, state.x)).verdict))
     return sorted(found, key=lambda pair: float(pair[0][0]))
 
 

@@ -14,7 +14,7 @@ from origami_nlp.errors import SceneError
 from origami_nlp.kkt import StartStream
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model, Row, is_admissible, row_values
+from origami_nlp.programme import Contact, Model
 
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:
@@ -45,10 +45,10 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
     return Outcome(setting, measured, kinds or "none", right, result.search.iterations, note=note)
 
 
-def double_multipliers(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
+def double_multipliers(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray:
     """Return the package's multipliers of independent `rows` at x, as the polish computes them, [r]."""
     local = model.local(x)
-    _, slopes = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    _, slopes = local.openings(rows)
     jac = np.vstack([local.closure_jacobian, slopes])
     return np.linalg.lstsq(jac.T, local.gradient, rcond=1e-10)[0][len(local.closure) :]
 
@@ -59,7 +59,7 @@ def _ratios() -> Iterator[Outcome]:
             scene = make("pi/4", 10.0**power)
             result = find_minima(scene)
             # a soft spring feels torques that are rounding beside the stiff ones
-            bound = max(1e-13, 8 * EPS / result.model.softness)
+            bound = max(1e-13, 8 * EPS / result.model.parameters.softness)
             yield against_50_digits(f"degree {scene.degree}, r_k = 1e{power}", result, bound)
 
 
@@ -137,7 +137,7 @@ def _rest_states() -> Iterator[Outcome]:
         trial = Scene(vertex, (1.0,) * degree, (0.0,) * degree, "none", "fold-limits")
         model = Model(trial)
         for start in StartStream(model, seed):
-            if start.feasible and is_admissible(model, start.x) and np.abs(start.x).max() < 3.0:
+            if start.feasible and not model.refuses(start.x) and np.abs(start.x).max() < 3.0:
                 break
         scene = replace(trial, rest_angles=tuple(start.x.tolist()))
         yield known_state(f"degree {degree}, random sectors", scene, start.x, 0.0, 1e-13)

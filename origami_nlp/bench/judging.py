@@ -16,11 +16,11 @@ import numpy as np
 from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.folding import examine
-from origami_nlp.kkt import classify, polish
+from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, closed_contacts, gap_weights, row_values
+from origami_nlp.programme import Model
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""
@@ -86,7 +86,7 @@ class Judge:
 
     def _reference(self, x: np.ndarray) -> tuple[Reference | None, str]:
         model = self.model
-        contacts = closed_contacts(model, x, model.local(x).gaps)
+        contacts = model.closed(x)
         problem = ""
         for rows in contacts.combinations() or [contacts.base]:
             try:
@@ -145,7 +145,7 @@ class Judge:
             return "not stationary"
         if self._nearest(state.x)[1] <= 1e-6:  # a sloppy answer whose polish is known
             return ""
-        what = classify(model, state.x, polished=state.converged)
+        what = classify(State(model, state.x), polished=state.converged)
         if what.verdict == "minimum":
             self.learn(state.x, str(what.kind), "an answer", state.converged)
             return ""
@@ -167,8 +167,7 @@ class Judge:
 
 def _slope(model: Model, exact: Reference) -> float:
     """Return the energy that the digits beyond a double of the exact state make."""
-    n = model.size
-    k, rest = model.parameters[-2 * n : -n], model.parameters[-n:]
+    k, rest = model.parameters.stiffness, model.parameters.rest
     return float(model.scale * np.sum(k * (exact.x - rest) * exact.x_rest))
 
 
@@ -184,7 +183,7 @@ def errors_of_derivatives(
     if not len(exact.eigenvalues) and not len(exact.multipliers):
         return math.nan, math.nan
     local = model.local(x)
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    _, a = local.openings(rows)
     m = len(local.closure)
     both = np.vstack([local.closure_jacobian, a])
     lam = np.linalg.lstsq(both.T, local.gradient, rcond=None)[0]
@@ -202,7 +201,7 @@ def errors_of_derivatives(
     root = np.sqrt(model.multiplicity)
     kept = [r for r, row in enumerate(rows) if row in exact.loaded]
     z = null_space(np.vstack([local.closure_jacobian, a[kept]]) / root)
-    h = model.hessian(x, -lam[:m], -gap_weights(model, rows, lam[m:])) / np.outer(root, root)
+    h = model.hessian(x, -lam[:m], -model.weights(rows, lam[m:])) / np.outer(root, root)
     values = model.scale * np.linalg.eigvalsh(z.T @ h @ z)
     if len(values) != len(exact.eigenvalues):
         return multiplier, math.nan

@@ -164,7 +164,7 @@ def _solve(
     try:
         out = solver(
             x0=built.begin(model, x),
-            p=model.parameters,
+            p=model.parameters.vector,
             lbx=-bound,
             ubx=bound,
             lbg=built.lower,

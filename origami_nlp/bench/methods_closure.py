@@ -103,7 +103,9 @@ class _Prepare:
         def run(start: StartPoint) -> Attempt:
             x0 = start.raw if self._raw else start.x
             bound = np.full(n, model.bound)
-            out = solver(x0=x0, p=model.parameters, lbx=-bound, ubx=bound, lbg=lower, ubg=upper)
+            out = solver(
+                x0=x0, p=model.parameters.vector, lbx=-bound, ubx=bound, lbg=lower, ubg=upper
+            )
             stats = solver.stats()
             g = np.asarray(out["g"]).ravel()
             good = bool(stats["success"]) and bool(np.abs(g).max(initial=0.0) <= FEASIBLE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from origami_nlp.bench.attempt import Attempt, Method, Solver, StartPoint
-from origami_nlp.kkt import classify
+from origami_nlp.kkt import State, classify
 from origami_nlp.minima import Answer, Record, run_one
 from origami_nlp.programme import Model
 
@@ -25,7 +25,7 @@ def prepare(model: Model) -> Solver:
         new = run_one(model, start.x, record, pairs=start.pairs)
         if new is not None:
             state = new.polished
-            what = classify(model, state.x, polished=state.converged)
+            what = classify(State(model, state.x), polished=state.converged)
             (minima.add if what.verdict == "minimum" else minima.discard)(id(new))
         answer = new or _hit(record, before)
         if answer is None:

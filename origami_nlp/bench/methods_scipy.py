@@ -76,7 +76,7 @@ class _Prepare:
         def get(pairs: Pairs) -> tuple[Programme, Evaluator]:
             if pairs not in evaluators:
                 built = programme(model.structure, pairs)
-                evaluators[pairs] = built, Evaluator(built.oracle, model.parameters)
+                evaluators[pairs] = built, Evaluator(built.oracle, model.parameters.vector)
             return evaluators[pairs]
 
         def once(x: np.ndarray, pairs: Pairs) -> Attempt:

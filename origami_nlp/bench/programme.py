@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.bench.attempt import Pairs
-from origami_nlp.minima import TOLERANCE, build_solver, separating_normal
-from origami_nlp.programme import Model, Structure
+from origami_nlp.minima import TOLERANCE, build_solver
+from origami_nlp.programme import Model, Structure, separating_normal
 
 
 @dataclass(frozen=True)

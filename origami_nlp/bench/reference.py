@@ -15,7 +15,7 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.bench.exact_piece import ExactPiece, Jet
-from origami_nlp.programme import Model, Row, row_values
+from origami_nlp.programme import Contact, Model
 
 DIGITS = 50
 WORKING = 60
@@ -49,9 +49,9 @@ class Reference:
     digits: tuple[str, ...]
     energy: float
     energy_rest: float
-    rows: tuple[Row, ...]
+    rows: tuple[Contact, ...]
     multipliers: np.ndarray
-    loaded: tuple[Row, ...]
+    loaded: tuple[Contact, ...]
     eigenvalues: np.ndarray
     residual: float
 
@@ -65,7 +65,7 @@ class Reference:
         return error / self.energy if self.energy else energy
 
 
-def solve_reference(model: Model, start: np.ndarray, rows: tuple[Row, ...]) -> Reference:
+def solve_reference(model: Model, start: np.ndarray, rows: tuple[Contact, ...]) -> Reference:
     """Solve the KKT system near `start` [n] with `rows` closed to 50 digits.
 
     Raises
@@ -93,14 +93,14 @@ def solve_reference(model: Model, start: np.ndarray, rows: tuple[Row, ...]) -> R
 
 
 def _constraints(
-    piece: ExactPiece, x: np.ndarray, rows: tuple[Row, ...]
+    piece: ExactPiece, x: np.ndarray, rows: tuple[Contact, ...]
 ) -> tuple[list[Jet], list[Jet]]:
     """Return the jets of closure, and of rows (>= 0 when open)."""
-    closure, gaps = piece.evaluate(x, tuple(r.index for r in rows if r.kind == "gap"))
+    closure, gaps = piece.evaluate(x, tuple(r.index for r in rows if not r.is_limit))
     n, zero = piece.size, mp.mpf(0)
     jets = []
     for row in rows:
-        if row.kind == "gap":
+        if not row.is_limit:
             g = gaps[row.index]
             jets.append(Jet(row.side * g.value, row.side * g.first, row.side * g.second))
         else:
@@ -110,20 +110,20 @@ def _constraints(
 
 
 def _independent(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], turn: int
+    model: Model, x: np.ndarray, rows: tuple[Contact, ...], turn: int
 ) -> tuple[tuple[int, ...], bool]:
     """Choose independent constraints: positions in (rows, closure); and tell whether these are all.
 
     `turn` says with which equation of closure to begin.
     """
     local = model.local(x)
-    _, gradients = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    _, gradients = local.openings(rows)
     basis: list[np.ndarray] = []
     chosen = []
-    order = [r for r, row in enumerate(rows) if row.kind == "limit"]
+    order = [r for r, row in enumerate(rows) if row.is_limit]
     m = len(local.closure)
     order += [len(rows) + (e + turn) % m for e in range(m)]
-    order += [r for r, row in enumerate(rows) if row.kind == "gap"]
+    order += [r for r, row in enumerate(rows) if not row.is_limit]
     everything = np.vstack([gradients, local.closure_jacobian])
     for c in order:
         v = everything[c] / max(1e-300, float(np.linalg.norm(everything[c])))
@@ -138,7 +138,7 @@ def _independent(
 def _newton(
     piece: ExactPiece,
     start: np.ndarray,
-    rows: tuple[Row, ...],
+    rows: tuple[Contact, ...],
     chosen: tuple[int, ...],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return x and the multipliers of the chosen constraints."""
@@ -175,7 +175,7 @@ def _finish(
     model: Model,
     piece: ExactPiece,
     x: np.ndarray,
-    rows: tuple[Row, ...],
+    rows: tuple[Contact, ...],
     chosen: tuple[int, ...],
     lam: np.ndarray,
     unique: bool,
@@ -192,7 +192,7 @@ def _finish(
         force = pull - sum((v * j.first for v, j in zip(lam, held, strict=True)), 0 * pull)
         residual = max(residual, *(abs(v) for v in force))
     multipliers = np.zeros(0)
-    loaded: tuple[Row, ...] = ()
+    loaded: tuple[Contact, ...] = ()
     eigenvalues = np.zeros(0)
     if unique:
         value = dict(zip(chosen, lam, strict=True))

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from origami_nlp.bench.digest import LEVEL, Row, Spread, hessian_ratios, job_summary, rows, targets
+from origami_nlp.bench.digest import (
+    LEVEL,
+    Contact,
+    Spread,
+    hessian_ratios,
+    job_summary,
+    rows,
+    targets,
+)
 from origami_nlp.bench.methods_ours import OURS
 from origami_nlp.show import rows_markdown
 
@@ -37,7 +45,7 @@ def _number(value: float, digits: int) -> str:
     return f"{value:.0f}" if 100 <= value < 1e5 else f"{value:.{digits}g}"
 
 
-def table(found: list[Row]) -> list[tuple[str, ...]]:
+def table(found: list[Contact]) -> list[tuple[str, ...]]:
     """Return the cells of a table of methods, one row each."""
     return [
         (
@@ -91,13 +99,13 @@ def headline(data: dict[str, Any]) -> str:
     return rows_markdown(heads, lines)
 
 
-def _best(found: list[Row], family: str) -> Row | None:
+def _best(found: list[Contact], family: str) -> Contact | None:
     """Return the setting of a family with the smallest seconds per minimum at `LEVEL`."""
     own = [r for r in found if r.family == family and r.missed is not None and r.ratio]
     return min(own, key=lambda r: r.ratio.median if r.ratio else math.inf, default=None)
 
 
-def _named(by_label: dict[str, Row], label: str) -> list[Row]:
+def _named(by_label: dict[str, Contact], label: str) -> list[Contact]:
     return [by_label[label]] if label in by_label else []
 
 

@@ -71,7 +71,7 @@ def measure_degree(n: int, contact: str, seed: int) -> dict[str, Any]:
     base = memory()
     begin = time.process_time()
     model = Model(scene)
-    model.functions.local(np.zeros(n), model.parameters)
+    model.functions.local(np.zeros(n), model.parameters.vector)
     compiled = time.process_time()
     starts, _ = draw_starts(model, seed, SOLVES + 1)
     record, seconds = Record(), []

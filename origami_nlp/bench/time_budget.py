@@ -106,7 +106,6 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     for cached in (
         structure.compile_structure,
         ipopt.build_solver,
-        ipopt.build_boundary_solver,
     ):
         cached.cache_clear()
 
@@ -142,8 +141,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
             (starts.StartStream, "__next__", "starts"),
         ):
             stack.enter_context(_wrapped(owner, name, partial(watch.timed, stage)))
-        for name in ("build_solver", "build_boundary_solver"):
-            stack.enter_context(_wrapped(ipopt, name, builder))
+        stack.enter_context(_wrapped(ipopt, "build_solver", builder))
         begin = time.process_time()
         model = Model(scene)
         watch.timed("building", lambda: model.functions.evaluators)()

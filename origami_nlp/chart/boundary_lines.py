@@ -18,17 +18,12 @@ from origami_nlp.chart.boundary_walk import LONGEST, walk
 from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import thin_at
+from origami_nlp.kkt import State, thin_at
 from origami_nlp.path import BoundaryCurve, Point, correct, evaluate
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import (
+    Contact,
     Model,
-    Row,
-    closed_contacts,
-    is_admissible,
-    row_name,
-    row_values,
-    row_weight,
 )
 
 CLOSED = 1e-6
@@ -53,7 +48,7 @@ class BoundaryLine:
     """
 
     contacts: tuple[str, ...]
-    rows: tuple[Row, ...] = field(repr=False)
+    rows: tuple[Contact, ...] = field(repr=False)
     branch: int
     points: np.ndarray = field(repr=False)
     fold_angles: np.ndarray = field(repr=False)
@@ -152,7 +147,7 @@ def with_energy(model: Model, line: BoundaryLine) -> BoundaryCurve:
         if point is not None and point.dimension == 1:
             points.append(point)
             kept.append(k)
-    weights = np.array([row_weight(model, row) for row in line.rows])
+    weights = np.array([model.weight(row) for row in line.rows])
     return BoundaryCurve(
         contacts=line.contacts,
         rows=line.rows,
@@ -181,8 +176,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
     corners = [(ln.fold_angles[k], ln.points[k]) for ln in lines for k in (0, -1)]
     for phi, point in corners:
         x = model.reduce(phi)
-        local = model.local(x)
-        values = row_values(model, x, line.rows, local.gaps, local.gaps_jacobian)[0]
+        values, _ = model.local(x).openings(line.rows)
         if np.abs(values).max() > CORNER:
             continue
         exact = correct(model, x, line.rows)
@@ -204,12 +198,12 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
         if s[b] - s[a] < SHORT or b - a < 2:
             continue
         middle = at[(a + b) // 2]
-        closed = closed_contacts(model, middle, model.local(middle).gaps)
+        closed = model.closed(middle)
         rows = (closed.combinations() or [closed.base])[0] or line.rows
         here = slice(a, b + 1)
         out.append(
             BoundaryLine(
-                tuple(row_name(model, row) for row in rows),
+                tuple(model.name(row) for row in rows),
                 rows,
                 line.branch,
                 points[here],
@@ -217,7 +211,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
                 s[here] - s[a],
                 line.start if i == 0 else "another boundary ends here",
                 line.end if b == ends[-1] else "another boundary ends here",
-                bool(thin_at(model, middle)),
+                bool(thin_at(State(model, middle))),
             )
         )
     return out
@@ -231,11 +225,11 @@ def _line_at(
 ) -> BoundaryLine | None:
     """Trace the boundary through a bisected state [N]; None at a corner, or where no contact closes."""
     x = model.reduce(fold_angles)
-    contacts = closed_contacts(model, x, model.local(x).gaps, CLOSED)
+    contacts = model.closed(x, CLOSED)
     choices = contacts.combinations() or [contacts.base]
     for row in dict.fromkeys(row for rows in choices for row in rows):
         start = correct(model, x.copy(), (row,))
-        if start is None or np.abs(start - x).max() > 1e-3 or not is_admissible(model, start):
+        if start is None or np.abs(start - x).max() > 1e-3 or model.refuses(start):
             continue
         line = _trace(chart, model, branch, start, (row,))
         if line is not None:
@@ -261,8 +255,8 @@ def _thin_lines(
                 if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
                     continue
                 start = model.reduce(states[k])
-                rows = thin_at(model, start)
-                if not rows or not is_admissible(model, start):
+                rows = thin_at(State(model, start))
+                if not rows or model.refuses(start):
                     continue
                 line = _trace(chart, model, branch, start, rows)
                 if line is not None:
@@ -276,7 +270,7 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
     for line in lines:
         for phi in line.fold_angles[[0, -1]]:
             x = model.reduce(phi)
-            closed = closed_contacts(model, x, model.local(x).gaps)
+            closed = model.closed(x)
             for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
                 if not _stays(chart, model, x, row):
                     continue
@@ -289,7 +283,7 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
     return found
 
 
-def _stays(chart: Chart, model: Model, x: np.ndarray, row: Row) -> bool:
+def _stays(chart: Chart, model: Model, x: np.ndarray, row: Contact) -> bool:
     """Tell whether moving from x along the zero set of `row` stays on the same point of the chart."""
     point = evaluate(model, x, (row,))
     if point is None or point.dimension != 1:
@@ -302,14 +296,14 @@ def _stays(chart: Chart, model: Model, x: np.ndarray, row: Row) -> bool:
 
 
 def _trace(
-    chart: Chart, model: Model, branch: int, x: np.ndarray, rows: tuple[Row, ...]
+    chart: Chart, model: Model, branch: int, x: np.ndarray, rows: tuple[Contact, ...]
 ) -> BoundaryLine | None:
     """Follow `rows` from the admissible state x [n] both ways; None where no motion keeps them closed."""
     walked = walk(model, x, rows)
     if walked is None:
         return None
     phi = model.expand(walked.states)
-    names = tuple(row_name(model, row) for row in rows)
+    names = tuple(model.name(row) for row in rows)
     points = chart_points(chart, phi)
     return BoundaryLine(names, rows, branch, points, phi, walked.s, walked.start, walked.end)
 

@@ -13,7 +13,10 @@ import numpy as np
 
 from origami_nlp.chart.chart import admissible
 from origami_nlp.path import Point, advance, correct, evaluate
-from origami_nlp.programme import Model, Row, broken_gap, closed_contacts, is_admissible, row_name
+from origami_nlp.programme import (
+    Contact,
+    Model,
+)
 
 LONGEST, SHORTEST = 0.04, 1e-10
 """Longest step, and the step [rad] to which the end of a line is bisected."""
@@ -36,7 +39,7 @@ class Walk:
     end: str
 
 
-def walk(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> Walk | None:
+def walk(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> Walk | None:
     """Follow `rows` from the admissible state x [n] both ways.
 
     None where no motion, or more than one, keeps the rows closed, or where both ends come at once.
@@ -59,7 +62,7 @@ def walk(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> Walk | None:
 
 
 def _one_way(
-    model: Model, first: Point, rows: tuple[Row, ...]
+    model: Model, first: Point, rows: tuple[Contact, ...]
 ) -> tuple[list[tuple[np.ndarray, float]], str]:
     """Follow the tangent of `first`: states with their arclength, and why they end."""
     out: list[tuple[np.ndarray, float]] = []
@@ -105,7 +108,7 @@ def _admissible_run(model: Model, states: list[np.ndarray]) -> int:
     count = 0
     for x in states:
         beyond = _beyond(model, x)
-        if beyond or broken_gap(model, model.local(x).gaps) is not None:
+        if beyond or any(not c.is_limit for c in model.beyond(x)):
             break
         count += 1
     if count:
@@ -113,16 +116,16 @@ def _admissible_run(model: Model, states: list[np.ndarray]) -> int:
         count = count if good.all() else int(np.argmin(good))
     # the order of layers is looked at where a run ends: it changes at corners, and then stays
     low, high = -1, count
-    if count and not is_admissible(model, states[count - 1]):
+    if count and model.refuses(states[count - 1]):
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if is_admissible(model, states[middle]) else (low, middle)
+            low, high = (middle, high) if not model.refuses(states[middle]) else (low, middle)
     return high
 
 
 def _beyond(model: Model, x: np.ndarray) -> bool:
     """Whether a fold angle exceeds pi, by however little."""
-    return model.structure.limits and bool((np.abs(x) > model.bound).any())
+    return model.has_limits and bool((np.abs(x) > model.bound).any())
 
 
 def _last_stretch(
@@ -130,19 +133,19 @@ def _last_stretch(
     point: Point,
     s: float,
     h: float,
-    rows: tuple[Row, ...],
+    rows: tuple[Contact, ...],
     out: list[tuple[np.ndarray, float]],
 ) -> tuple[list[tuple[np.ndarray, float]], str]:
     """Bisect to the end of a line, put its last point on the corner, and say what closes there."""
     while h > SHORTEST:
         moved = advance(model, point, rows, h)
-        if moved is None or _beyond(model, moved[0].x) or not is_admissible(model, moved[0].x):
+        if moved is None or _beyond(model, moved[0].x) or model.refuses(moved[0].x):
             h /= 2
             continue
         point, s = moved[0], s + moved[1]
         out.append((point.x, s))
         h *= 0.9
-    found = closed_contacts(model, point.x, model.local(point.x).gaps, CLOSED)
+    found = model.closed(point.x, CLOSED)
     extra = dict.fromkeys(found.base)
     for options in found.branches:
         extra.update(dict.fromkeys(options[0]))
@@ -152,4 +155,4 @@ def _last_stretch(
     corner = correct(model, point.x.copy(), (*rows, *new))
     if corner is not None and np.abs(corner - point.x).max() < CLOSED:
         out.append((corner, s + float(np.linalg.norm(corner - point.x))))
-    return out, "another contact closes (" + "; ".join(row_name(model, row) for row in new) + ")"
+    return out, "another contact closes (" + "; ".join(model.name(row) for row in new) + ")"

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.kkt import StartStream
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, broken_gap
+from origami_nlp.programme import Model
 
 CLOSED = 1e-12
 """Largest entry of loop closure at a traced point."""
@@ -122,11 +122,7 @@ def _end_point(model: Model, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
 
 def _keep(model: Model, curve: np.ndarray) -> list[np.ndarray]:
     """Cut a curve where it leaves the sheet q = +1 or passes a mirror or axis contact."""
-    gaps = bool(model.structure.gaps)
-    good = [
-        model.on_sheet(x) and not (gaps and broken_gap(model, model.local(x).gaps) is not None)
-        for x in curve
-    ]
+    good = [model.on_sheet(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
     pieces = []
     for value, run in itertools.groupby(range(len(curve)), key=lambda k: good[k]):
         indices = list(run)

@@ -179,7 +179,7 @@ def cone_classes(degree: int) -> ConeClasses:
 
 
 def _row_start(n: int, a: int) -> int:
-    """Row of the class with a valleys in one run."""
+    """Contact of the class with a valleys in one run."""
     return 1 + sum(min(b, n - b) for b in range(1, a))
 
 

@@ -20,7 +20,7 @@ from origami_nlp.cone.energy import Rest, rest_state
 from origami_nlp.cone.flaps import Folding, bracelets, check_degree, class_of
 from origami_nlp.cone.minima import ConeCount, branch_minima, check_ratio
 from origami_nlp.minima import FullSpace, judge_in_full_space
-from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.numerics import RANK, null_space
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 
@@ -172,6 +172,6 @@ def tangent_slope(model: Model, x: np.ndarray) -> float:
     """Norm of the gradient of the energy along closed states [scene's units]; nan where closure is singular."""
     local = model.local(x)
     jacobian = local.closure_jacobian
-    if (np.linalg.svd(jacobian, compute_uv=False) <= RANK_TOLERANCE).any():
+    if (np.linalg.svd(jacobian, compute_uv=False) <= RANK).any():
         return math.nan
     return float(np.linalg.norm(null_space(jacobian).T @ local.gradient)) * model.scale

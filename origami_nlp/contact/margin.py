@@ -28,29 +28,18 @@ import numpy as np
 from origami_nlp.contact.force_cone import distance_to_boundary
 from origami_nlp.kkt import (
     Multipliers,
-    Sensitivity,
+    State,
+    Stratum,
     find_multipliers,
     follow,
     judge_branch,
-    loaded_model,
-    moments_of,
     newton,
     polish,
     project,
-    sensitivity,
 )
 from origami_nlp.minima import Record, solve_without_crossing
-from origami_nlp.numerics import null_space
-from origami_nlp.programme import (
-    CLOSED,
-    Model,
-    Row,
-    closed_contacts,
-    is_admissible,
-    row_name,
-    row_values,
-    row_weight,
-)
+from origami_nlp.numerics import NEAR_CONTACT, TOUCHES, null_space
+from origami_nlp.programme import Programme
 
 CARRIES = 1e-10
 """Multipliers (energy divided by the mean stiffness) up to this carry nothing."""
@@ -59,8 +48,6 @@ BESIDE = 1e-3
 MOST_REFINEMENTS = 60
 FARTHEST = 0.2
 """A re-solved state farther than this [rad] from where it was expected has jumped to another basin."""
-AJAR = 1e-6
-"""Opening [rad] of the contact in the states that checks start from."""
 
 Status = Literal["exact", "zero", "unbounded", "bound", "none"]
 Ending = Literal["opens", "closes", "softens", "cap", "lost"]
@@ -152,30 +139,26 @@ class LoadMargin:
     reason: str
 
 
-def load_margin(model: Model, x: np.ndarray, *, check: bool = True) -> LoadMargin:
-    """Find the load margin of a minimum x [n] of `model`.
+def load_margin(state: State, *, check: bool = True) -> LoadMargin:
+    """Find the load margin of a minimum.
 
     Parameters
     ----------
     check
         Whether to re-solve just below and just above the critical load.
     """
-    root = np.sqrt(model.multiplicity)
-    local = model.local(x)
-    choices = closed_contacts(model, x, local.gaps).combinations()
+    model = state.programme
+    choices = state.contacts.combinations()
     if choices is None:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
     if choices == [()]:
         return _nothing(model, "none", "no contact is closed")
-    judged = [judge_branch(model, x, rows, local) for rows in choices]
-    if any(b.multipliers.residual > 1e-9 * (1 + np.abs(local.gradient).max()) for b in judged):
+    judged = [judge_branch(state.on(rows)) for rows in choices]
+    if any(b.multipliers.residual > 1e-9 * (1 + np.abs(state.gradient).max()) for b in judged):
         return _nothing(model, "none", "no multipliers balance the springs on some piece")
     dependent = [b for b in judged if not (b.regular and b.multipliers.unique)]
     if dependent:
-        b = dependent[0]
-        z = null_space(local.closure_jacobian / root)
-        _, a = row_values(model, x, b.rows, local.gaps, local.gaps_jacobian)
-        return _dependent(model, x, b.rows, a / root @ z, z, local.gradient / root, check)
+        return _dependent(state.on(dependent[0].rows), check)
     weak = {
         row: None
         for b in judged
@@ -183,10 +166,10 @@ def load_margin(model: Model, x: np.ndarray, *, check: bool = True) -> LoadMargi
         if value <= CARRIES
     }
     if weak:
-        words = "; ".join(row_name(model, row) for row in weak)
+        words = "; ".join(model.name(row) for row in weak)
         return _nothing(model, "zero", "closed but carrying nothing: any load may open it", words)
     # where pieces of the feasible set meet, the state must stay a minimum on each of them
-    pieces = [_regular(model, x, b.rows, check) for b in judged]
+    pieces = [_regular(state.on(b.rows), check) for b in judged]
     least = min(pieces, key=lambda margin: margin.norm)
     creases = tuple(_smaller([p.creases[v] for p in pieces]) for v in range(model.size))
     return replace(least, creases=creases)
@@ -200,37 +183,47 @@ def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
     return CreaseMargin(up.creases, up.positive, down.negative, first, (up.ends[0], down.ends[1]))
 
 
-def _nothing(model: Model, status: Status, reason: str, opens: str = "") -> LoadMargin:
+def _nothing(model: Programme, status: Status, reason: str, opens: str = "") -> LoadMargin:
     norm = {"zero": 0.0, "unbounded": math.inf}.get(status, math.nan)
     return LoadMargin(
-        status, norm, norm, (), opens, "lost", (), _cap(model), model.scene.group.name,
+        status, norm, norm, (), opens, "lost", (), _cap(model), model.symmetry,
         None, None, False, reason,
     )  # fmt: skip
 
 
-def _cap(model: Model) -> float:
-    return 2 * math.pi * sum(model.scene.stiffness)
+def _cap(model: Programme) -> float:
+    return 2 * math.pi * model.scale * float(model.parameters.stiffness.sum())
 
 
-def _regular(model: Model, x: np.ndarray, rows: tuple[Row, ...], check: bool) -> LoadMargin:
-    first = sensitivity(model, x, rows)
-    sizes = np.linalg.norm(first.response, axis=1)
-    margins = first.multipliers / np.maximum(sizes, 1e-300)
+def _under(model: Programme, load: np.ndarray) -> Programme:
+    """The model with energy U - load . y, for a load [n] in the metric of all N fold angles, over `scale`."""
+    return model.loaded(model.root * load)
+
+
+def _moments_of(model: Programme, load: np.ndarray) -> tuple[float, ...]:
+    """Moment [N m] on each of the N creases of a load in the metric."""
+    return tuple(model.expand(model.scale * load / model.root).tolist())
+
+
+def _regular(piece: Stratum, check: bool) -> LoadMargin:
+    model, rows = piece.state.programme, piece.contacts
+    response, _ = piece.response()
+    margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), 1e-300)
     best: tuple[float, np.ndarray, _Event] | None = None
     for i in range(len(rows)):
-        direction = _refine(model, x, rows, i, first)
-        event = _critical(model, x, rows, direction, 4 * float(margins[i]))
+        direction = _refine(piece, i, response[i])
+        event = _critical(piece, direction, 4 * float(margins[i]))
         if best is None or event.load < best[0]:
             best = (event.load, event.load * direction, event)
     assert best is not None
     _, load, event = best
     ending, i = event.ending, event.row
     cap = _cap(model)
-    creases = tuple(_orbit(model, x, rows, v, first, cap) for v in range(model.size))
+    creases = tuple(_orbit(piece, v, response, cap) for v in range(model.size))
     below = above = None
     if check and ending == "opens":
-        below = _resolve(model, x, event.state, rows, i, (1 - BESIDE) * load, 1 - BESIDE)
-        above = _resolve(model, x, event.state, rows, i, (1 + BESIDE) * load, 1 + BESIDE)
+        below = _resolve(piece, event.state, i, (1 - BESIDE) * load, 1 - BESIDE)
+        above = _resolve(piece, event.state, i, (1 + BESIDE) * load, 1 + BESIDE)
     checked = (
         below is not None
         and above is not None
@@ -244,33 +237,33 @@ def _regular(model: Model, x: np.ndarray, rows: tuple[Row, ...], check: bool) ->
         reason = f"the load path ends before a contact opens: {ending}"
     return LoadMargin(
         "exact", norm, float(model.scale * margins.min()),
-        tuple(moments_of(model, load).tolist()), row_name(model, rows[i]), ending, creases, cap,
-        model.scene.group.name, below, above, checked, reason,
+        _moments_of(model, load), model.name(rows[i]), ending, creases, cap,
+        model.symmetry, below, above, checked, reason,
     )  # fmt: skip
 
 
-def _refine(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], i: int, first: Sensitivity
-) -> np.ndarray:
+def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
     """Return the unit direction of the smallest load at which multiplier i vanishes.
 
     Relinearises mu_i at the loaded state: f <- D_i (D_i . f - mu_i) / |D_i|^2, damped where the loaded
     state cannot be solved for.  Falls back on the first-order direction.
     """
-    d, mu = first.response[i], first.multipliers[i]
+    model, rows = piece.state.programme, piece.contacts
+    d, mu = response, piece.forces[i]
     start = -mu * d / (d @ d)
-    load, y, damping = np.zeros(model.size), x, 1.0
+    load, y, damping = np.zeros(model.size), piece.state.x, 1.0
     wanted = start
     for _ in range(MOST_REFINEMENTS):
         trial = load + damping * (wanted - load)
-        solved, _ = newton(loaded_model(model, trial), y, rows)
+        loaded = _under(model, trial)
+        solved, _ = newton(loaded, y, rows)
         if solved is None or not solved.converged:
             damping /= 2
             if damping < 1e-2:
                 return start / np.linalg.norm(start)
             continue
-        here = sensitivity(loaded_model(model, trial), solved.x, rows)
-        d, mu = here.response[i], here.multipliers[i]
+        here = State(loaded, solved.x).on(rows)
+        d, mu = here.response()[0][i], here.forces[i]
         step = float(np.linalg.norm(trial - load))
         load, y = trial, solved.x
         wanted = d * (d @ load - mu) / (d @ d)
@@ -290,27 +283,25 @@ class _Event:
     state: np.ndarray
 
 
-def _critical(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], direction: np.ndarray, cap: float
-) -> _Event:
+def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
     """Follow the state under tau * direction from tau = 0 with `rows` held, to the first event.
 
     The load is bisected to 1e-8 relative.
     """
-    unloaded = sensitivity(model, x, rows).stiffness
+    model, rows = piece.state.programme, piece.contacts
 
     def look(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int] | None:
-        loaded = loaded_model(model, tau * direction)
+        loaded = _under(model, tau * direction)
         solved, mu = newton(loaded, near, rows)
         if solved is None or not solved.converged or np.linalg.norm(solved.x - near) > FARTHEST:
             return None
         if mu.min() < 0:
             return solved.x, "opens", int(mu.argmin())
-        if sensitivity(loaded, solved.x, rows).stiffness <= 0:
+        if State(loaded, solved.x).on(rows).stiffness <= 0:
             return solved.x, "softens", 0
-        return solved.x, None if is_admissible(model, solved.x) else "closes", 0
+        return solved.x, None if not model.refuses(solved.x) else "closes", 0
 
-    low, near, step = 0.0, x, cap / 32
+    low, near, step = 0.0, piece.state.x, cap / 32
     ending: Ending = "lost"
     row = 0
     while True:
@@ -329,24 +320,23 @@ def _critical(
             break
     if ending == "lost":
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
-        left = sensitivity(loaded_model(model, low * direction), near, rows).stiffness
-        ending = "softens" if left <= 1e-2 * unloaded else "lost"
+        left = State(_under(model, low * direction), near).on(rows).stiffness
+        ending = "softens" if left <= 1e-2 * piece.stiffness else "lost"
     return _Event(high, ending, row, near)
 
 
-def _orbit(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], v: int, first: Sensitivity, cap: float
-) -> CreaseMargin:
+def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMargin:
     """Return the margins for moments on the creases of variable v alone."""
+    model = piece.state.programme
     root = math.sqrt(model.multiplicity[v])
     values, linear, ends = [], [], []
     for sign in (1.0, -1.0):
         direction = np.zeros(model.size)
         direction[v] = sign
-        slope = first.response @ direction
+        slope = response @ direction
         falls = slope < -1e-14
-        predicted = np.min(-first.multipliers[falls] / slope[falls]) if falls.any() else math.inf
-        event = _critical(model, x, rows, direction, cap / model.scale)
+        predicted = np.min(-piece.forces[falls] / slope[falls]) if falls.any() else math.inf
+        event = _critical(piece, direction, cap / model.scale)
         tau = math.inf if event.ending == "cap" else event.load
         values.append(float(model.scale * tau / root))
         linear.append(float(model.scale * predicted / root))
@@ -356,55 +346,42 @@ def _orbit(
     )
 
 
-def _resolve(
-    model: Model,
-    x: np.ndarray,
-    near: np.ndarray,
-    rows: tuple[Row, ...],
-    i: int,
-    load: np.ndarray,
-    factor: float,
-) -> Check:
+def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float) -> Check:
     """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
-    loaded = loaded_model(model, load)
-    local = model.local(near)
-    _, a = row_values(model, near, rows, local.gaps, local.gaps_jacobian)
-    jac = np.vstack([local.closure_jacobian, a])
+    model, rows = piece.state.programme, piece.contacts
+    loaded = _under(model, load)
+    _, jac = model.constraints(near, rows)
     wanted = np.zeros(len(jac))
-    wanted[len(local.closure) + i] = AJAR
+    wanted[model.equation_count + i] = NEAR_CONTACT
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
     by: Literal["IPOPT", "descent"] = "IPOPT"
     answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
     y = answer.x
-    if np.linalg.norm(y - near) > FARTHEST and is_admissible(model, start):
+    if np.linalg.norm(y - near) > FARTHEST and not model.refuses(start):
         by, y = "descent", follow(loaded, start).end
-    at = loaded.local(y)
-    values, _ = row_values(loaded, y, rows, at.gaps, at.gaps_jacobian)
-    gap = abs(float(values[i]))  # on another piece of the feasible set it opens to the other side
+    there = State(loaded, y).on(rows)
+    gap = abs(
+        float(there.openings[i])
+    )  # on another piece of the feasible set it opens to the other side
     multiplier = 0.0
-    if gap <= CLOSED:  # the same touch may have been described by another row: read it as row i
-        mu = sensitivity(loaded, y, rows).multipliers[i]
-        multiplier = float(model.scale * mu / row_weight(model, rows[i]))
-    moved = float(np.linalg.norm(np.sqrt(model.multiplicity) * (y - x)))
-    return Check(factor, by, gap, multiplier, moved, gap <= CLOSED)
+    if gap <= TOUCHES:  # the same touch may have been described by another row: read it as row i
+        multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
+    moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
+    return Check(factor, by, gap, multiplier, moved, gap <= TOUCHES)
 
 
-def _dependent(
-    model: Model,
-    x: np.ndarray,
-    rows: tuple[Row, ...],
-    gradients: np.ndarray,
-    z: np.ndarray,
-    pull: np.ndarray,
-    check: bool,
-) -> LoadMargin:
-    """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces.
-
-    gradients: of the rows in the tangent space z of closure, [r, t].  pull: grad U in the metric [n].
-    """
+def _dependent(piece: Stratum, check: bool) -> LoadMargin:
+    """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces."""
+    model, rows, z, pull = (
+        piece.state.programme,
+        piece.contacts,
+        piece.state.kernel,
+        piece.state.gradient,
+    )
+    gradients = piece.slopes @ z  # in the tangent space of closure
     found = distance_to_boundary(gradients.T, z.T @ pull)
-    names = "; ".join(row_name(model, row) for row in rows)
+    names = "; ".join(model.name(row) for row in rows)
     if found is None:
         return _nothing(
             model,
@@ -429,6 +406,6 @@ def _dependent(
     reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
     norm = float(model.scale * distance)
     return LoadMargin(
-        "bound", norm, norm, tuple(moments_of(model, load).tolist()), names, "opens", (),
-        _cap(model), model.scene.group.name, None, None, checked, reason,
+        "bound", norm, norm, _moments_of(model, load), names, "opens", (),
+        _cap(model), model.symmetry, None, None, checked, reason,
     )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 from origami_nlp.contact.margin import LoadMargin, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, find_segments
 from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, Minimum
 
 SOFT = STIFFNESS
@@ -74,7 +75,7 @@ def report_contacts(
         if not minimum.contacts or state not in (None, number):
             continue
         margin = load_margin(
-            result.model, result.model.reduce(np.array(minimum.fold_angles)), check=check
+            State(result.model, result.model.reduce(np.array(minimum.fold_angles))), check=check
         )
         if minimum.local_dimension == 0:
             why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"

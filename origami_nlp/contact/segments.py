@@ -26,7 +26,7 @@ from origami_nlp.kkt import project
 from origami_nlp.minima import MinimaResult
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
+from origami_nlp.programme import Contact, Model
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
@@ -153,9 +153,9 @@ def find_segments(
     )
 
 
-def _held(model: Model, x: np.ndarray, *, one_at_a_time: bool) -> list[tuple[Row, ...]]:
+def _held(model: Model, x: np.ndarray, *, one_at_a_time: bool) -> list[tuple[Contact, ...]]:
     """Return the sets of contacts to hold at a state; alternatives that describe one boundary are both listed."""
-    contacts = closed_contacts(model, x, model.local(x).gaps)
+    contacts = model.closed(x)
     choices = contacts.combinations() or [contacts.base]
     choices = [rows for rows in choices if rows]
     if one_at_a_time:
@@ -164,7 +164,7 @@ def _held(model: Model, x: np.ndarray, *, one_at_a_time: bool) -> list[tuple[Row
 
 
 def _on_known(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], curves: list[BoundaryCurve]
+    model: Model, x: np.ndarray, rows: tuple[Contact, ...], curves: list[BoundaryCurve]
 ) -> int | None:
     """Return the curve that already runs along x with the same contacts closed, if there is one."""
     root = np.sqrt(model.multiplicity)
@@ -177,10 +177,7 @@ def _on_known(
             continue
         # the same boundary may be described by other contacts: they stay closed along it
         near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
-        values = [
-            row_values(model, y, rows, local.gaps, local.gaps_jacobian)[0]
-            for y, local in ((y, model.local(y)) for y in near)
-        ]
+        values = [local.openings(rows)[0] for y, local in ((y, model.local(y)) for y in near)]
         if np.abs(values).max() <= 1e-7:
             return number
     return None
@@ -193,14 +190,16 @@ def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
     return trace_boundary(scene).lines
 
 
-def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, Row]]:
+def _boundary_states(
+    model: Model, rng: np.random.Generator
+) -> Iterator[tuple[np.ndarray, Contact]]:
     """Yield admissible states with one contact held closed, spread at random over every contact."""
-    rows = [Row("limit", v, side) for v in range(model.size) for side in (-1, 1)]
-    if not model.structure.limits or model.freedom != 2:
+    rows = [Contact("limit", v, side) for v in range(model.size) for side in (-1, 1)]
+    if not model.has_limits or model.freedom != 2:
         rows = []
     for index, gap in enumerate(model.structure.gaps):
         sides = (1, -1) if gap.type == "facet-pair" else (1,)
-        rows += [Row("gap", index, side) for side in sides] if rows else []
+        rows += [Contact("gap", index, side) for side in sides] if rows else []
     for row in rows:
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
@@ -208,9 +207,9 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[tuple[n
             if residual > 1e-11 or (np.abs(y) > math.pi).any():
                 continue
             exact = correct(model, y, (row,))
-            if exact is None or not is_admissible(model, exact):
+            if exact is None or model.refuses(exact):
                 continue
-            touching = closed_contacts(model, exact, model.local(exact).gaps)
+            touching = model.closed(exact)
             sets = touching.combinations() or [touching.base]
             # a crease in the plane of a facet, but beside it, is no contact
             if any(row in choice for choice in sets):

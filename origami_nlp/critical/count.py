@@ -14,8 +14,7 @@ SHARP = 1e-4
 
 def springs(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Weighted stiffness (scaled) and rest angles of the model's variables, [n] each."""
-    n = model.size
-    return model.parameters[-2 * n : -n], model.parameters[-n:]
+    return model.parameters.stiffness, model.parameters.rest
 
 
 def links_of(model: Model, x: np.ndarray, doubts: list[str]) -> tuple[Link, ...]:

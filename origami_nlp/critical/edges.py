@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.critical import batch
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible
+from origami_nlp.kkt import project
+from origami_nlp.numerics import bracketed_roots
+from origami_nlp.programme import Contact, Model, held
 
 STEP = 0.06
 """Length [rad] of the steps along a curve, shorter where it bends."""
@@ -43,7 +44,7 @@ class Edge:
     row: the contact.  x: states [M, n] in order.  tangent: unit tangents [M, n].  loop: whether it closes on itself.
     """
 
-    row: Row
+    row: Contact
     x: np.ndarray
     tangent: np.ndarray
     loop: bool
@@ -54,14 +55,14 @@ class Edge:
         return float(np.linalg.norm(np.diff(self.x, axis=0), axis=1).sum())
 
 
-def possible_rows(model: Model) -> tuple[Row, ...]:
+def possible_rows(model: Model) -> tuple[Contact, ...]:
     """Every contact of the model; facet pairs on one side only, the curve being the same for both."""
-    rows = [Row("limit", v, s) for v in range(model.size) for s in (-1, 1)]
-    rows = rows if model.structure.limits else []
+    rows = [Contact("limit", v, s) for v in range(model.size) for s in (-1, 1)]
+    rows = rows if model.has_limits else []
     first: dict[tuple[str, tuple[int, ...]], int] = {}
     for index, gap in enumerate(model.structure.gaps):
         if first.setdefault((gap.type, gap.rays), index) == index:
-            rows.append(Row("gap", index, 1))
+            rows.append(Contact("gap", index, 1))
     return tuple(rows)
 
 
@@ -71,10 +72,10 @@ def trace_edges(model: Model, rng: np.random.Generator, seeds: int = SEEDS) -> t
     rows = possible_rows(model)
     for position, row in enumerate(rows):
         start = rng.uniform(-math.pi, math.pi, (seeds, model.size))
-        x, residual = batch.project(model, start, (row,))
-        x = x[(residual <= 1e-12) & batch.is_admissible(model, x)]
+        x, residual = project(model, start, (row,))
+        x = x[(residual <= 1e-12) & model.admissible(x)]
         # where an earlier contact is closed as well, this curve is that contact's
-        earlier, _ = batch.row_values(model, x, rows[:position])
+        earlier, _ = model.local(x).openings(rows[:position])
         x = x[(np.abs(earlier) > SURE).all(axis=1)]
         traced = np.zeros((0, model.size))
         for state in x:
@@ -100,14 +101,14 @@ def _dense(curve: np.ndarray) -> np.ndarray:
     return np.concatenate(out)
 
 
-def tangent_of(model: Model, x: np.ndarray, row: Row) -> np.ndarray | None:
+def tangent_of(model: Model, x: np.ndarray, row: Contact) -> np.ndarray | None:
     """Unit tangent [n] of a contact's curve at x; None where closure and contact are dependent."""
-    _, jac = batch.held_constraints(model, x[None], (row,))
+    _, jac = model.constraints(x[None], (row,))
     _, sizes, v = np.linalg.svd(jac[0])
     return None if sizes[-1] <= 1e-7 else v[-1]
 
 
-def _trace(model: Model, start: np.ndarray, row: Row) -> tuple[np.ndarray, np.ndarray, bool]:
+def _trace(model: Model, start: np.ndarray, row: Contact) -> tuple[np.ndarray, np.ndarray, bool]:
     """Trace a contact's curve both ways to the fold limits: states, tangents, and whether it closes."""
     first = tangent_of(model, start, row)
     if first is None:
@@ -120,7 +121,7 @@ def _trace(model: Model, start: np.ndarray, row: Row) -> tuple[np.ndarray, np.nd
 
 
 def _one_way(
-    model: Model, start: np.ndarray, tangent: np.ndarray, row: Row
+    model: Model, start: np.ndarray, tangent: np.ndarray, row: Contact
 ) -> tuple[list[tuple[np.ndarray, np.ndarray]], bool]:
     """Trace from `start` along `tangent`; returns points with tangents, and whether the curve closed."""
     out: list[tuple[np.ndarray, np.ndarray]] = []
@@ -136,10 +137,10 @@ def _one_way(
                 return out, False
             continue
         over = np.abs(y) - model.bound
-        over[[row.index] if row.kind == "limit" else []] = -1
+        over[[row.index] if row.is_limit else []] = -1
         if over.max() > SURE:
             v = int(over.argmax())
-            out.append((_meet(model, x, y, row, Row("limit", v, 1 if y[v] > 0 else -1)), new))
+            out.append((_meet(model, x, y, row, Contact("limit", v, 1 if y[v] > 0 else -1)), new))
             return out, False
         if len(out) > 3 and np.linalg.norm(y - start) < 0.75 * h and new @ first > 0.9:
             out.append((start, first))
@@ -149,28 +150,28 @@ def _one_way(
     return out, False
 
 
-def _correct(model: Model, x: np.ndarray, row: Row) -> tuple[np.ndarray, float]:
+def _correct(model: Model, x: np.ndarray, row: Contact) -> tuple[np.ndarray, float]:
     """Project one state onto a contact's curve."""
-    y, residual = batch.project(model, x[None], (row,), steps=8)
+    y, residual = project(model, x[None], (row,), steps=8)
     return y[0], float(residual[0])
 
 
-def _meet(model: Model, a: np.ndarray, b: np.ndarray, row: Row, other: Row) -> np.ndarray:
+def _meet(model: Model, a: np.ndarray, b: np.ndarray, row: Contact, other: Contact) -> np.ndarray:
     """Return the state on the contact's curve between a and b at which `other` closes, by bracketing.
 
     Newton on both contacts would slide along sets where they are dependent.
     """
 
     def opening(share: np.ndarray) -> np.ndarray:
-        at, _ = batch.project(model, a + share[:, None] * (b - a), (row,), steps=8)
-        return batch.row_values(model, at, (other,))[0][:, 0]
+        at, _ = project(model, a + share[:, None] * (b - a), (row,), steps=8)
+        return model.local(at).openings((other,))[0][:, 0]
 
-    share = batch.bracketed_roots(opening, np.zeros(1), np.ones(1))[0]
+    share = bracketed_roots(opening, np.zeros(1), np.ones(1))[0]
     at, _ = _correct(model, a + share * (b - a), row)
-    return batch.hold_limits(at[None], (row, other))[0]
+    return held(at, (row, other))
 
 
-def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool) -> list[Edge]:
+def _cut(model: Model, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: bool) -> list[Edge]:
     """Cut a traced curve at every event, and keep the parts that belong to X.
 
     Events: another contact's opening changes sign, or the curve of a contact that is closed all along crosses
@@ -178,17 +179,17 @@ def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool)
     Between events the touching features stay the same.
     """
     rows = tuple(r for r in possible_rows(model) if r != row)
-    values, _ = batch.row_values(model, x, rows)
+    values, _ = model.local(x).openings(rows)
     events: dict[int, list[np.ndarray]] = {}
     sure = np.abs(values) > SURE
     changes = sure[:-1] & sure[1:] & ((values[:-1] > 0) != (values[1:] > 0))
     along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= SURE).all()]
-    for held in (row, *along_all):
-        node = _orientation(model, x, tangent, held)
+    for contact in (row, *along_all):
+        node = _orientation(model, x, tangent, contact)
         for k in np.flatnonzero((node[:-1] > 0) != (node[1:] > 0)):
             known = events.setdefault(int(k), [])
             if not known:
-                known.append(_crossing(model, x[k], x[k + 1], tangent[k], row, held))
+                known.append(_crossing(model, x[k], x[k + 1], tangent[k], row, contact))
     for k, r in zip(*np.nonzero(changes), strict=True):
         at = _meet(model, x[k], x[k + 1], row, rows[r])
         known = events.setdefault(int(k), [])
@@ -215,24 +216,24 @@ def _cut(model: Model, row: Row, x: np.ndarray, tangent: np.ndarray, loop: bool)
     return kept
 
 
-def _orientation(model: Model, x: np.ndarray, tangent: np.ndarray, row: Row) -> np.ndarray:
+def _orientation(model: Model, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
     """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
-    _, jac = batch.held_constraints(model, x, (row,))
+    _, jac = model.constraints(x, (row,))
     return np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))
 
 
 def _crossing(
-    model: Model, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Row, held: Row
+    model: Model, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Contact, held: Contact
 ) -> np.ndarray:
     """Return the state of row's curve between a and b at which closure and `held` lose rank."""
 
     def turn(share: np.ndarray) -> np.ndarray:
-        at, _ = batch.project(model, a + share[:, None] * (b - a), (row,), steps=8)
-        _, jac = batch.held_constraints(model, at, (row,))
+        at, _ = project(model, a + share[:, None] * (b - a), (row,), steps=8)
+        _, jac = model.constraints(at, (row,))
         t = np.linalg.svd(jac)[2][:, -1]
         return _orientation(model, at, np.copysign(1.0, t @ tangent)[:, None] * t, held)
 
-    share = batch.bracketed_roots(turn, np.zeros(1), np.ones(1))[0]
+    share = bracketed_roots(turn, np.zeros(1), np.ones(1))[0]
     return _correct(model, a + share * (b - a), row)[0]
 
 
@@ -242,7 +243,7 @@ def _inside(model: Model, edge: Edge) -> list[Edge]:
     if len(x) <= 3:  # between close events: look half-way
         x = np.array([x[0], _correct(model, 0.5 * (x[0] + x[-1]), edge.row)[0], x[-1]])
     inner = np.unique(np.linspace(1, len(x) - 2, LOOKS).round().astype(int))
-    pairs = batch.is_admissible(model, x)[1:-1]
+    pairs = model.admissible(x)[1:-1]
     layers = np.array([pairs[k - 1] and _belongs(model, x[k], edge.row) for k in inner])
     if pairs.all() and layers.all():
         return [edge]
@@ -259,16 +260,16 @@ def _inside(model: Model, edge: Edge) -> list[Edge]:
     ]
 
 
-def _belongs(model: Model, x: np.ndarray, row: Row) -> bool:
+def _belongs(model: Model, x: np.ndarray, row: Contact) -> bool:
     """Tell whether x belongs to X, layers included, and `row` is a contact that touches there."""
-    if not is_admissible(model, x):
+    if model.refuses(x):
         return False
-    return row.kind == "limit" or touches(model, x, row)
+    return row.is_limit or touches(model, x, row)
 
 
-def touches(model: Model, x: np.ndarray, row: Row) -> bool:
+def touches(model: Model, x: np.ndarray, row: Contact) -> bool:
     """Tell whether a gap whose value vanishes at x is a contact: a facet's plane may be met beside the facet."""
-    found = closed_contacts(model, x, model.local(x).gaps)
+    found = model.closed(x)
     rows = [*found.base, *(r for options in found.branches for o in options for r in o)]
     rows += [again for again, _ in found.implied]
     return any(r.kind == row.kind and r.index == row.index for r in rows)

@@ -20,10 +20,10 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_whole
-from origami_nlp.critical import batch
 from origami_nlp.critical.count import count_links, in_degrees, links_of, shape_of, springs
 from origami_nlp.critical.edges import Edge, tangent_of, touches
 from origami_nlp.critical.link import RADII, closed_rows
+from origami_nlp.critical.points import KktPoints, kkt_newton
 from origami_nlp.critical.result import (
     ROUNDING,
     CriticalPoint,
@@ -35,17 +35,9 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import find_multipliers
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import null_space
+from origami_nlp.numerics import distinct, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import (
-    Model,
-    Row,
-    closed_contacts,
-    is_admissible,
-    row_name,
-    row_values as one_row_values,
-    row_weight,
-)
+from origami_nlp.programme import Contact, Model
 
 SAME = 1e-6
 """KKT points that differ by less [rad] are one."""
@@ -109,7 +101,7 @@ def _interior_points(
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
-    x, _, residual = _distinct(model, batch.kkt_newton(model, starts))
+    x, _, residual = _distinct(model, kkt_newton(model, starts))
     # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
     tips = [v.x for v in strata.vertices if v.links and len(v.links[0].circles) != 1]
     out = []
@@ -120,7 +112,7 @@ def _interior_points(
             continue
         local = model.local(state)
         lam = np.linalg.lstsq(local.closure_jacobian.T, local.gradient, rcond=1e-10)[0]
-        h = batch.lagrangian_hessian(model, state[None], lam[None], ())[0]
+        h = model.lagrangian_hessian(state, lam, ())
         z = null_space(local.closure_jacobian)
         curvature = np.linalg.eigvalsh(z.T @ h @ z)
         index, contribution, kind, how = count_links(model, links_of(model, state, doubts), doubts)
@@ -151,12 +143,12 @@ def _edge_points(
         edges = [(edge, side) for edge, side in zip(strata.edges, strata.sides, strict=True)]
         edges = [(edge, side) for edge, side in edges if edge.row == row]
         starts = np.concatenate([edge.x for edge, _ in edges])
-        x, multipliers, residual = _distinct(model, batch.kkt_newton(model, starts, (row,)))
+        x, multipliers, residual = _distinct(model, kkt_newton(model, starts, (row,)))
         for state, push, error in zip(x, multipliers[:, 0], residual, strict=True):
             known = np.concatenate([vertices, found])
             if len(known) and np.abs(known - state).max(axis=1).min() <= SAME:
                 continue
-            if not is_admissible(model, state) or not _is_on(model, state, row):
+            if model.refuses(state) or not _is_on(model, state, row):
                 continue
             found = np.concatenate([found, state[None]])
             side = min(edges, key=lambda e: np.abs(e[0].x - state).max(axis=1).min())[1]
@@ -179,15 +171,15 @@ def _warn_of_neighbours(
                 doubts.append(f"{in_degrees(model, x)} lies inside the sampled link of a vertex")
 
 
-def _is_on(model: Model, x: np.ndarray, row: Row) -> bool:
+def _is_on(model: Model, x: np.ndarray, row: Contact) -> bool:
     """Tell whether the row is a contact at x, not only a facet's plane met beside the facet."""
-    return row.kind == "limit" or touches(model, x, row)
+    return row.is_limit or touches(model, x, row)
 
 
 def _edge_point(
     model: Model,
     x: np.ndarray,
-    row: Row,
+    row: Contact,
     side: int,
     push: float,
     residual: float,
@@ -196,20 +188,20 @@ def _edge_point(
 ) -> CriticalPoint:
     """Judge one critical point of an edge; `side` is the sign of the opening inside X, 0 on handles and slits."""
     local = model.local(x)
-    _, a = one_row_values(model, x, (row,), local.gaps, local.gaps_jacobian)
+    _, a = local.openings((row,))
     weights = np.linalg.lstsq(
         np.vstack([local.closure_jacobian, a]).T, local.gradient, rcond=1e-10
     )[0]
     tangent = tangent_of(model, x, row)
     assert tangent is not None  # Newton does not settle where closure and contact are dependent
-    h = batch.lagrangian_hessian(model, x[None], weights[None], (row,))[0]
+    h = model.lagrangian_hessian(x, weights, (row,))
     curvature = float(tangent @ h @ tangent)
     soft = float(springs(model)[0].min())
     index = int(curvature < 0) if abs(curvature) > FIRM * soft else None
     stratum: Stratum = "boundary" if side else "handle"
     # a handle is held from two sides: its multipliers are not unique
-    moment = (side * push * model.scale / row_weight(model, row),) if side else ()
-    contacts = _contact_names(model, x) or (row_name(model, row),)
+    moment = (side * push * model.scale / model.weight(row),) if side else ()
+    contacts = _contact_names(model, x) or (model.name(row),)
     by_formula = side and index is not None and abs(push) > FIRM * soft
     if not by_formula or all_links:
         _, contribution, kind, how = count_links(model, links_of(model, x, doubts), doubts)
@@ -241,7 +233,7 @@ def _unmet(
         reach = 1.5 * float(np.linalg.norm(b - a)) + SAME
         away = np.linalg.norm(known - 0.5 * (a + b), axis=1).min(initial=np.inf)
         if away > reach:
-            name = row_name(model, edge.row)
+            name = model.name(edge.row)
             out.append(
                 f"dU/ds changes sign on '{name}' near {in_degrees(model, a)}: no point found"
             )
@@ -251,18 +243,18 @@ def _unmet(
 def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
     x = vertex.x
-    contacts = closed_contacts(model, x, model.local(x).gaps)
+    contacts = model.closed(x)
     rows = tuple(dict.fromkeys((*contacts.base, *(r for o in contacts.branches for r in o[0]))))
     local = model.local(x)
-    _, a = one_row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    _, a = local.openings(rows)
     z = null_space(local.closure_jacobian)
     found = find_multipliers((a @ z).T, z.T @ local.gradient)
     multipliers: tuple[float, ...] = ()
     if rows and found.residual <= 1e-9 and (found.smallest >= 0).all():
-        weights = np.array([row_weight(model, r) for r in rows])
+        weights = np.array([model.weight(r) for r in rows])
         values = found.smallest * model.scale / weights
         multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
-    names = tuple(dict.fromkeys(row_name(model, r) for r in rows))
+    names = tuple(dict.fromkeys(model.name(r) for r in rows))
     if vertex.reason:
         doubts.append(f"the link of {in_degrees(model, x)} is not known: {vertex.reason}")
     _, contribution, kind, how = count_links(model, vertex.links, doubts)
@@ -276,11 +268,11 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
     return _point(model, x, None, contribution, stratum, kind, names, multipliers, closure, how)
 
 
-def _distinct(model: Model, points: batch.KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Model, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
-    order = order[batch.is_admissible(model, points.x[order])] if len(order) else order
-    order = order[batch.distinct(points.x[order], SAME)]
+    order = order[model.admissible(points.x[order])] if len(order) else order
+    order = order[distinct(points.x[order], SAME)]
     return points.x[order], points.multipliers[order], points.residual[order]
 
 
@@ -291,9 +283,9 @@ def _touching(model: Model, x: np.ndarray) -> bool:
 
 def _contact_names(model: Model, x: np.ndarray) -> tuple[str, ...]:
     """Name the closed contacts of a state, one description for each."""
-    found = closed_contacts(model, x, model.local(x).gaps)
+    found = model.closed(x)
     rows = [*found.base, *(r for options in found.branches for r in options[0])]
-    return tuple(dict.fromkeys(row_name(model, row) for row in rows))
+    return tuple(dict.fromkeys(model.name(row) for row in rows))
 
 
 def _point(

@@ -21,9 +21,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.critical import batch
-from origami_nlp.numerics import null_space
-from origami_nlp.programme import Model, Row, is_admissible
+from origami_nlp.kkt import project
+from origami_nlp.numerics import bracketed_roots, null_space
+from origami_nlp.programme import Contact, Model
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
@@ -103,16 +103,11 @@ def _lone(mask: np.ndarray) -> int:
     return int((mask & ~np.roll(mask, 1) & ~np.roll(mask, -1)).sum())
 
 
-def closed_rows(model: Model, x: np.ndarray, tolerance: float = CLOSED) -> tuple[Row, ...]:
+def closed_rows(model: Model, x: np.ndarray, tolerance: float = CLOSED) -> tuple[Contact, ...]:
     """Return every contact whose opening vanishes at x [n], touching or not."""
-    rows: list[Row] = []
-    if model.structure.limits:
-        for v in np.flatnonzero(np.pi - np.abs(x) <= tolerance):
-            rows.append(Row("limit", int(v), 1 if x[v] > 0 else -1))
-    values = batch.gaps(model, x[None])[0][0]
-    for index in np.flatnonzero(np.abs(values) <= tolerance):
-        rows.append(Row("gap", int(index), 1))
-    return tuple(rows)
+    every = (*model.limits, *model.every_gap)
+    values, _ = model.local(x).openings(every)
+    return tuple(c for c, v in zip(every, values, strict=True) if abs(v) <= tolerance)
 
 
 def link_of(model: Model, x: np.ndarray, radius: float, samples: int = SAMPLES) -> Link:
@@ -137,7 +132,7 @@ def link_of(model: Model, x: np.ndarray, radius: float, samples: int = SAMPLES) 
             crowded = np.isin(ends, roots) & np.isin(np.roll(ends, -1), roots)
             theta = np.concatenate([theta, middle[crowded]])
         at = place(theta)
-        inside = batch.is_admissible(model, at)
+        inside = model.admissible(at)
         special, good = _on_contacts(model, place, roots, rows, radius)
         order = np.argsort(np.concatenate([theta, roots]) % (2 * np.pi))
         circles.append(
@@ -147,37 +142,39 @@ def link_of(model: Model, x: np.ndarray, radius: float, samples: int = SAMPLES) 
 
 
 def _on_contacts(
-    model: Model, place: Placing, roots: np.ndarray, rows: tuple[Row, ...], radius: float
+    model: Model, place: Placing, roots: np.ndarray, rows: tuple[Contact, ...], radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the states at which contacts stay closed, and whether they belong to X (layers ordered)."""
     at = place(roots) if len(roots) else np.zeros((0, model.size))
     good = np.zeros(len(at), dtype=bool)
-    values, _ = batch.row_values(model, at, rows)
+    values, _ = model.local(at).openings(rows)
     for k in range(len(at)):
         held = tuple(
             row for row, v in zip(rows, values[k], strict=True) if abs(v) <= 2 * SAME * radius
         )
-        snapped, residual = batch.project(model, at[k : k + 1], held, steps=6)
-        if residual[0] <= 1e-13 and batch.is_admissible(model, snapped)[0]:
-            at[k], good[k] = snapped[0], is_admissible(model, snapped[0])
+        snapped, residual = project(model, at[k : k + 1], held, steps=6)
+        if residual[0] <= 1e-13 and model.admissible(snapped)[0]:
+            at[k], good[k] = snapped[0], (not model.refuses(snapped[0]))
     return at, good
 
 
-def _roots(model: Model, place: Placing, theta: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
+def _roots(
+    model: Model, place: Placing, theta: np.ndarray, rows: tuple[Contact, ...]
+) -> np.ndarray:
     """Return the angles at which a row changes sign on the circle, sorted and distinct."""
     if not rows:
         return np.zeros(0)
-    values, _ = batch.row_values(model, place(theta), rows)
+    values, _ = model.local(place(theta)).openings(rows)
     after = np.roll(values, -1, axis=0)
     cell, which = np.nonzero((values > 0) != (after > 0))
     if not len(cell):
         return np.zeros(0)
 
     def opening(at: np.ndarray) -> np.ndarray:
-        return batch.row_values(model, place(at), rows)[0][np.arange(len(at)), which]
+        return model.local(place(at)).openings(rows)[0][np.arange(len(at)), which]
 
     low = theta[cell]
-    found = np.sort(batch.bracketed_roots(opening, low, low + 2 * np.pi / len(theta)) % (2 * np.pi))
+    found = np.sort(bracketed_roots(opening, low, low + 2 * np.pi / len(theta)) % (2 * np.pi))
     return found[np.concatenate([[True], np.diff(found) > SAME])]
 
 
@@ -195,7 +192,7 @@ def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
         raise ValueError(f"closure loses {lost} ranks")
     left = u[:, -1]
     kernel = np.linalg.svd(jac)[2][len(sizes) - 1 :].T
-    hessian = model.hessian(x, left, np.zeros(len(model.structure.gaps)), 0.0)
+    hessian = model.lagrangian_hessian(x, -left, (), 0.0)
     form, axes = np.linalg.eigh(kernel.T @ hessian @ kernel)
     if np.abs(form).min() <= 1e-9 or len(form) != 3:
         raise ValueError("the quadratic form of closure is degenerate")
@@ -211,7 +208,7 @@ def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
         d = side * axes[:, alone] + np.outer(stretch[0] * np.cos(theta), axes[:, two[0]])
         d = d + np.outer(stretch[1] * np.sin(theta), axes[:, two[1]])
         d = radius * d / np.linalg.norm(d, axis=1, keepdims=True)
-        return batch.project(model, x + d)[0]
+        return project(model, x + d)[0]
 
     return [lambda theta: cone(theta, 1.0), lambda theta: cone(theta, -1.0)]
 
@@ -223,7 +220,7 @@ def _over_plane(
     y = x + radius * np.stack([np.cos(theta), np.sin(theta)], axis=1) @ z.T
     fixed = np.broadcast_to(z.T, (len(y), 2, model.size))
     for _ in range(6):
-        g, jac = batch.closure(model, y)
+        g, jac = model.closure(y)
         if np.abs(g).max(initial=0.0) <= 1e-15:
             break
         right = np.concatenate([-g, np.zeros((len(y), 2))], axis=1)

@@ -13,13 +13,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.critical import batch
 from origami_nlp.critical.edges import Edge, possible_rows, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import flat_foldings
+from origami_nlp.kkt import flat_foldings, project
+from origami_nlp.numerics import distinct
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model, is_admissible
+from origami_nlp.programme import Model
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""
@@ -84,22 +84,22 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     n = vertex.degree
     model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
     rng = np.random.default_rng(seed)
-    cloud, residual = batch.project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
-    cloud = cloud[(residual <= 1e-12) & batch.is_admissible(model, cloud)]
+    cloud, residual = project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
+    cloud = cloud[(residual <= 1e-12) & model.admissible(cloud)]
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
     found = [*flat_foldings(model), *_corners(model, rng), *ends]
     states = np.array([_settled(model, x) for x in found]).reshape(-1, model.size)
-    states = states[batch.distinct(states, SAME)]
-    keep = [x for x in states if is_admissible(model, x)]
+    states = states[distinct(states, SAME)]
+    keep = [x for x in states if not model.refuses(x)]
     sides = tuple(_side(model, edge) for edge in edges)
     return Strata(model, cloud, edges, sides, tuple(_vertex(model, x) for x in keep))
 
 
 def _settled(model: Model, x: np.ndarray) -> np.ndarray:
     """Close a vertex to rounding, with its fold limits held; contacts and closure may be dependent there."""
-    rows = tuple(row for row in closed_rows(model, x, SAME) if row.kind == "limit")
-    y, residual = batch.project(model, x[None], rows, steps=6, cutoff=1e-4)
+    rows = tuple(row for row in closed_rows(model, x, SAME) if row.is_limit)
+    y, residual = project(model, x[None], rows, steps=6, dependent=1e-4)
     return y[0] if residual[0] <= 1e-13 and np.abs(y[0] - x).max() <= SAME else x
 
 
@@ -108,7 +108,7 @@ def _side(model: Model, edge: Edge) -> int:
     circles = link_of(model, edge.x[len(edge.x) // 2], RADII[-1], 24).circles
     if len(circles) != 1:
         return 0
-    values = batch.row_values(model, circles[0].x, (edge.row,))[0][:, 0]
+    values = model.local(circles[0].x).openings((edge.row,))[0][:, 0]
     inside = circles[0].inside
     signs = np.unique(np.sign(values[inside & (np.abs(values) > 1e-9)]))
     return int(signs[0]) if len(signs) == 1 else 0
@@ -126,14 +126,14 @@ def _corners(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
     """Return the admissible states at which two contacts close whose gradients and closure's are independent."""
     corners: list[np.ndarray] = []
     for pair in itertools.combinations(possible_rows(model), 2):
-        if pair[0].kind == pair[1].kind == "limit" and pair[0].index == pair[1].index:
+        if pair[0].is_limit and pair[1].is_limit and pair[0].index == pair[1].index:
             continue
         start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
-        x, residual = batch.project(model, start, pair)
-        x = x[(residual <= 1e-13) & batch.is_admissible(model, x)]
+        x, residual = project(model, start, pair)
+        x = x[(residual <= 1e-13) & model.admissible(x)]
         if not len(x):
             continue
-        x = x[batch.distinct(x, SAME)]
-        _, jac = batch.held_constraints(model, x, pair)
+        x = x[distinct(x, SAME)]
+        _, jac = model.constraints(x, pair)
         corners += list(x[np.linalg.svd(jac, compute_uv=False)[:, -1] > 1e-6])
     return corners

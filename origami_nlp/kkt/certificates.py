@@ -19,15 +19,11 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
+from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
-from origami_nlp.numerics import RANK_TOLERANCE, nearest_in_cone, null_space
-from origami_nlp.programme import Local, Model, Row, gap_weights, row_values
-
-STATIONARY = 1e-11
-"""Largest stationarity residual (energy divided by mean stiffness, relative) of a stationary state."""
-CURVED = 1e-12
-"""Eigenvalues of the scaled reduced Hessian below this do not count as positive."""
+from origami_nlp.kkt.state import Stratum
+from origami_nlp.numerics import CURVED, RANK, STATIONARY, nearest_in_cone, null_space
+from origami_nlp.programme import Contact
 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 
@@ -54,37 +50,24 @@ class BranchJudgement:
     verdict: Verdict
     certificate: str
     level: int
-    rows: tuple[Row, ...]
+    rows: tuple[Contact, ...]
     multipliers: Multipliers
     regular: bool
     eigenvalues: np.ndarray
     direction: np.ndarray | None
     cone_dimension: int
     tangent: np.ndarray | None
-    held: tuple[Row, ...]
+    held: tuple[Contact, ...]
 
 
-def judge_branch(
-    model: Model,
-    x: np.ndarray,
-    rows: tuple[Row, ...],
-    local: Local,
-    stationary: float = STATIONARY,
-) -> BranchJudgement:
-    """Judge state x on the piece where `rows` (all closed at x) are the contacts."""
-    # metric of all N fold angles: y = sqrt(multiplicity) x
-    root = np.sqrt(model.multiplicity)
-    jac = local.closure_jacobian / root
-    gradient = local.gradient / root
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
-    a = a / root
-    singular = np.linalg.svd(jac, compute_uv=False)
-    regular = bool((singular > RANK_TOLERANCE).all())
-    z = null_space(jac)
-    multipliers = find_multipliers((a @ z).T, z.T @ gradient)
+def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgement:
+    """Judge a state on the piece of the feasible set where the contacts of `piece` (all closed) are the contacts."""
+    state, rows, a = piece.state, piece.contacts, piece.slopes
+    root, z, regular = state.programme.root, state.kernel, state.regular
+    multipliers = piece.multiplier_set
     dimension, y, held = cone(a @ z, rows)
     tangent = None if y is None else z @ y / root
-    size = 1.0 + np.abs(gradient).max()
+    size = 1.0 + np.abs(state.gradient).max()
 
     def say(verdict: Verdict, why: str, level: int, eig=(), direction=None) -> BranchJudgement:  # type: ignore[no-untyped-def]
         return BranchJudgement(
@@ -104,9 +87,9 @@ def judge_branch(
     if dimension == 0:
         return say("minimum", "isolated: the linearised feasible cone is a point", 3)
     if multipliers.residual > stationary * size:
-        if not regular and _rises(model, x, jac, z, root, gradient, a):
+        if not regular and _rises(piece):
             return say("minimum", BY_CLOSURE, 5)
-        d = _descent(z, a, gradient)
+        d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
     loaded = multipliers.upper > 10 * stationary * size
@@ -117,8 +100,8 @@ def judge_branch(
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
     for mu in multipliers.vertices:
-        for lam in _closure_multipliers(jac, gradient - a.T @ mu, regular):
-            h = model.hessian(x, -lam, -gap_weights(model, rows, mu)) / np.outer(root, root)
+        for lam in _closure_multipliers(state.jacobian, state.gradient - a.T @ mu, regular):
+            h = piece.hessian_with(np.concatenate([lam, mu]))
             values, vectors = np.linalg.eigh(s.T @ h @ s)
             if best is None or values[0] > best[0]:
                 best = (values[0], values, s @ vectors)
@@ -148,31 +131,25 @@ def judge_branch(
                 return say(
                     "saddle", "negative curvature along a feasible direction", 0, values, d / root
                 )
-    if not regular and _rises(model, x, jac, z, root, gradient, a):
+    if not regular and _rises(piece):
         return say("minimum", BY_CLOSURE, 5, values)
     return say("undecided", "neither first nor second order decides", 0, values)
 
 
-def _rises(
-    model: Model,
-    x: np.ndarray,
-    jac: np.ndarray,
-    z: np.ndarray,
-    root: np.ndarray,
-    gradient: np.ndarray,
-    a: np.ndarray,
-) -> bool:
+def _rises(piece: Stratum) -> bool:
     """Tell whether the energy grows in every direction that closure leaves to second order (all in the metric)."""
-    u, values, _ = np.linalg.svd(jac)
-    none = np.zeros(len(model.structure.gaps))
-    lost = u.T[int((values > RANK_TOLERANCE).sum()) :]
-    forms = [z.T @ (model.hessian(x, w, none, 0.0) / np.outer(root, root)) @ z for w in lost]
-    return has_no_level_direction(forms, np.vstack([a @ z, -(gradient @ z)[None]]))
+    state, z = piece.state, piece.state.kernel
+    p = state.programme
+    u, values, _ = np.linalg.svd(state.jacobian)
+    lost = u.T[int((values > RANK).sum()) :]
+    unit = np.outer(p.root, p.root)
+    forms = [z.T @ (p.lagrangian_hessian(state.x, -w, (), 0.0) / unit) @ z for w in lost]
+    return has_no_level_direction(forms, np.vstack([piece.slopes @ z, -(state.gradient @ z)[None]]))
 
 
 def cone(
-    rows: np.ndarray, names: tuple[Row, ...]
-) -> tuple[int, np.ndarray | None, tuple[Row, ...]]:
+    rows: np.ndarray, names: tuple[Contact, ...]
+) -> tuple[int, np.ndarray | None, tuple[Contact, ...]]:
     """Describe the cone {y: rows y >= 0}, rows [r, t].
 
     Returns its dimension, a direction in its relative interior (None for a point), and the rows

@@ -8,27 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.folding import examine
-from origami_nlp.kkt.certificates import STATIONARY, BranchJudgement, judge_branch
-from origami_nlp.kkt.neighbours import (
-    CLOSES,
-    RADII,
-    dimension_nearby,
-    leads_somewhere,
-    project,
-    search_spheres,
-)
-from origami_nlp.programme import (
-    CLOSED,
-    Contacts,
-    Gap,
-    Local,
-    Model,
-    Row,
-    broken_gap,
-    closed_contacts,
-    is_admissible,
-)
+from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
+from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
+from origami_nlp.kkt.projection import project
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import FOLLOWED, STATIONARY, UNPOLISHED
+from origami_nlp.programme import Contact, Programme
 
 AT_REST = 1e-24
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
@@ -86,78 +71,80 @@ class Classification:
     descent: np.ndarray | None = None
 
 
-def classify(model: Model, x: np.ndarray, *, polished: bool = True) -> Classification:
-    """Classify a closed state x [n] of the model.
+def classify(state: State, *, polished: bool = True) -> Classification:
+    """Classify a closed state.
 
-    `polished` says whether x is exact to rounding; if not, IPOPT's accuracy is assumed, nothing finer is read, and
+    `polished` says whether it is exact to rounding; if not, IPOPT's accuracy is assumed, nothing finer is read, and
     what looks like a minimum is undecided: next to a singular set any state seems to balance.
+
+    Parameters
+    ----------
+    state
+        The state; contacts closed to its `tolerance` are taken as closed.
+    polished
+        Whether Newton took it to rounding.
+
+    Returns
+    -------
+    Classification
+        The verdict with its certificate, contacts with multipliers, and a direction of descent where there is one.
+
+    Examples
+    --------
+    >>> from origami_nlp import Model, State, classify, examples
+    >>> scene = examples.degree6("pi/3", ratio=1)
+    >>> classify(State(Model(scene), scene.rest_angles[:4])).verdict
+    'not admissible'
     """
-    what = _decide(model, x, polished)
+    if not polished:
+        state = State(state.programme, state.x, UNPOLISHED)
+    what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
     return what
 
 
-def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
+def _decide(state: State, accuracy: float) -> Classification:
     """Decide on a state, taking at their word the numbers of one that is not polished."""
 
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
 
-    if not model.on_sheet(x):
-        return reject("not admissible", "closes with q = -1: not a sheet of paper")
-    if (np.abs(x) > model.bound + 1e-9).any():
-        return reject("not admissible", f"a fold angle exceeds {model.bound:.4g}: not modelled")
-    if model.scene.contact == "full":
-        embedding = examine(
-            model.scene.vertex, model.expand(x), elements=model.scene.group.elements
-        )
-        if not embedding.admissible:
-            return reject("not admissible", embedding.reason)
-    local = model.local(x)
-    broken = broken_gap(model, local.gaps)
-    if broken is not None:
-        what = model.gap_name(model.structure.gaps[broken])
-        return reject(
-            "not admissible",
-            f"beyond the contact '{what}': its layers have no order with the symmetry of the scene",
-        )
-    contacts = closed_contacts(model, x, local.gaps, CLOSED if polished else 1e-5)
+    model, contacts = state.programme, state.contacts
+    if state.refused:
+        return reject("not admissible", state.refused)
     choices = contacts.combinations()
-    accuracy = STATIONARY if polished else 1e-5
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
     if choices is None:
-        whole = judge_branch(model, x, contacts.base, local, accuracy)
-        lower = _follow_descent(model, x, [whole]) if whole.verdict != "minimum" else None
+        whole = judge_branch(state.on(contacts.base), accuracy)
+        lower = _follow_descent(state, [whole]) if whole.verdict != "minimum" else None
         if lower is not None:
             return lower
-        judged, failed = _judge_by_splitting(model, x, contacts, local, accuracy)
+        judged, failed = _judge_by_splitting(state, accuracy)
         if failed:
-            return _by_search(model, x, contacts, failed)
+            return _by_search(state, failed)
     else:
-        judged = [judge_branch(model, x, rows, local, accuracy) for rows in choices]
+        judged = [judge_branch(state.on(rows), accuracy) for rows in choices]
     real = [
-        b for b in judged if b.tangent is not None and leads_somewhere(model, x, b.tangent, b.held)
+        b for b in judged if b.tangent is not None and leads_somewhere(state, b.tangent, b.held)
     ]
     thickest = max(b.cone_dimension for b in judged)
     if not real and thickest == 1 and not relaxed:
         return _isolated(
-            model,
-            x,
+            state,
             judged[0],
-            contacts,
             "isolated: the linearised contacts leave single directions, and facets cross at once "
             "along each of them (a check, not a proof)",
         )
     if not real and thickest > 1:
         # no piece that the linearised contacts allow is followed by states: isolated, or beyond first order
-        return _by_search(model, x, contacts, judged)
+        return _by_search(state, judged)
     decisive = real or judged  # without a real piece every cone is a point: isolated
     dimension = max((b.cone_dimension for b in real), default=0)
     if real and not all(b.regular for b in real):
-        dimension = dimension_nearby(model, x, contacts.base)
+        dimension = dimension_nearby(state, contacts.base)
     verdicts = {b.verdict for b in decisive}
     if "saddle" in verdicts or "not stationary" in verdicts:
         worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
@@ -169,13 +156,13 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
     if 0 < dimension < model.freedom:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     if "undecided" in verdicts:
-        return _by_search(model, x, contacts, judged)
+        return _by_search(state, judged)
     return Classification(
         "minimum",
         _kind(decisive),
         certificate + (_of_branches(len(decisive)) if len(decisive) > 1 else ""),
         dimension,
-        _forces(model, x, decisive[0], contacts),
+        _forces(state, decisive[0]),
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
         math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
@@ -183,7 +170,7 @@ def _decide(model: Model, x: np.ndarray, polished: bool) -> Classification:
 
 
 def _judge_by_splitting(
-    model: Model, x: np.ndarray, contacts: Contacts, local: Local, accuracy: float
+    state: State, accuracy: float
 ) -> tuple[list[BranchJudgement], list[BranchJudgement]]:
     """Judge the union of pieces without listing them: split a set by one facet pair after the other.
 
@@ -193,10 +180,11 @@ def _judge_by_splitting(
     """
     good: list[BranchJudgement] = []
     failed: list[BranchJudgement] = []
+    contacts = state.contacts
     pending = [(contacts.base, 0)]
     while pending:
         rows, start = pending.pop()
-        b = judge_branch(model, x, rows, local, accuracy)
+        b = judge_branch(state.on(rows), accuracy)
         held = set(rows)
         split = next(
             (
@@ -218,25 +206,23 @@ def _judge_by_splitting(
     return good, failed
 
 
-def _isolated(
-    model: Model, x: np.ndarray, branch: BranchJudgement, contacts: Contacts, reason: str
-) -> Classification:
+def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classification:
     """Return the classification of an isolated point: a minimum, since it has no neighbours."""
-    forces = _forces(model, x, branch, contacts)
+    forces = _forces(state, branch)
     # nothing has to balance at a point that cannot move: no stationarity residual
     return Classification("minimum", "degenerate", reason, 0, forces)
 
 
-def _held_words(model: Model, branches: list[BranchJudgement]) -> str:
+def _held_words(model: Programme, branches: list[BranchJudgement]) -> str:
     """Name the contacts that every neighbouring state keeps closed."""
     held = set.intersection(*(set(b.held) for b in branches))
     words = []
     for row in sorted(held):
-        if row.kind == "limit":
+        if row.is_limit:
             creases = ", ".join(map(str, model.creases_of(row.index)))
             words.append(f"phi_{{{creases}}} = {'+' if row.side > 0 else '-'}pi")
         else:
-            words.append(model.gap_name(model.structure.gaps[row.index]))
+            words.append(model.name(row))
     return " and ".join(words) or "their contacts"
 
 
@@ -253,48 +239,46 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
     return "contact-pinned" if loaded else "contact-touching"
 
 
-def _follow_descent(
-    model: Model, x: np.ndarray, judged: list[BranchJudgement]
-) -> Classification | None:
+def _follow_descent(state: State, judged: list[BranchJudgement]) -> Classification | None:
     """Step along the linearised descent directions; an admissible lower state settles the matter."""
+    model, x = state.programme, state.x
     for b in judged:
         if b.direction is None or not np.abs(b.direction).max() > 0:
             continue
         d = b.direction / np.linalg.norm(b.direction)
-        slope = float(model.local(x).gradient @ d) * model.scale
+        slope = float(state.local.gradient @ d) * model.scale
         for step in (1e-5, 1e-4, 1e-3):  # shorter ones hide in the snapping of contacts
             y, residual = project(model, x + step * d, b.held)
             change = model.energy_change(x, y)
             if (
-                residual <= CLOSES
+                residual <= FOLLOWED
                 and np.linalg.norm(y - x) < 3 * step
                 and change < 0.1 * step * slope < 0
-                and is_admissible(model, y)
+                and not model.refuses(y)
             ):
                 why = f"an admissible state {step:g} rad away is lower by {-change:.2e}"
                 return Classification("not stationary", None, why, 0, descent=d)
     return None
 
 
-def _by_search(
-    model: Model, x: np.ndarray, contacts: Contacts, judged: list[BranchJudgement]
-) -> Classification:
+def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     """Refute a singular state by a lower neighbour on small spheres around it; without one it is undecided."""
-    if model.energy(x) <= AT_REST * model.scale:
+    model = state.programme
+    if model.parameters.excess(state.x) <= AT_REST:
         return Classification(
             "minimum",
             "degenerate",
             "at rest: no state has less energy",
-            dimension_nearby(model, x, contacts.base),
-            _forces(model, x, judged[0], contacts),
+            dimension_nearby(state, state.contacts.base),
+            _forces(state, judged[0]),
             stationarity=0.0,
         )
-    lower = _follow_descent(model, x, judged)
+    lower = _follow_descent(state, judged)
     if lower is not None:
         return lower
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
-    found = search_spheres(model, x, rows)
-    noise = 1e-12 * max(model.energy(x), model.scale)
+    found = search_spheres(state, rows)
+    noise = 1e-12 * max(state.energy, model.scale)
     where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.admissible} admissible states"
     if found.state is not None and found.lowest < -noise:
         return Classification(
@@ -310,67 +294,23 @@ def _by_search(
     return Classification("undecided", None, reason, found.dimension)
 
 
-def _where_rays_meet(model: Model, x: np.ndarray, gap: Gap) -> str | None:
-    """Name a facet-pair contact by its two creases where they lie on each other."""
-    rays = model.rays(x)
-    k, j = gap.rays
-    for end in (j, (j + 1) % len(rays)):
-        has = model.structure.has_crease
-        if (
-            np.linalg.norm(rays[k] - rays[end]) <= CLOSED
-            and has[k % len(has)]
-            and has[end % len(has)]
-        ):
-            first, second = sorted((model.crease_of_ray(k), model.crease_of_ray(end)))
-            facet = model.facet_of_ray(j)
-            off = model.crease_of_ray(k)
-            return (
-                f"creases {first} and {second} on each other "
-                f"(opening: crease {off} off the plane of facet {facet})"
-            )
-    return None
-
-
-def _forces(
-    model: Model, x: np.ndarray, branch: BranchJudgement, contacts: Contacts
-) -> tuple[ContactForce, ...]:
-    """Turn rows and multipliers into contacts with moments."""
+def _forces(state: State, branch: BranchJudgement) -> tuple[ContactForce, ...]:
+    """Turn the contacts of a piece and their multipliers into moments."""
     out = []
-    also: dict[Row, list[str]] = {}
-    for row, same in contacts.implied:
-        also.setdefault(same, []).append(model.gap_name(model.structure.gaps[row.index]))
+    model = state.programme
+    also: dict[Contact, list[str]] = {}
+    for contact, same in state.contacts.implied:
+        also.setdefault(same, []).append(model.name(contact))
     m = branch.multipliers
     stationary = m.residual <= 1e-8 * (1 + float(np.abs(m.smallest).max(initial=0)))
-    for r, row in enumerate(branch.rows):
-        creases: tuple[int, ...] = ()
-        facets: tuple[int, ...] = ()
-        if row.kind == "limit":
-            kind, weight = "fold-limit", int(model.multiplicity[row.index])
-            creases = model.creases_of(row.index)
-            text = f"phi = {'+' if row.side > 0 else '-'}pi at crease{'s' * (len(creases) > 1)} "
-            text += ", ".join(map(str, creases))
-        else:
-            gap = model.structure.gaps[row.index]
-            kind, weight, text = gap.type, gap.weight, model.gap_name(gap)
-            if gap.pair is not None:
-                text = _where_rays_meet(model, x, gap) or text
-                facets = tuple(model.facet_of_ray(i) for i in gap.pair)
-            elif model.scene.group.rays[gap.rays[0]].crease is not None:
-                creases = (model.crease_of_ray(gap.rays[0]),)
-            else:
-                facets = (model.facet_of_ray(gap.rays[0]),)
-        if row in also:
-            text += " (so " + ", ".join(sorted(set(also[row]))) + ")"
-        unit = model.scale / weight
+    for r, contact in enumerate(branch.rows):
+        who = model.words(contact, state.x)
+        text = who.text
+        if contact in also:
+            text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
+        unit = model.scale / model.weight(contact)
         values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
-        out.append(
-            ContactForce(
-                kind,
-                creases,
-                facets,
-                float(values[0] * unit),
-                (float(values[1] * unit), float(values[2] * unit)),
-                text,
-            )
-        )
+        moments = [float(v * unit) for v in values]
+        spread = (moments[1], moments[2])
+        out.append(ContactForce(who.type, who.creases, who.facets, moments[0], spread, text))
     return tuple(out)

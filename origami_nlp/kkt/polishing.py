@@ -9,14 +9,15 @@ consistent.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.kkt.starts import project_batch
-from origami_nlp.numerics import cross
+from origami_nlp.kkt.projection import project
+from origami_nlp.numerics import BESIDE, CLOSES, EPS, FOLLOWED, ROUNDED, STATIONARY
 from origami_nlp.pattern import ROUNDING
-from origami_nlp.programme import Model, Row, gap_weights, row_values, same_gap
+from origami_nlp.programme import Contact, Programme, fold_limit, held
 
 MOST_STEPS = 12
 MOST_REPAIRS = 8
@@ -24,17 +25,35 @@ RANK = 1e-14
 """Relative singular values of the KKT matrix below this count as zero (dependent contacts)."""
 PULL = 1e-14
 """Multipliers below minus this (relative) pull: the contact is dropped, however little it would open."""
-BESIDE = 1e-3
-"""IPOPT's answers at singular states are good to the root of its tolerance [rad]."""
-CLOSES = 1e-12
-"""An exact singular state closes to this."""
-EPS = 2.0**-52
 DEPENDENT = 1e-10
 """Singular values of closure and contacts below this count as zero."""
 RESOLVED = 0.1
 """A state is told from a singular one at a distance of which its uncertainty is at most this share."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
+
+
+@dataclass(frozen=True)
+class Solve:
+    """What IPOPT answered.
+
+    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
+    bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
+    for the active-set guess.
+    pair_force: for each facet pair with a plane, the largest multiplier of its rows; None if all may press.
+    """
+
+    x: np.ndarray
+    status: str
+    iterations: int
+    residual: float
+    pull: np.ndarray
+    pair_force: Mapping[tuple[int, int], float] | None
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether IPOPT reports convergence."""
+        return self.status == "Solve_Succeeded"
 
 
 @dataclass(frozen=True)
@@ -50,17 +69,17 @@ class Polished:
     """
 
     x: np.ndarray
-    rows: tuple[Row, ...]
+    rows: tuple[Contact, ...]
     closure_residual: float
     kkt_residual: float
     converged: bool
     uncertainty: float = 0.0
 
 
-def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) -> Polished:
+def polish(model: Programme, answer: Solve, guess: tuple[Contact, ...] | None = None) -> Polished:
     """Polish one answer of IPOPT; `guess` gives the active set to try first, where it is known."""
-    guess = guess_active(model, answer) if guess is None else guess
-    firm = tuple(row for row in guess if row.kind == "gap" or abs(answer.pull[row.index]) > 1e-6)
+    guess = model.guess(answer.x, answer.pull, answer.pair_force) if guess is None else guess
+    firm = tuple(row for row in guess if not row.is_limit or abs(answer.pull[row.index]) > 1e-6)
     fallback: Polished | None = None
     for first in dict.fromkeys((guess, firm, ())):
         result, consistent = _repair(model, answer.x, first)
@@ -73,7 +92,7 @@ def polish(model: Model, answer: Solve, guess: tuple[Row, ...] | None = None) ->
     return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
 
 
-def exact_beside(model: Model, state: Polished) -> Polished:
+def exact_beside(model: Programme, state: Polished) -> Polished:
     """Return the exact singular state within `BESIDE` of an unpolished one, or the latter where there is none.
 
     The fold angles next to 0 and +-pi are taken for these, and the others closed; where there are others, Newton
@@ -83,19 +102,19 @@ def exact_beside(model: Model, state: Polished) -> Polished:
     frozen = np.abs(state.x - flat) <= BESIDE
     if not frozen.any():
         return state
-    y, residual = project_batch(model, np.where(frozen, flat, state.x)[None], frozen[None])
-    exact = Polished(y[0], (), float(residual[0]), math.nan, True)
-    if frozen.all() and residual[0] <= CLOSES:
+    y, residual = project(model, np.where(frozen, flat, state.x), frozen=frozen)
+    exact = Polished(y, (), float(residual), math.nan, True)
+    if frozen.all() and residual <= CLOSES:
         return exact
-    shut = frozen & (flat != 0) & model.structure.limits
-    rows = tuple(Row("limit", int(v), int(np.sign(flat[v]))) for v in np.flatnonzero(shut))
+    shut = frozen & (flat != 0) & model.has_limits
+    rows = tuple(fold_limit(int(v), flat[v]) for v in np.flatnonzero(shut))
     along, _ = newton(model, exact.x, rows)
     if along is None or not along.converged or np.abs(along.x - state.x).max() > BESIDE:
         return state
     return along
 
 
-def _at_singular_folding(model: Model, state: Polished) -> Polished:
+def _at_singular_folding(model: Programme, state: Polished) -> Polished:
     """Move a state beside a flat folding where closure loses rank onto it.
 
     There any state at distance d closes to d^2, so that Newton stops short of the folding, or next to it.
@@ -107,30 +126,27 @@ def _at_singular_folding(model: Model, state: Polished) -> Polished:
         return state
     residual, jacobian = model.closure(y)
     singular = np.linalg.svd(jacobian, compute_uv=False).min() <= 1e-9
-    if not singular or np.abs(residual).max() > 1e-14:
+    if not singular or np.abs(residual).max() > ROUNDED:
         return state
     if state.converged and model.energy_change(y, state.x) < 0 and _leads_on(model, y, state.x - y):
         return state
     return replace(state, x=y, closure_residual=float(np.abs(residual).max()))
 
 
-def _leads_on(model: Model, y: np.ndarray, direction: np.ndarray) -> bool:
+def _leads_on(model: Programme, y: np.ndarray, direction: np.ndarray) -> bool:
     """Tell whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
     far = 1e-3
     guess = y + far * direction / np.linalg.norm(direction)
-    x = guess
-    for _ in range(8):
-        value, jacobian = model.closure(x)
-        if np.abs(value).max() <= 1e-14:
-            break
-        x = x - np.linalg.lstsq(jacobian, value, rcond=1e-6)[0]
-    return bool(np.abs(model.closure(x)[0]).max() <= 1e-13 and np.linalg.norm(x - guess) < far / 10)
+    x, residual = project(model, guess, steps=8)
+    return bool(residual <= FOLLOWED and np.linalg.norm(x - guess) < far / 10)
 
 
-def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polished | None, bool]:
+def _repair(
+    model: Programme, x: np.ndarray, rows: tuple[Contact, ...]
+) -> tuple[Polished | None, bool]:
     """Run Newton, adding violated contacts and dropping pulling ones, until the active set is consistent."""
     best: Polished | None = None
-    seen: set[tuple[Row, ...]] = set()
+    seen: set[tuple[Contact, ...]] = set()
     for _ in range(MOST_REPAIRS):
         key = tuple(sorted(rows))
         if key in seen:
@@ -141,7 +157,7 @@ def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polishe
             break
         if result.converged and best is None:
             best = result
-        violated = _violated(model, result.x, key)
+        violated = [c for c in model.beyond(result.x, CLOSES) if c not in key]
         if violated:
             rows = tuple(dict.fromkeys((*key, *violated)))
         elif len(multipliers) and multipliers.min() < -PULL * max(1, np.abs(multipliers).max()):
@@ -152,63 +168,19 @@ def _repair(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> tuple[Polishe
     return best, False
 
 
-def guess_active(model: Model, answer: Solve) -> tuple[Row, ...]:
-    """Guess the closed contacts: slack smaller than force, or both tiny."""
-    x = answer.x
-    rows: list[Row] = []
-    if model.structure.limits:
-        for v in range(model.size):
-            slack, force = math.pi - abs(x[v]), abs(answer.pull[v])
-            if slack <= 1e-6 or (slack <= 1e-2 and force > slack):
-                rows.append(Row("limit", v, 1 if x[v] > 0 else -1))
-    if not model.structure.gaps:
-        return tuple(rows)
-    local = model.local(x)
-    limited = {row.index for row in rows}
-    same = same_gap(model.structure)
-    for index, gap in enumerate(model.structure.gaps):
-        value = local.gaps[index]
-        if gap.type != "facet-pair":
-            if value <= 1e-5:
-                rows.append(Row("gap", index, 1))
-            continue
-        assert gap.pair is not None
-        if answer.pair_force.get(gap.pair, 0.0) <= 1e-5 or abs(value) > 1e-3:
-            continue
-        k, j = gap.rays
-        side = _side(model.rays(x), k, j, gap.pair)
-        near = {m for m in (j - 1, j, j + 1, j + 2)}
-        if side and not (k in near and limited):
-            rows.append(Row("gap", same[index], side))
-    return tuple(dict.fromkeys(rows))
-
-
-def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
-    """Return the side of facet j on which the facet that ends at ray k lies; 0 if k is off the facet."""
-    n = len(rays)
-    a, b, c = rays[j], rays[(j + 1) % n], rays[k]
-    normal = cross(a, b)
-    if cross(a, c) @ normal < -1e-3 or cross(c, b) @ normal < -1e-3:
-        return 0
-    start = pair[0] if pair[1] == j else pair[1]
-    other = rays[(start + 1) % n] if k == start else rays[start]
-    height = other @ normal
-    return 0 if abs(height) < 1e-6 else int(math.copysign(1, height))
-
-
 def newton(
-    model: Model, start: np.ndarray, rows: tuple[Row, ...]
+    model: Programme, start: np.ndarray, rows: tuple[Contact, ...]
 ) -> tuple[Polished | None, np.ndarray]:
     """Solve stationarity, closure and `rows` = 0 by Newton (least squares where they are
     dependent).
 
     Returns the state, or None if the steps leave the neighbourhood, and the multipliers of `rows`.
     """
-    x = _hold_limits(np.array(start, dtype=float), rows)
+    x = held(start, rows)
     best: tuple[float, Polished, np.ndarray] | None = None
     for _ in range(MOST_STEPS):
         local = model.local(x)
-        values, gradients = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+        values, gradients = local.openings(rows)
         jacobian = np.vstack([local.closure_jacobian, gradients])
         multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=1e-10)[0]
         m = len(local.closure)
@@ -217,7 +189,7 @@ def newton(
         size = 1.0 + np.abs(local.gradient).max()
         kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
         closure = float(np.abs(local.closure).max())
-        hessian = model.hessian(x, -multipliers[:m], -gap_weights(model, rows, multipliers[m:]))
+        hessian = model.lagrangian_hessian(x, multipliers, rows)
         count = len(jacobian)
         system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((count, count))]])
         right = -np.concatenate([stationarity, local.closure, values])
@@ -226,7 +198,7 @@ def newton(
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
         # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
-        reached = kkt <= 1e-11 and closure <= 1e-14 and length <= model.step_noise
+        reached = kkt <= STATIONARY and closure <= ROUNDED and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
             u = _uncertainty(hessian, jacobian, multipliers) if reached else math.inf
@@ -237,7 +209,7 @@ def newton(
             break
         if length <= 1e-16:
             break
-        x = _hold_limits(x + step, rows)
+        x = held(x + step, rows)
     assert best is not None
     merit, state, row_multipliers = best
     if not state.converged and merit > 1e-5:
@@ -280,49 +252,3 @@ def _closed_exactly(x: np.ndarray) -> np.ndarray:
     """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds)."""
     shut = np.abs(np.abs(x) - math.pi) <= 2e-15
     return np.where(shut, np.copysign(math.pi, x), x)
-
-
-def _hold_limits(x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray:
-    """Set fold angles at closed fold limits to +-pi exactly."""
-    for row in rows:
-        if row.kind == "limit":
-            x[row.index] = row.side * math.pi
-    return x
-
-
-def _violated(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> list[Row]:
-    """Return contacts outside `rows` that the state violates."""
-    out: list[Row] = []
-    if model.structure.limits:
-        for v in range(model.size):
-            if abs(x[v]) > math.pi + 1e-12:
-                out.append(Row("limit", v, 1 if x[v] > 0 else -1))
-    if model.structure.gaps:
-        gaps = model.local(x).gaps
-        for index, gap in enumerate(model.structure.gaps):
-            if gap.type != "facet-pair" and gaps[index] < -1e-12:
-                out.append(Row("gap", index, 1))
-    return [row for row in out if row not in rows]
-
-
-@dataclass(frozen=True)
-class Solve:
-    """What IPOPT answered.
-
-    x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
-    bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
-    for the active-set guess.
-    pair_force: for each facet pair with a plane, the largest multiplier of its rows.
-    """
-
-    x: np.ndarray
-    status: str
-    iterations: int
-    residual: float
-    pull: np.ndarray
-    pair_force: dict[tuple[int, int], float]
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether IPOPT reports convergence."""
-        return self.status == "Solve_Succeeded"

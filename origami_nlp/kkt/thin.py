@@ -14,11 +14,12 @@ import math
 import numpy as np
 
 from origami_nlp.kkt.certificates import cone
-from origami_nlp.kkt.neighbours import project
 from origami_nlp.kkt.polishing import newton
-from origami_nlp.kkt.starts import BATCH, project_batch
-from origami_nlp.numerics import null_space
-from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
+from origami_nlp.kkt.projection import project
+from origami_nlp.kkt.starts import BATCH
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
+from origami_nlp.programme import Contact, Programme
 
 MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
@@ -26,15 +27,15 @@ MOST_ON_A_SET = 4
 """States from which the energy is minimised along one thin set."""
 
 
-def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
+def handle_minima(model: Programme, seed: int) -> list[np.ndarray]:
     """Return candidate minima on thin sets, each minimal along its set; empty where there are none."""
-    if not model.structure.limits or model.freedom < 1:
+    if not model.has_limits or model.freedom < 1:
         return []
     ends: list[np.ndarray] = []
-    tried: dict[tuple[Row, ...], int] = {}
+    tried: dict[tuple[Contact, ...], int] = {}
     for x in states_on_limits(model, np.random.default_rng(seed)):
-        held = thin_at(model, x)
-        if not held or tried.get(held, 0) >= MOST_ON_A_SET or not is_admissible(model, x):
+        held = thin_at(State(model, x))
+        if not held or tried.get(held, 0) >= MOST_ON_A_SET or model.refuses(x):
             continue
         tried[held] = tried.get(held, 0) + 1
         end = minimise_along(model, x, held)
@@ -43,7 +44,7 @@ def handle_minima(model: Model, seed: int) -> list[np.ndarray]:
     return ends
 
 
-def states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
+def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
     """Return closed states within the fold limits that have one or two fold angles at +-pi."""
     n = model.size
     single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
@@ -56,36 +57,33 @@ def states_on_limits(model: Model, rng: np.random.Generator) -> list[np.ndarray]
     for row, pattern in enumerate(patterns):
         for v, s in pattern:
             x[row, v], frozen[row, v] = s * math.pi, True
-    x, residual = project_batch(model, x, frozen)
-    x = np.where(np.abs(np.abs(x) - math.pi) <= 1e-9, np.sign(x) * math.pi, x)
-    good = (residual <= 1e-11) & (np.abs(x) <= math.pi).all(axis=1)
+    x, residual = project(model, x, frozen=frozen)
+    x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
+    good = (residual <= CLOSES) & (np.abs(x) <= math.pi).all(axis=1)
     return [state for state in x[good] if model.on_sheet(state)]
 
 
-def thin_at(model: Model, x: np.ndarray) -> tuple[Row, ...]:
-    """Return the contacts that all neighbours of x keep closed, or () where the feasible set is full."""
-    local = model.local(x)
-    contacts = closed_contacts(model, x, local.gaps)
+def thin_at(state: State) -> tuple[Contact, ...]:
+    """Return the contacts that all neighbours of a state keep closed, or () where the feasible set is full."""
+    contacts = state.contacts
     if len(contacts.base) + len(contacts.branches) < 2:
         return ()  # one smooth contact bounds a full-dimensional set
-    z = null_space(local.closure_jacobian)
-    common: set[Row] | None = None
-    for rows in contacts.combinations() or [contacts.base]:
-        _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
-        dimension, _, held = cone(a @ z, rows)
+    z = state.kernel
+    common: set[Contact] | None = None
+    for rows in state.pieces:
+        dimension, _, held = cone(state.on(rows).slopes @ z, rows)
         if dimension == z.shape[1] or dimension == 0:
             return ()
         common = set(held) if common is None else common & set(held)
     return tuple(sorted(common or ()))
 
 
-def minimise_along(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> np.ndarray:
+def minimise_along(model: Programme, x: np.ndarray, held: tuple[Contact, ...]) -> np.ndarray:
     """Minimise the energy along the set where `held` stay closed, by projected steps in the stiffness metric."""
-    n = model.size
-    root = np.sqrt(model.parameters[-2 * n : -n])
+    root = np.sqrt(model.parameters.stiffness)
     for _ in range(200):
         local = model.local(x)
-        _, a = row_values(model, x, held, local.gaps, local.gaps_jacobian)
+        _, a = local.openings(held)
         z = null_space(np.vstack([local.closure_jacobian, a]) / root)
         d = -(z @ (z.T @ (local.gradient / root))) / root
         size = float(np.linalg.norm(d))
@@ -101,7 +99,7 @@ def minimise_along(model: Model, x: np.ndarray, held: tuple[Row, ...]) -> np.nda
             y, residual = project(model, x + step * d, held)
             change = model.energy_change(x, y) / model.scale
             inside = (np.abs(y) <= math.pi).all()
-            if residual <= 1e-12 and inside and change < 1e-4 * step * slope:
+            if residual <= CLOSES and inside and change < 1e-4 * step * slope:
                 break
             step /= 2
         else:

@@ -17,7 +17,6 @@ from .ipopt import (
     OPTIONS as OPTIONS,
     TOLERANCE as TOLERANCE,
     build_solver as build_solver,
-    separating_normal as separating_normal,
 )
 from .plain import result_from_dict as result_from_dict, result_to_dict as result_to_dict
 from .search import (

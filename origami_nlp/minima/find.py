@@ -22,10 +22,10 @@ from origami_nlp.arguments import (
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
-    CLOSES,
     Classification,
     ContactForce,
     Kind,
+    State,
     classify,
     flat_foldings,
     handle_minima,
@@ -36,6 +36,7 @@ from origami_nlp.minima.full_space import FullSpace, judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.minima.stopping import enough, expected_undiscovered
+from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
@@ -314,7 +315,7 @@ def _judge_new(
     pending = [new] if new else []
     while pending:
         answer = pending.pop()
-        what = classify(model, answer.polished.x, polished=answer.polished.converged)
+        what = classify(State(model, answer.polished.x), polished=answer.polished.converged)
         verdicts[id(answer)] = what
         if what.descent is not None and answer.hits:
             for sign in (1.0, -1.0):

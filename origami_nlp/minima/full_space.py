@@ -13,10 +13,10 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, Followed, classify, find_multipliers, follow
-from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.kkt import Classification, Followed, State, classify, follow
+from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, closed_contacts, gap_weights, row_values
+from origami_nlp.programme import Model
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 
@@ -79,8 +79,9 @@ def judge_in_full_space(
     """
     model = Model(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
-    eigenvalues, breaking = hessian_spectra(model, scene, x)
-    what = classify(model, x)
+    state = State(model, x)
+    eigenvalues, breaking = hessian_spectra(state, scene)
+    what = classify(state)
     if what.verdict == "minimum":
         return FullSpace(
             "stable",
@@ -164,9 +165,7 @@ def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = 1e-6) 
     return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
 
 
-def hessian_spectra(
-    model: Model, scene: Scene, x: np.ndarray
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
     block.
 
@@ -174,22 +173,18 @@ def hessian_spectra(
     space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
     appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
     """
-    local = model.local(x)
-    jac = local.closure_jacobian
-    if (np.linalg.svd(jac, compute_uv=False) <= RANK_TOLERANCE).any():
+    if not state.regular:
         return (), ()
-    contacts = closed_contacts(model, x, local.gaps)
-    choices = contacts.combinations() or [contacts.base]
-    rows = choices[0]
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
-    z = null_space(jac)
-    mu = find_multipliers((a @ z).T, z.T @ local.gradient)
-    if mu.residual > 1e-9 * (1 + np.abs(local.gradient).max()):
+    piece = state.on(state.pieces[0])
+    z, mu = state.kernel, piece.multiplier_set
+    if mu.residual > 1e-9 * (1 + np.abs(state.gradient).max()):
         return (), ()
-    lam = np.linalg.lstsq(jac.T, local.gradient - a.T @ mu.smallest, rcond=None)[0]
-    h = z.T @ model.hessian(x, -lam, -gap_weights(model, rows, mu.smallest)) @ z
-    average = np.mean([np.eye(len(x))[p] for _, p in permutations(scene)], axis=0)
+    balance = state.gradient - piece.slopes.T @ mu.smallest
+    lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
+    h = z.T @ piece.hessian_with(np.concatenate([lam, mu.smallest])) @ z
+    average = np.mean([np.eye(len(state.x))[p] for _, p in permutations(scene)], axis=0)
     breaking = null_space(average @ z, 1e-9)
-    full = np.linalg.eigvalsh(h) * model.scale
-    block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * model.scale
+    scale = state.programme.scale
+    full = np.linalg.eigvalsh(h) * scale
+    block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * scale
     return tuple(full.tolist()), tuple(block.tolist())

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.kkt import CLOSES
+from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import Model
 
 MOST_VARIABLES = 8
@@ -41,10 +41,10 @@ def hinge_minima(model: Model) -> list[np.ndarray]:
     flat foldings.  Candidates only: whether facets cross is not asked here.
     """
     n = model.size
-    if not model.structure.limits or n > MOST_VARIABLES:
+    if not model.has_limits or n > MOST_VARIABLES:
         return []
-    weight = model.parameters[-2 * n : -n]
-    rest = model.parameters[-n:]
+    weight = model.parameters.stiffness
+    rest = model.parameters.rest
     states: list[np.ndarray] = []
     for fixed, moving, turn, c in _sets(model):
         lowest = _lowest(weight[moving], rest[moving], turn, c)

@@ -11,8 +11,15 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.kkt import Solve
-from origami_nlp.numerics import cross
-from origami_nlp.programme import Model, Row, Structure, compile_structure, separation_rows
+from origami_nlp.programme import (
+    Contact,
+    Pairs,
+    Programme,
+    Structure,
+    pose_apart,
+    pose_with_gaps,
+    separating_normal,
+)
 
 OPTIONS = {
     "print_level": 0,
@@ -30,87 +37,46 @@ OPTIONS = {
 TOLERANCE = 1e-7
 """IPOPT's tolerance for springs of equal stiffness; soft springs need it smaller, the polish does the rest."""
 
-Pairs = tuple[tuple[int, int], ...]
-
 
 @dataclass(frozen=True)
-class _Programme:
+class Solver:
+    """IPOPT for one form of programme, and the bounds of its rows."""
+
     solver: ca.Function
     lower: np.ndarray
     upper: np.ndarray
 
 
 @lru_cache(maxsize=64)
-def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> _Programme:
-    """Build IPOPT for a structure with separating planes for `pairs` (cached)."""
-    f = compile_structure(structure)
-    unknowns: list[ca.SX] = [f.x]
-    rows: list[ca.SX] = [f.piece.equations]
-    equalities = f.piece.equations.shape[0]
-    lower, upper = [0.0] * equalities, [0.0] * equalities
-    for index, gap in enumerate(structure.gaps):
-        if gap.type != "facet-pair":
-            rows.append(f.gaps[index])
-            lower.append(0.0)
-            upper.append(math.inf)
-    for i, j in pairs:
-        normal = ca.SX.sym(f"n_{i}_{j}", 3)
-        unknowns.append(normal)
-        rows += [
-            ca.dot(normal, normal) - 1,
-            separation_rows(f.piece, (i, j), [*ca.vertsplit(normal)]),
-        ]
-        lower += [0.0] * 5
-        upper += [0.0] + [math.inf] * 4
-    nlp = {
-        "x": ca.vertcat(*unknowns),
-        "p": f.p,
-        "f": f.energy,
-        "g": ca.vertcat(*rows),
-    }
+def build_solver(structure: Structure, pairs: Pairs | None, tolerance: float) -> Solver:
+    """Build IPOPT with separating planes for `pairs`; for None without, but every gap as a row (cached)."""
+    nlp = pose_with_gaps(structure) if pairs is None else pose_apart(structure, pairs)
     options: dict[str, Any] = {
         "print_time": False,
         "error_on_fail": False,
         "ipopt": {**OPTIONS, "tol": tolerance},
     }
-    return _Programme(ca.nlpsol("origami", "ipopt", nlp, options), np.array(lower), np.array(upper))
+    form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
+    return Solver(ca.nlpsol("origami", "ipopt", form, options), nlp.lower, nlp.upper)
 
 
-@lru_cache(maxsize=64)
-def build_boundary_solver(structure: Structure, tolerance: float) -> _Programme:
-    """Build IPOPT without separating planes, with every gap as a row that a call may hold closed (cached)."""
-    f = compile_structure(structure)
-    equalities = f.piece.equations.shape[0]
-    lower = [0.0] * equalities + [
-        -math.inf if gap.type == "facet-pair" else 0.0 for gap in structure.gaps
-    ]
-    upper = [0.0] * equalities + [math.inf] * len(structure.gaps)
-    nlp = {"x": f.x, "p": f.p, "f": f.energy, "g": ca.vertcat(f.piece.equations, f.gaps)}
-    options: dict[str, Any] = {
-        "print_time": False,
-        "error_on_fail": False,
-        "ipopt": {**OPTIONS, "tol": tolerance},
-    }
-    return _Programme(
-        ca.nlpsol("boundary", "ipopt", nlp, options), np.array(lower), np.array(upper)
-    )
-
-
-def solve_on_boundary(model: Model, start: np.ndarray, row: Row) -> Solve:
+def solve_on_boundary(model: Programme, start: np.ndarray, row: Contact) -> Solve:
     """Minimise the energy among states that keep one contact closed; facet pairs are not kept apart."""
-    programme = build_boundary_solver(model.structure, tolerance_for(model))
+    programme = build_solver(model.structure, None, tolerance_for(model))
     bound = np.full(model.size, model.bound)
     low, high = -bound, bound.copy()
     lower, upper = programme.lower, programme.upper
     x0 = np.asarray(start, dtype=float).copy()
-    if row.kind == "limit":
+    if row.is_limit:
         low[row.index] = high[row.index] = x0[row.index] = row.side * math.pi
     else:
         upper = upper.copy()
         lower = lower.copy()
-        position = len(lower) - len(model.structure.gaps) + row.index
+        position = model.equation_count + row.index
         lower[position] = upper[position] = 0.0
-    out = programme.solver(x0=x0, p=model.parameters, lbx=low, ubx=high, lbg=lower, ubg=upper)
+    out = programme.solver(
+        x0=x0, p=model.parameters.vector, lbx=low, ubx=high, lbg=lower, ubg=upper
+    )
     stats = programme.solver.stats()
     return Solve(
         x=np.asarray(out["x"]).ravel(),
@@ -122,12 +88,14 @@ def solve_on_boundary(model: Model, start: np.ndarray, row: Row) -> Solve:
     )
 
 
-def tolerance_for(model: Model) -> float:
+def tolerance_for(model: Programme) -> float:
     """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
-    return max(1e-12, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.softness))))
+    return max(
+        1e-12, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
+    )
 
 
-def solve(model: Model, start: np.ndarray, pairs: Pairs = ()) -> Solve:
+def solve(model: Programme, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     """Minimise the energy from `start` [n] with separating planes for `pairs`."""
     programme = build_solver(model.structure, pairs, tolerance_for(model))
     n = model.size
@@ -139,7 +107,12 @@ def solve(model: Model, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         x0 = np.concatenate([x0, *normals])
         bound = np.concatenate([bound, np.full(3 * len(pairs), 1.5)])
     out = programme.solver(
-        x0=x0, p=model.parameters, lbx=-bound, ubx=bound, lbg=programme.lower, ubg=programme.upper
+        x0=x0,
+        p=model.parameters.vector,
+        lbx=-bound,
+        ubx=bound,
+        lbg=programme.lower,
+        ubg=programme.upper,
     )
     stats = programme.solver.stats()
     x = np.asarray(out["x"]).ravel()
@@ -163,25 +136,3 @@ def solve(model: Model, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         pull=np.asarray(out["lam_x"]).ravel()[:n],
         pair_force=force,
     )
-
-
-def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
-    """Return the unit normal that best separates two facets, among the planes through two of their
-    rays.
-
-    If they cross there is none; the best of these planes is still where IPOPT starts.
-    """
-    i, j = pair
-    n = len(rays)
-    corners = rays[[i, (i + 1) % n, j, (j + 1) % n]]
-    a, b = np.triu_indices(4, 1)
-    normals = cross(corners[a], corners[b])
-    length = np.linalg.norm(normals, axis=1)
-    normals = normals[length > 1e-9] / length[length > 1e-9, None]
-    # planes that only touch both facets on one side are as good as the bisector of the two groups
-    middle = corners[:2].sum(axis=0) - corners[2:].sum(axis=0)
-    if np.linalg.norm(middle) > 1e-9:
-        normals = np.vstack([normals, middle / np.linalg.norm(middle)])
-    normals = np.vstack([normals, -normals])
-    margin = np.min(normals @ (corners * np.array([1, 1, -1, -1])[:, None]).T, axis=1)
-    return normals[int(margin.argmax())]

@@ -10,20 +10,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import (
-    BESIDE,
     Polished,
     Solve,
     StartStream,
     exact_beside,
-    guess_active,
     newton,
     polish,
 )
 from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.programme import Model, Row, broken_gap, crossed_pairs, same_gap
+from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.programme import Contact, Programme
 
-SAME = 1e-8
-"""Polished states closer than this in every fold angle [rad] are one state."""
 MOST_PAIR_ROUNDS = 4
 SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
 """Solves along each contact boundary, and over all of them."""
@@ -59,7 +56,7 @@ class Record:
     converged: int = 0
 
 
-def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_starts(model: Programme, seed: int, record: Record) -> Iterator[Answer | None]:
     """Run starts for ever, one for each `next`; yields the new answer, or None where nothing new was found."""
     pairs = model.structure.pairs
     for start in StartStream(model, seed):
@@ -72,7 +69,7 @@ def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | Non
 
 
 def run_one(
-    model: Model,
+    model: Programme,
     x: np.ndarray,
     record: Record,
     *,
@@ -94,19 +91,13 @@ def run_one(
     return _file(model, polish(model, answer), record, count)
 
 
-def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_boundaries(model: Programme, seed: int, record: Record) -> Iterator[Answer | None]:
     """Minimise along every contact boundary: where pinned states are, narrow as their basins may be.
 
     A pinned minimum is a minimum among the states that keep its contact closed; a solver that starts in the
     interior can miss it.  Yields the new answers; no random starts are counted.
     """
-    rows = [
-        Row("limit", v, side)
-        for v in range(model.size if model.structure.limits else 0)
-        for side in (-1, 1)
-    ]
-    same = same_gap(model.structure)
-    rows += [Row("gap", i, 1) for i in range(len(same)) if same[i] == i]
+    rows = (*model.limits, *model.gaps)
     tries = max(1, min(SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES // max(1, len(rows))))
     stream = StartStream(model, seed)
     for row in rows:
@@ -119,33 +110,28 @@ def run_boundaries(model: Model, seed: int, record: Record) -> Iterator[Answer |
                 yield _settle_on_boundary(model, answer, row, record)
 
 
-def _settle_on_boundary(model: Model, answer: Solve, row: Row, record: Record) -> Answer | None:
+def _settle_on_boundary(
+    model: Programme, answer: Solve, row: Contact, record: Record
+) -> Answer | None:
     """Polish a minimum along a boundary with its contact closed; keep it if the contact is loaded."""
-    sides = (row.side,) if row.kind == "limit" else (1, -1)
-    for side in sides:
-        guess = tuple(dict.fromkeys((Row(row.kind, row.index, side), *guess_active(model, answer))))
+    guessed = model.guess(answer.x, answer.pull, answer.pair_force)
+    for side in (row.side,) if row.is_limit else (1, -1):
+        guess = tuple(dict.fromkeys((Contact(row.kind, row.index, side), *guessed)))
         result = polish(model, answer, guess)
         if result.converged and result.rows and not _free_beside(model, result):
             return _file(model, result, record, 0)
     return None
 
 
-def _free_beside(model: Model, state: Polished) -> bool:
+def _free_beside(model: Programme, state: Polished) -> bool:
     """Tell whether a state without contacts lies beside one that a contact was asked to hold: it is the answer then."""
     free, _ = newton(model, state.x, ())
     if free is None or not free.converged or np.abs(free.x - state.x).max() > SAME:
         return False
-    return not _beyond_contacts(model, free.x)
+    return not model.beyond(free.x, 0.0)
 
 
-def _beyond_contacts(model: Model, x: np.ndarray) -> bool:
-    """Tell whether x is beyond a fold limit, a mirror or the axis, by however little."""
-    if model.structure.limits and (np.abs(x) > model.bound).any():
-        return True
-    return bool(model.structure.gaps) and broken_gap(model, model.local(x).gaps, 0.0) is not None
-
-
-def _file(model: Model, polished: Polished, record: Record, hits: int) -> Answer | None:
+def _file(model: Programme, polished: Polished, record: Record, hits: int) -> Answer | None:
     """File a polished state under the answer that it is, or as a new one, which is returned.
 
     What Newton could not polish is taken for the exact state next to it, where there is one.
@@ -184,7 +170,7 @@ def _listed_beside(state: Polished, record: Record) -> Polished | None:
     return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
 
 
-def add_state(model: Model, x: np.ndarray, record: Record) -> Answer | None:
+def add_state(model: Programme, x: np.ndarray, record: Record) -> Answer | None:
     """File a state that was listed, not solved for, unless it is known; it has no hits until a solve ends there."""
     for known in (*record.answers, *record.listed):
         if np.abs(known.polished.x - x).max() <= SAME:
@@ -196,7 +182,7 @@ def add_state(model: Model, x: np.ndarray, record: Record) -> Answer | None:
 
 
 def solve_without_crossing(
-    model: Model, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
+    model: Programme, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
 ) -> Solve:
     """Solve with separating planes for `pairs`; other facet pairs enter when a solve makes them cross."""
     for _ in range(MOST_PAIR_ROUNDS):
@@ -204,7 +190,7 @@ def solve_without_crossing(
         record.solves += 1
         record.statuses[answer.status] += 1
         record.iterations += answer.iterations
-        crossed = crossed_pairs(model, answer.x, 1e-6)
+        crossed = model.crossed(answer.x, 1e-6)
         if not crossed or set(crossed) <= set(pairs):
             return answer
         pairs = tuple(sorted({*pairs, *crossed}))

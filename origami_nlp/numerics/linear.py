@@ -13,13 +13,12 @@ import math
 
 import numpy as np
 
+from origami_nlp.numerics.tolerances import RANK
+
 MOST_CORNERS = 1000
 """Choices of columns up to which corners are listed: about what a linear programme costs."""
-RANK = 1e-9
+INDEPENDENT = 1e-9
 """Singular values below this, for rows of unit length, count as zero."""
-
-RANK_TOLERANCE = 1e-7
-"""Singular values of the closure Jacobian below this count as zero."""
 
 
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -94,7 +93,7 @@ def has_ray(b: np.ndarray, i: int) -> bool:
     """Tell whether some d >= 0 has B d = 0 and d_i > 0: whether {mu >= 0: B mu = c} is unbounded along i."""
     others = np.delete(b, i, axis=1)
     left = others @ nonnegative_least_squares(others, -b[:, i]) + b[:, i]
-    return bool(np.abs(left).max(initial=0.0) <= RANK)
+    return bool(np.abs(left).max(initial=0.0) <= INDEPENDENT)
 
 
 def extremes(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> list[np.ndarray]:
@@ -126,7 +125,7 @@ def _corners(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     t, r = b.shape
     choices = np.array(list(itertools.combinations(range(r), t)), dtype=int)
     u, s, vt = np.linalg.svd(b[:, choices].transpose(1, 0, 2))
-    good = s.min(axis=1, initial=1.0) > RANK
+    good = s.min(axis=1, initial=1.0) > INDEPENDENT
     u, s, vt, choices = u[good], s[good], vt[good], choices[good]
     part = np.einsum("kji,kj->ki", vt, np.einsum("kji,j->ki", u, c) / s)
     mu = np.zeros((len(part), r))
@@ -165,7 +164,7 @@ def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
     return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)
 
 
-def null_space(a: np.ndarray, tolerance: float = RANK_TOLERANCE) -> np.ndarray:
+def null_space(a: np.ndarray, tolerance: float = RANK) -> np.ndarray:
     """Return an orthonormal basis of the kernel of a, shape [n, n - rank]."""
     if a.shape[0] == 0:
         return np.eye(a.shape[1])

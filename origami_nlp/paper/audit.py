@@ -15,14 +15,21 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine
-from origami_nlp.kkt import distance_from_stationary, follow, project, search_spheres, thin_at
+from origami_nlp.kkt import (
+    State,
+    distance_from_stationary,
+    follow,
+    project,
+    search_spheres,
+    thin_at,
+)
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.paper.baseline import appendix_a
 from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_point
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows, named_alpha, other_sides
 from origami_nlp.paper.published import Candidate
 from origami_nlp.pattern import format_angle
-from origami_nlp.programme import Model, closed_contacts, row_name
+from origami_nlp.programme import Model
 
 PRINTED = 1e-6
 """Accuracy of published fold angles [rad]: closure and equality are judged to this."""
@@ -226,7 +233,7 @@ def _audit_one(
     if not closes:
         seen.append((x, c.number))
         return _elsewhere(replace(base, cause="does not close", paper_test=paper), minima)
-    stationarity = distance_from_stationary(model, x)
+    stationarity = distance_from_stationary(State(model, x, 1e-7))
     base = replace(base, paper_test=paper, stationarity=stationarity)
     group = result.scene.group.elements
     if (
@@ -276,8 +283,8 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
         steps=len(path.states),
     )
     if hit is None:
-        rows = closed_contacts(model, x, model.local(x).gaps, 1e-7).base
-        if base.distance <= 1e-5 and search_spheres(model, x, rows).state is None:
+        rows = model.closed(x, 1e-7).base
+        if base.distance <= 1e-5 and search_spheres(State(model, x), rows).state is None:
             why = "no admissible neighbour: an isolated state, which no symmetric motion leaves"
             return replace(base, cause="isolated", reason=why)
         why = f"the descent ends at no listed minimum: {path.what.verdict}, {path.what.reason}"
@@ -286,9 +293,9 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact", reason=f"{steps:.1f} grid steps from #{hit + 1}")
-    held = thin_at(model, start)
+    held = thin_at(State(model, start))
     if held:
-        closed = ", ".join(row_name(model, row) for row in held)
+        closed = ", ".join(model.name(row) for row in held)
         why = f"slides along a set that exists only with {closed}: nothing beside it is admissible"
         return replace(base, cause="on a handle", reason=why)
     end = chart_end(model, start, step)
@@ -299,10 +306,10 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
 
 def _jag(model: Model, x: np.ndarray, step: float) -> str:
     """Say between which points of the grid the way down is hidden."""
-    held = closed_contacts(model, x, model.local(x).gaps, 1e-7)
+    held = model.closed(x, 1e-7)
     if held.base or held.branches:
         return "on a contact: grid neighbours off it are excluded"
-    near = closed_contacts(model, x, model.local(x).gaps, 8 * step)
+    near = model.closed(x, 8 * step)
     if near.base or near.branches:
         return "next to a contact boundary that crosses the grid at an angle"
     return "in a narrow valley that runs between the grid's eight directions"

@@ -19,16 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import find_multipliers
-from origami_nlp.numerics import RANK_TOLERANCE, null_space
+from origami_nlp.numerics import RANK, null_space
 from origami_nlp.programme import (
+    Contact,
     Model,
-    Row,
-    closed_contacts,
-    gap_weights,
-    is_admissible,
-    row_name,
-    row_values,
-    row_weight,
 )
 
 LONGEST, SHORTEST = 0.04, 1e-9
@@ -73,7 +67,7 @@ class BoundaryCurve:
     """
 
     contacts: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[Contact, ...]
     s: np.ndarray
     fold_angles: np.ndarray
     energy: np.ndarray
@@ -93,7 +87,7 @@ class BoundaryCurve:
 
 
 def evaluate(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], along: np.ndarray | None = None
+    model: Model, x: np.ndarray, rows: tuple[Contact, ...], along: np.ndarray | None = None
 ) -> Point | None:
     """Evaluate the boundary at x [n]; `along` [n] picks the tangent (default: the softest direction).
 
@@ -101,7 +95,7 @@ def evaluate(
     """
     root = np.sqrt(model.multiplicity)
     local = model.local(x)
-    _, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+    _, a = local.openings(rows)
     jac, a, pull = local.closure_jacobian / root, a / root, local.gradient / root
     c = np.vstack([jac, a])
     z = null_space(c)
@@ -109,7 +103,7 @@ def evaluate(
         return None
     m = len(jac)
     balance = np.linalg.lstsq(c.T, pull, rcond=1e-9)[0]
-    hessian = model.hessian(x, -balance[:m], -gap_weights(model, rows, balance[m:]))
+    hessian = model.hessian(x, -balance[:m], -model.weights(rows, balance[m:]))
     hessian = hessian / np.outer(root, root)
     if along is None:
         tangent = z @ np.linalg.eigh(z.T @ hessian @ z)[1][:, 0]
@@ -122,9 +116,9 @@ def evaluate(
     step = tangent / root
     turning = np.array([_second(model, x, rows, i, m, step) for i in range(len(c))])
     bend = -np.linalg.lstsq(c, turning, rcond=1e-9)[0]
-    k = model.parameters[-2 * model.size : -model.size] / model.multiplicity
+    k = model.parameters.stiffness / model.multiplicity
     multipliers, pressed = balance[m:], bool((balance[m:] > 0).all())
-    if np.linalg.svd(c, compute_uv=False).min() <= RANK_TOLERANCE:
+    if np.linalg.svd(c, compute_uv=False).min() <= RANK:
         free = null_space(jac)
         normal = free.T @ (pull - z @ (z.T @ pull))
         found = find_multipliers((a @ free).T, normal)
@@ -145,7 +139,7 @@ def evaluate(
 
 
 def _second(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], i: int, m: int, step: np.ndarray
+    model: Model, x: np.ndarray, rows: tuple[Contact, ...], i: int, m: int, step: np.ndarray
 ) -> float:
     """Return the second derivative of constraint i (closure first, then rows) along `step`."""
     lam, mu = np.zeros(m), np.zeros(len(rows))
@@ -153,28 +147,28 @@ def _second(
         lam[i] = 1.0
     else:
         mu[i - m] = 1.0
-    return float(step @ model.hessian(x, lam, gap_weights(model, rows, mu), 0.0) @ step)
+    return float(step @ model.hessian(x, lam, model.weights(rows, mu), 0.0) @ step)
 
 
-def correct(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> np.ndarray | None:
+def correct(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray | None:
     """Project x onto closure with `rows` closed, by Gauss-Newton in the metric; None if that fails."""
     root = np.sqrt(model.multiplicity)
     for _ in range(12):
         local = model.local(x)
-        values, a = row_values(model, x, rows, local.gaps, local.gaps_jacobian)
+        values, a = local.openings(rows)
         f = np.concatenate([local.closure, values])
         if np.abs(f).max() <= CLOSED_TO:
             return x
         c = np.vstack([local.closure_jacobian, a]) / root
         x = x - np.linalg.lstsq(c, f, rcond=1e-8)[0] / root
         for row in rows:
-            if row.kind == "limit":
+            if row.is_limit:
                 x[row.index] = row.side * math.pi
     return None
 
 
 def advance(
-    model: Model, point: Point, rows: tuple[Row, ...], h: float
+    model: Model, point: Point, rows: tuple[Contact, ...], h: float
 ) -> tuple[Point, float] | None:
     """Go from `point` by about arclength h; return the new point and the exact-to-O(h^5) arclength."""
     root = np.sqrt(model.multiplicity)
@@ -195,7 +189,7 @@ def advance(
 def follow_boundary(
     model: Model,
     x: np.ndarray,
-    rows: tuple[Row, ...],
+    rows: tuple[Contact, ...],
     *,
     stop_at_release: bool = True,
     longest: float = 30.0,
@@ -220,10 +214,10 @@ def follow_boundary(
     points = [p for p, _ in reversed(behind)] + [first] + [p for p, _ in ahead]
     s = np.array([-v for _, v in reversed(behind)] + [0.0] + [v for _, v in ahead])
     sign = np.array([-1.0] * len(behind) + [1.0] * (1 + len(ahead)))
-    weights = np.array([row_weight(model, row) for row in rows])
+    weights = np.array([model.weight(row) for row in rows])
     at = np.array([p.x for p in points])
     return BoundaryCurve(
-        contacts=tuple(row_name(model, row) for row in rows),
+        contacts=tuple(model.name(row) for row in rows),
         rows=rows,
         s=s,
         fold_angles=model.expand(at),
@@ -240,7 +234,7 @@ def follow_boundary(
 
 
 def _one_way(
-    model: Model, first: Point, rows: tuple[Row, ...], stop_at_release: bool, longest: float
+    model: Model, first: Point, rows: tuple[Contact, ...], stop_at_release: bool, longest: float
 ) -> tuple[list[tuple[Point, float]], str]:
     """Follow the boundary along the tangent of `first`; return points with arclength, and why it ends."""
     root = np.sqrt(model.multiplicity)
@@ -255,7 +249,7 @@ def _one_way(
             if turn > 3 * TURN and h > 1e-5:
                 h /= 2
                 continue
-            if not is_admissible(model, new.x):
+            if model.refuses(new.x):
                 why = "another contact closes"
             elif stop_at_release and first.pressed and not new.pressed:
                 why = "the contact stops pushing"
@@ -277,11 +271,11 @@ def _one_way(
     return out, f"longer than {longest:g} rad"
 
 
-def _which(model: Model, x: np.ndarray, rows: tuple[Row, ...]) -> str:
+def _which(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> str:
     """Name the contacts that close at x besides `rows`."""
-    found = closed_contacts(model, x, model.local(x).gaps, 1e-6)
+    found = model.closed(x, 1e-6)
     extra = dict.fromkeys(found.base)
     for options in found.branches:
         extra.update(dict.fromkeys(options[0]))
-    names = [row_name(model, row) for row in extra if row not in rows]
+    names = [model.name(row) for row in extra if row not in rows]
     return f" ({'; '.join(names)})" if names else " (facets meet)"

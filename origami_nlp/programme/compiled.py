@@ -1,13 +1,14 @@
 """What two scenes must share to be solved by the same compiled functions, and those functions.
 
 A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.
-Sector angles, stiffness and rest angles are parameters, so one solver serves a whole sweep.
+Sector angles, stiffness, rest angles and load are parameters, so one solver serves a whole sweep.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import casadi as ca
 
@@ -41,7 +42,7 @@ class Structure:
 class Functions:
     """Symbols and compiled CasADi functions of one structure.
 
-    Arguments: x fold angles [n]; p parameters: sector angles, weighted stiffness, rest angles.
+    Arguments: x fold angles [n]; p parameters: `Parameters.vector`.
 
     x, p, energy, piece: the symbols.
     gaps: values of `Structure.gaps` (facet pairs without sign).
@@ -81,11 +82,11 @@ def compile_structure(structure: Structure) -> Functions:
     sector_count = len(s.has_crease) - (1 if s.kind == "D" else 0)
     x = ca.SX.sym("phi", n)
     sectors = ca.SX.sym("alpha", sector_count)
-    stiffness, rest = ca.SX.sym("k", n), ca.SX.sym("phi0", n)
-    p = ca.vertcat(sectors, stiffness, rest)
+    stiffness, rest, load = ca.SX.sym("k", n), ca.SX.sym("phi0", n), ca.SX.sym("m", n)
+    p = ca.vertcat(sectors, stiffness, rest, load)
     piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors, s.flat_sheet)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
-    energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2)
+    energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2) - ca.dot(load, x)
     gaps = ca.vertcat(ca.SX(0, 1), *(gap_expression(g, piece, sines) for g in s.gaps))
     g = piece.equations
     lam, mu, weight = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0]), ca.SX.sym("s")
@@ -105,3 +106,9 @@ def compile_structure(structure: Structure) -> Functions:
         rays=ca.Function("rays", [x, p], [ca.horzcat(*(ca.vertcat(*c) for c in piece.rays))]),
         sheet=ca.Function("sheet", [x, p], [piece.sheet]),
     )
+
+
+@lru_cache(maxsize=256)
+def mapped(structure: Structure, name: str, count: int) -> Any:
+    """One function of `structure` for `count` states at once: arguments and results side by side, column by column."""
+    return getattr(compile_structure(structure), name).map(count)

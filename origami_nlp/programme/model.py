@@ -1,245 +1,265 @@
-"""A scene posed as a nonlinear programme: what is modelled, what is left out, and its numbers."""
+"""A scene as a nonlinear programme: its values and derivatives at one state or many, and what is admissible."""
 
 from __future__ import annotations
 
+import copy
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
-from origami_nlp.pattern import Scene
-from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
-from origami_nlp.programme.compiled import Functions, Structure, compile_structure
-from origami_nlp.programme.gaps import Gap
+from origami_nlp.folding import crossing_depth, examine
+from origami_nlp.numerics import OUTSIDE, TOUCHES
+from origami_nlp.programme.compiled import Functions, compile_structure, mapped
+from origami_nlp.programme.contact import Contact, fold_limit, openings
+from origami_nlp.programme.posed import Posed
+from origami_nlp.programme.touching import (
+    ClosedContacts,
+    ContactWords,
+    PairForce,
+    closed_contacts,
+    contact_words,
+    guess_gaps,
+    rays_together,
+)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Local:
-    """Values and first derivatives at one state x; energies are divided by `Model.scale`.
+    """Values and first derivatives at one state x, or at K states; energies are divided by `Model.scale`.
 
-    gradient: of the energy, [n].  closure, closure_jacobian: [m], [m, n].
-    gaps, gaps_jacobian: of `Structure.gaps`, facet pairs without sign, [c], [c, n].
+    x: [..., n].  gradient: of the energy, [..., n].  closure, closure_jacobian: [..., m], [..., m, n].
+    gaps, gaps_jacobian: of `Structure.gaps`, facet pairs without sign, [..., c], [..., c, n].
     """
 
+    x: np.ndarray
     gradient: np.ndarray
     closure: np.ndarray
     closure_jacobian: np.ndarray
     gaps: np.ndarray
     gaps_jacobian: np.ndarray
 
+    def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
+        """How far contacts are open (>= 0 where they are), [..., r], and the gradients of that, [..., r, n]."""
+        return openings(self.x, self.gaps, self.gaps_jacobian, contacts)
 
-class Model:
-    """The nonlinear programme of a scene; printing it says what is modelled and what is not.
 
-    Energies inside the programme are divided by `scale`, a power of two near the weighted mean
-    stiffness, so that results scale exactly with the stiffness.
+class Model(Posed):
+    """The nonlinear programme of a scene: what solvers and certificates see of it (`protocol.Programme`).
 
-    Attributes
+    States x have the n variables of the model, `expand(x)` all N fold angles.  Printing it says what is modelled,
+    what is left out, and why.  Compiled functions are shared between scenes of one structure; a pickled
+    model leaves them behind and finds them again.
+
+    Parameters
     ----------
     scene
-        The scene.
-    structure
-        Form of the programme; scenes with equal structure share compiled functions and solvers.
-    left_out
-        What was not modelled, and why.
-    parameters
-        Values of the programme's parameters: sector angles, weighted stiffness / scale, rest
-        angles.
+        The scene to pose.
+
+    Raises
+    ------
+    SceneError
+        If `scene` is no scene.
+
+    Examples
+    --------
+    >>> from origami_nlp import Model, examples
+    >>> model = Model(examples.degree6("pi/3", ratio=1))
+    >>> model.size, model.equation_count, model.freedom
+    (4, 2, 2)
     """
-
-    def __init__(self, scene: Scene) -> None:
-        check_type("scene", scene, Scene)
-        self.scene = scene
-        group = scene.group
-        gaps, pairs, self.left_out = enumerate_gaps(scene)
-        self.structure = Structure(
-            kind=group.kind,
-            order=group.order,
-            has_crease=tuple(ray.crease is not None for ray in group.rays),
-            limits=scene.contact != "none",
-            gaps=gaps,
-            pairs=pairs,
-            flat_sheet=scene.vertex.flat,
-        )
-        crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
-        position = {r: v for v, r in enumerate(crease_rays)}
-        self.variable_of_crease = np.array([position[r] for r in group.orbit])
-        self.multiplicity = np.bincount(self.variable_of_crease)
-        # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
-        k = np.bincount(self.variable_of_crease, scene.stiffness)
-        rest = np.bincount(self.variable_of_crease, scene.rest_angles) / self.multiplicity
-        self.scale = 2.0 ** round(math.log2(k.mean()))
-        sectors = [ray.sector for ray in group.rays]
-        if group.kind == "D":
-            sectors = sectors[:-1]
-        self.parameters = np.concatenate([sectors, k / self.scale, rest])
-
-    @property
-    def size(self) -> int:
-        """Number of variables n."""
-        return len(self.multiplicity)
-
-    @property
-    def equation_count(self) -> int:
-        """Number of loop-closure equations."""
-        return {("C", 1): 3, ("D", 1): 2}.get((self.structure.kind, self.structure.order), 1)
-
-    @property
-    def freedom(self) -> int:
-        """Degrees of freedom at a regular state: variables less equations."""
-        return self.size - self.equation_count
 
     @cached_property
     def functions(self) -> Functions:
         """Symbols and compiled functions, shared by all scenes of the same structure."""
         return compile_structure(self.structure)
 
-    @property
-    def softness(self) -> float:
-        """Softest spring over the mean one: how small a torque still matters."""
-        k = self.parameters[-2 * self.size : -self.size]
-        return float(k.min() / k.mean())
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if k != "functions"}
 
-    @property
-    def step_noise(self) -> float:
-        """Length of a Newton step [rad] that is only rounding: 1e-10, more with very soft springs."""
-        return max(1e-10, 1e-15 / self.softness)
+    def loaded(self, load: np.ndarray) -> Model:
+        """The same programme with energy U - load . phi; `load` [n] is conjugate to the variables, over `scale`."""
+        other = copy.copy(self)
+        other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
+        return other
 
-    @property
-    def bound(self) -> float:
-        """Largest |fold angle|: pi, or 2 pi without contact, where each further turn repeats the shape."""
-        return math.pi if self.structure.limits else 2 * math.pi
-
-    def creases_of(self, variable: int) -> tuple[int, ...]:
-        """Return the creases (1-based) whose fold angle is variable number `variable` (0-based)."""
-        return tuple((np.flatnonzero(self.variable_of_crease == variable) + 1).tolist())
-
-    def crease_of_ray(self, r: int) -> int:
-        """Return the crease (1-based) on ray r of the piece; for C_n also of its images."""
-        crease = self.scene.group.rays[r % len(self.scene.group.rays)].crease
-        if self.structure.kind == "C":
-            return r + 1
-        assert crease is not None
-        return crease + 1
-
-    def facet_of_ray(self, r: int) -> int:
-        """Return the facet (1-based) that starts at, or for a mirror ray contains, ray r."""
-        return facet_of_ray(self.scene, r) + 1
-
-    def expand(self, x: np.ndarray) -> np.ndarray:
-        """Return all N fold angles from the variables, shapes [..., n] -> [..., N]."""
-        return np.asarray(x)[..., self.variable_of_crease]
-
-    def reduce(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return the variables of a symmetric state, shapes [..., N] -> [..., n] (means of orbits)."""
-        phi = np.asarray(fold_angles, dtype=float)
-        out = np.zeros((*phi.shape[:-1], self.size))
-        for crease, v in enumerate(self.variable_of_crease):
-            out[..., v] += phi[..., crease]
-        return out / self.multiplicity
-
-    def energy(self, x: np.ndarray) -> float:
-        """Elastic energy in the scene's units."""
-        n = self.size
-        k, rest = self.parameters[-2 * n : -n], self.parameters[-n:]
-        return float(0.5 * self.scale * np.sum(k * (np.asarray(x) - rest) ** 2))
-
-    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
-        """Energy of y less that of x, in the scene's units, without cancellation for nearby states."""
-        n = self.size
-        k, rest = self.parameters[-2 * n : -n], self.parameters[-n:]
-        return float(self.scale * np.sum(k * (y - x) * ((x - rest) + 0.5 * (y - x))))
+    def _call(self, name: str, x: np.ndarray, *more: Any) -> list[np.ndarray]:
+        """Evaluate a compiled function at one state [n] or at states [K, n]; results [..., rows, columns]."""
+        if x.ndim == 1:
+            return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
+        k = len(x)
+        columns = [
+            x,
+            np.tile(self.parameters.vector, (k, 1)),
+            *(np.reshape(m, (k, -1)) for m in more),
+        ]
+        out = mapped(self.structure, name, k)(*(c.T for c in columns))
+        full = [o.full() for o in (out if isinstance(out, tuple | list) else [out])]
+        return [
+            f.reshape(len(f), k, -1).transpose(1, 0, 2) if f.size else _none(f, k) for f in full
+        ]
 
     def local(self, x: np.ndarray) -> Local:
-        """Evaluate values and first derivatives at x."""
-        grad, g, jac, gaps, jac_gaps = self.functions.evaluators["local"](x, self.parameters)
-        n = self.size
-        return Local(
-            grad.ravel(), g.ravel(), jac.reshape(-1, n), gaps.ravel(), jac_gaps.reshape(-1, n)
-        )
+        """Evaluate values and first derivatives at one state [n] or at states [K, n]."""
+        grad, g, jac, gaps, jac_gaps = self._call("local", x)
+        n, lead = self.size, x.shape[:-1]
+        jac, jac_gaps = jac.reshape(*lead, -1, n), jac_gaps.reshape(*lead, -1, n)
+        return Local(x, grad[..., 0], g[..., 0], jac, gaps.reshape(*lead, -1), jac_gaps)
 
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Evaluate the loop-closure equations and their Jacobian at x."""
-        g, jac = self.functions.evaluators["closure"](x, self.parameters)
-        return g.ravel(), jac
+        """Evaluate the loop-closure equations [..., m] and their Jacobian [..., m, n] at states [..., n]."""
+        g, jac = self._call("closure", x)
+        return g[..., 0], jac
+
+    def constraints(
+        self, x: np.ndarray, contacts: Sequence[Contact] = ()
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate closure and the openings of contacts, [..., m + r], and their Jacobian [..., m + r, n]."""
+        if not contacts:
+            return self.closure(x)
+        if all(c.is_limit for c in contacts):
+            (g, jac), none = self.closure(x), np.zeros((*x.shape[:-1], 0))
+            values, slopes = openings(x, none, none[..., None], contacts)
+        else:
+            local = self.local(x)
+            g, jac = local.closure, local.closure_jacobian
+            values, slopes = local.openings(contacts)
+        return np.concatenate([g, values], axis=-1), np.concatenate([jac, slopes], axis=-2)
 
     def hessian(
         self, x: np.ndarray, lam: np.ndarray, mu: np.ndarray, weight: float = 1.0
     ) -> np.ndarray:
-        """Evaluate the Hessian of weight U + lam . closure + mu . gaps at x."""
-        return self.functions.evaluators["hessian"](x, self.parameters, weight, lam, mu)[0]
+        """Evaluate the Hessian [..., n, n] of weight U + lam . closure + mu . gaps; lam [..., m], mu [..., c]."""
+        weights = weight if x.ndim == 1 else np.full(len(x), weight)
+        return self._call("hessian", x, weights, lam, mu)[0]
+
+    def lagrangian_hessian(
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact] = (),
+        weight: float = 1.0,
+    ) -> np.ndarray:
+        """Hessian [..., n, n] of weight U - multipliers . (closure, openings); multipliers [..., m + r]."""
+        m = self.equation_count
+        mu = -self.weights(contacts, multipliers[..., m:])
+        return self.hessian(x, -multipliers[..., :m], mu, weight)
 
     def rays(self, x: np.ndarray) -> np.ndarray:
-        """Return the deformed rays of the piece at x, shape [rays, 3]."""
-        return self.functions.evaluators["rays"](x, self.parameters)[0].T
+        """Return the deformed rays of the piece, [..., rays, 3]."""
+        return np.swapaxes(self._call("rays", x)[0], -1, -2)
 
-    def on_sheet(self, x: np.ndarray) -> bool:
-        """Tell whether x is on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
-        return bool(self.functions.evaluators["sheet"](x, self.parameters)[0][0, 0] > 0)
+    def on_sheet(self, x: np.ndarray) -> Any:
+        """Tell whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
+        q = self._call("sheet", x)[0][..., 0, 0]
+        return bool(q > 0) if x.ndim == 1 else q > 0
 
-    @property
-    def contact_pairs(self) -> list[tuple[int, int]]:
-        """Facet pairs (1-based) that may cross and are modelled."""
-        return [(self.facet_of_ray(i), self.facet_of_ray(j)) for i, j in self.structure.pairs]
+    def closed(
+        self, x: np.ndarray, tolerance: float = TOUCHES, local: Local | None = None
+    ) -> ClosedContacts:
+        """Find every contact of a state x [n] that is closed to `tolerance`; `local` where it is known."""
+        local = self.local(x) if local is None else local
+        return closed_contacts(self, x, local.gaps, lambda: self.rays(x), tolerance)
 
-    @property
-    def inequality_count(self) -> int:
-        """Number of inequalities: fold limits, mirror and axis contacts, four rows a facet pair."""
-        return (2 * self.size if self.structure.limits else 0) + len(self.structure.gaps)
+    def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
+        """Return, for each two creases that lie on each other at x [n], the gaps among `contacts` that keep them so."""
+        return rays_together(self, self.rays(x), contacts)
 
-    def gap_name(self, gap: Gap) -> str:
-        """Say in words what a gap is."""
-        if gap.type == "facet-pair":
-            k, j = gap.rays
-            on = f"on facet {self.facet_of_ray(j)}"
-            if self.scene.group.rays[k % len(self.scene.group.rays)].crease is None:
-                return f"mirror ray of facet {self.facet_of_ray(k)} {on}"
-            return f"crease {self.crease_of_ray(k)} {on}"
-        r, _ = gap.rays
-        ray = self.scene.group.rays[r]
-        who = f"facet {self.facet_of_ray(r)}" if ray.crease is None else f"crease {ray.crease + 1}"
-        return f"{who} on the axis" if gap.type == "axis" else f"{who} on its mirror image"
+    def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
+        """Say who touches in a contact that is closed at x [n]."""
+        return contact_words(self, contact, lambda: self.rays(x))
 
-    def __repr__(self) -> str:
-        scene, lines = self.scene, []
-        group = scene.group
-        form = {
-            ("C", 1): "vec(q) = 0, q = product of all folds",
-            ("D", 1): "H e2 = e2: h_x = h_z = 0, H = folds of half the vertex",
-        }.get(
-            (group.kind, group.order),
-            f"n_1 . H n_k = -cos(pi/{group.order}), H = folds of the wedge"
-            if group.kind == "D"
-            else f"scalar of q Q(e3, 2 pi/{group.order}) = cos(pi/{group.order}), q = folds of a period",
+    def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce) -> tuple[Contact, ...]:
+        """Guess which contacts an answer x [n] of a solver closes: slack smaller than force, or both tiny.
+
+        pull [n]: size of the multiplier of each variable's bound; pair_force: largest multiplier of the plane that
+        separates a facet pair, None if all may press.
+        """
+        rows = []
+        for v in range(self.size if self.has_limits else 0):
+            slack, force = math.pi - abs(x[v]), abs(pull[v])
+            if slack <= 1e-6 or (slack <= 1e-2 and force > slack):
+                rows.append(fold_limit(v, x[v]))
+        if self.structure.gaps:
+            rows += guess_gaps(self, self.local(x).gaps, self.rays(x), rows, pair_force)
+        return tuple(dict.fromkeys(rows))
+
+    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
+        """Return fold limits, mirrors and the axis, where open but closed by a step of `length` [rad] at most."""
+        gaps = self.local(x).gaps
+        slack = [(fold_limit(v, x[v]), math.pi - abs(x[v])) for v in range(self.size)]
+        slack = slack if self.has_limits else []
+        slack += [(c, gaps[c.index]) for c in self.gaps if c.index in self.walls]
+        return tuple(c for c, opening in slack if TOUCHES < abs(opening) <= 2 * length)
+
+    def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
+        """Return the fold limits, mirrors and axis contacts that a state x [n] is beyond by more than `tolerance`."""
+        out = [
+            fold_limit(v, x[v])
+            for v in range(self.size if self.has_limits else 0)
+            if abs(x[v]) > math.pi + tolerance
+        ]
+        if self.walls:
+            gaps = self.local(x).gaps
+            out += [Contact("gap", i, 1) for i in self.walls if gaps[i] < -tolerance]
+        return tuple(out)
+
+    def crossed(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[tuple[int, int], ...]:
+        """Return the modelled facet pairs that cross at a state x [n] by more than `tolerance`."""
+        pairs = self.structure.pairs
+        depth = self._depths(x[None])[0] if pairs else ()
+        return tuple(pair for pair, d in zip(pairs, depth, strict=True) if d > tolerance)
+
+    def _depths(self, x: np.ndarray) -> np.ndarray:
+        """How deep each modelled facet pair crosses at states [K, n]: sine of an angle, [K, pairs]."""
+        rays = self.rays(x) if len(x) > 1 else self.rays(x[0])[None]
+        arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
+        first, second = np.array(self.structure.pairs).T % rays.shape[-2]
+        return crossing_depth(arcs[:, first], arcs[:, second])
+
+    def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
+        """Say why a closed state x [n] is not admissible; "" where it is.  The one test of a single state.
+
+        Sheet, fold limits, facets that cross anywhere in the vertex, layers that have no order with the symmetry
+        of the scene; what the scene's contact does not ask for is not looked at.
+        """
+        if not self.on_sheet(x):
+            return "closes with q = -1: not a sheet of paper"
+        if (np.abs(x) > self.bound + tolerance).any():
+            return f"a fold angle exceeds {self.bound:.4g}: not modelled"
+        if self.scene.contact != "full":
+            return ""
+        beyond = self.beyond(x, tolerance)
+        elements = self.scene.group.elements
+        why = examine(self.scene.vertex, self.expand(x), elements=elements).reason
+        if why or not beyond:
+            return why
+        what = self.name(beyond[0])
+        return (
+            f"beyond the contact '{what}': its layers have no order with the symmetry of the scene"
         )
-        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}")
-        lines.append(f"  variables     {self.size}: fold angles")
-        for v in range(self.size):
-            creases = ", ".join(str(c) for c in self.creases_of(v))
-            lines.append(
-                f"                  phi of crease{'s' if ',' in creases else ''} {creases}"
-            )
-        lines.append(f"  equalities    {self.equation_count}: {form}")
-        lines.append(f"  inequalities  {self.inequality_count}")
-        if self.structure.limits:
-            lines.append(f"                  {2 * self.size} fold limits |phi| <= pi")
-        for gap in self.structure.gaps:
-            if gap.type != "facet-pair":
-                lines.append(f"                  {self.gap_name(gap)} (gap >= 0)")
-        for i, j in self.contact_pairs:
-            lines.append(
-                f"                  facets {i} and {j}: a separating plane, 4 rows "
-                "(3 more variables and |n| = 1, only while a solve needs it)"
-            )
-        lines.append(
-            f"  parameters    {len(self.parameters)}: sector angles, stiffness, rest angles"
-        )
-        lines.append(
-            f"  geometry      special relations of sector angles, runs of up to {scene.relations.longest}"
-        )
-        lines += [f"                  {line}" for line in scene.relations.lines]
-        lines.append("  left out")
-        lines += [f"                  {item.what}: {item.why}" for item in self.left_out]
-        return "\n".join(lines)
+
+    def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
+        """Tell which closed states [K, n] are admissible, [K]: `refuses` for many, but touching layers are not ordered.
+
+        Where nothing but the boundary of a full-dimensional set touches, this is all of admissibility.
+        """
+        good = np.isfinite(x).all(axis=1) & (np.abs(x) <= self.bound + tolerance).all(axis=1)
+        where = np.flatnonzero(good)
+        where = where[self.on_sheet(x[where])] if len(where) else where
+        if self.walls and len(where):
+            gaps = self.local(x[where]).gaps
+            where = where[(gaps[:, self.walls] >= -tolerance).all(axis=1)]
+        if self.structure.pairs and len(where):
+            where = where[(self._depths(x[where]) <= tolerance).all(axis=1)]
+        good[:] = False
+        good[where] = True
+        return good
+
+
+def _none(full: np.ndarray, count: int) -> np.ndarray:
+    """An empty result of a mapped function, [K, 0, 0]."""
+    return np.zeros((count, 0, 0))

@@ -1,9 +1,9 @@
-"""Which contacts are closed at a state, as rows of inequalities with a definite sign.
+"""Which contacts are closed at a state.
 
-Fold limits, mirrors and the axis are one row each.  Two facets that touch are kept apart by either
+Fold limits, mirrors and the axis are one contact each.  Two facets that touch are kept apart by either
 of two pieces of geometry: the other facet stays on one side of the plane of the first, or the first
 on one side of the plane of the second (two arcs do not cross exactly when one of these holds).
-Each is a `Branch`: the rows it closes at this state.  Where only one branch is possible, the
+Each choice is a *piece*: the contacts it closes at this state.  Where only one is possible, the
 feasible set near the state is smooth; where two are, it is their union.
 """
 
@@ -11,35 +11,23 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 
 from origami_nlp.folding import SNAP, LayerProblem, fold_vertex, layer_problem
-from origami_nlp.numerics import cross
-from origami_nlp.programme.compiled import Structure
-from origami_nlp.programme.model import Model
+from origami_nlp.numerics import RANK, TOUCHES, cross
+from origami_nlp.programme.contact import Contact, fold_limit
+from origami_nlp.programme.gaps import Gap, first_of_each
+from origami_nlp.programme.posed import Posed
 
-CLOSED = 1e-8
-"""Gap [rad] below which a contact of a polished state counts as closed."""
-
-
-@dataclass(frozen=True, order=True)
-class Row:
-    """One closed contact: side * gap >= 0 (``gap``), or side * phi <= pi (``limit``).
-
-    index: variable of a limit, or position in `Structure.gaps`.
-    side: +1 or -1.
-    """
-
-    kind: str
-    index: int
-    side: int
+Rays = Callable[[], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Contacts:
+class ClosedContacts:
     """Closed contacts at a state.
 
     base: rows that always hold.  branches: for each touching facet pair its possible sets of rows.
@@ -48,11 +36,11 @@ class Contacts:
         them is folded flat), with that base row.
     """
 
-    base: tuple[Row, ...]
-    branches: tuple[tuple[tuple[Row, ...], ...], ...]
-    implied: tuple[tuple[Row, Row], ...]
+    base: tuple[Contact, ...]
+    branches: tuple[tuple[tuple[Contact, ...], ...], ...]
+    implied: tuple[tuple[Contact, Contact], ...]
 
-    def combinations(self, most: int = 256) -> list[tuple[Row, ...]] | None:
+    def combinations(self, most: int = 256) -> list[tuple[Contact, ...]] | None:
         """Return every choice of branches as one set of rows, or None if there are more than `most`.
 
         A choice whose rows include those of another describes a part of it and is left out.
@@ -72,54 +60,135 @@ class Contacts:
         ]
 
 
-def row_values(
-    model: Model, x: np.ndarray, rows: tuple[Row, ...], gaps: np.ndarray, jac_gaps: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return gaps (>= 0 when open) and their gradients for `rows`, shapes [r], [r, n]."""
-    values, gradients = np.zeros(len(rows)), np.zeros((len(rows), model.size))
-    for r, row in enumerate(rows):
-        if row.kind == "limit":
-            values[r] = math.pi - row.side * x[row.index]
-            gradients[r, row.index] = -row.side
-        else:
-            values[r] = row.side * gaps[row.index]
-            gradients[r] = row.side * jac_gaps[row.index]
-    return values, gradients
+@dataclass(frozen=True)
+class ContactWords:
+    """Who touches in a contact.
+
+    type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    creases, facets: 1-based, all images under the symmetry included for creases at a fold limit; a facet pair names
+    its two facets.  text: the contact in words.
+    """
+
+    type: str
+    creases: tuple[int, ...]
+    facets: tuple[int, ...]
+    text: str
 
 
-def gap_weights(model: Model, rows: tuple[Row, ...], multipliers: np.ndarray) -> np.ndarray:
-    """Spread multipliers of rows over `Structure.gaps` for the Hessian of the Lagrangian, [c]."""
-    weights = np.zeros(len(model.structure.gaps))
-    for row, value in zip(rows, multipliers, strict=True):
-        if row.kind == "gap":
-            weights[row.index] += row.side * value
-    return weights
+def contact_words(model: Posed, contact: Contact, rays: Rays) -> ContactWords:
+    """Say who touches in a contact; a facet pair by its two creases where they lie on each other."""
+    text = model.name(contact)
+    if contact.is_limit:
+        return ContactWords("fold-limit", model.creases_of(contact.index), (), text)
+    gap = model.structure.gaps[contact.index]
+    if gap.pair is not None:
+        text = _where_rays_meet(model, rays(), gap) or text
+        return ContactWords(gap.type, (), tuple(model.facet_of_ray(i) for i in gap.pair), text)
+    if model.scene.group.rays[gap.rays[0]].crease is not None:
+        return ContactWords(gap.type, (model.crease_of_ray(gap.rays[0]),), (), text)
+    return ContactWords(gap.type, (), (model.facet_of_ray(gap.rays[0]),), text)
+
+
+def _where_rays_meet(model: Posed, rays: np.ndarray, gap: Gap) -> str | None:
+    k, j = gap.rays
+    has = model.structure.has_crease
+    for end in (j, (j + 1) % len(rays)):
+        apart = float(np.linalg.norm(rays[k] - rays[end]))
+        if apart <= TOUCHES and has[k % len(has)] and has[end % len(has)]:
+            first, second = sorted((model.crease_of_ray(k), model.crease_of_ray(end)))
+            facet = model.facet_of_ray(j)
+            off = model.crease_of_ray(k)
+            return (
+                f"creases {first} and {second} on each other "
+                f"(opening: crease {off} off the plane of facet {facet})"
+            )
+    return None
+
+
+def rays_together(
+    model: Posed, rays: np.ndarray, contacts: Sequence[Contact]
+) -> list[tuple[Contact, ...]]:
+    """Return, for each two rays that lie on each other, the gaps among `contacts` that keep them so."""
+    n = len(rays)
+    together: dict[tuple[int, int], list[Contact]] = {}
+    for contact in contacts:
+        if contact.is_limit or (gap := model.structure.gaps[contact.index]).pair is None:
+            continue
+        k, j = gap.rays
+        for end in (j, (j + 1) % n):
+            if np.linalg.norm(rays[k] - rays[end]) <= RANK:
+                together.setdefault((min(k, end), max(k, end)), []).append(contact)
+    return [tuple(found) for found in together.values() if len(found) > 1]
+
+
+PairForce = Mapping[tuple[int, int], float] | None
+
+
+def guess_gaps(
+    model: Posed,
+    gaps: np.ndarray,
+    rays: np.ndarray,
+    limits: Sequence[Contact],
+    pair_force: PairForce,
+) -> list[Contact]:
+    """Guess which gaps an answer of a solver closes, from their size and the force of separating planes."""
+    out = []
+    limited = {contact.index for contact in limits}
+    same = first_of_each(model.structure.gaps)
+    for index, gap in enumerate(model.structure.gaps):
+        value = gaps[index]
+        if gap.pair is None:
+            if value <= 1e-5:
+                out.append(Contact("gap", index, 1))
+            continue
+        pressed = pair_force is None or pair_force.get(gap.pair, 0.0) > 1e-5
+        if not pressed or abs(value) > 1e-3:
+            continue
+        k, j = gap.rays
+        side = _side(rays, k, j, gap.pair)
+        near = {m for m in (j - 1, j, j + 1, j + 2)}
+        if side and not (k in near and limited):
+            out.append(Contact("gap", same[index], side))
+    return out
+
+
+def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
+    """Return the side of facet j on which the facet that ends at ray k lies; 0 if k is off the facet."""
+    n = len(rays)
+    a, b, c = rays[j], rays[(j + 1) % n], rays[k]
+    normal = cross(a, b)
+    if cross(a, c) @ normal < -1e-3 or cross(c, b) @ normal < -1e-3:
+        return 0
+    start = pair[0] if pair[1] == j else pair[1]
+    other = rays[(start + 1) % n] if k == start else rays[start]
+    height = other @ normal
+    return 0 if abs(height) < 1e-6 else int(math.copysign(1, height))
 
 
 def closed_contacts(
-    model: Model, x: np.ndarray, gaps: np.ndarray, tolerance: float = CLOSED
-) -> Contacts:
-    """Find every closed contact of a state."""
-    base: list[Row] = []
-    if model.structure.limits:
+    model: Posed, x: np.ndarray, gaps: np.ndarray, rays: Rays, tolerance: float
+) -> ClosedContacts:
+    """Find every contact of a state x [n] that is closed to `tolerance`; `rays` returns those of its piece."""
+    base: list[Contact] = []
+    if model.has_limits:
         for v in range(model.size):
             if math.pi - abs(x[v]) <= tolerance:
-                base.append(Row("limit", v, 1 if x[v] > 0 else -1))
+                base.append(fold_limit(v, x[v]))
     for index, gap in enumerate(model.structure.gaps):
         if gap.type != "facet-pair" and gaps[index] <= tolerance:
-            base.append(Row("gap", index, 1))
+            base.append(Contact("gap", index, 1))
     if not model.structure.pairs:
-        return Contacts(tuple(base), (), ())
-    rays = model.rays(x)
+        return ClosedContacts(tuple(base), (), ())
+    at = rays()
     of_pair: dict[tuple[int, int], list[int]] = {}
     for index, gap in enumerate(model.structure.gaps):
         if gap.pair is not None:
             of_pair.setdefault(gap.pair, []).append(index)
-    branches: list[tuple[tuple[Row, ...], ...]] = []
-    implied: list[tuple[Row, Row]] = []
+    branches: list[tuple[tuple[Contact, ...], ...]] = []
+    implied: list[tuple[Contact, Contact]] = []
     layers = _Layers(model, x, tolerance)
     for indices in of_pair.values():
-        options = _pair_branches(model, layers, rays, gaps, indices, tolerance)
+        options = _pair_pieces(model, layers, at, gaps, indices, tolerance)
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
@@ -134,32 +203,25 @@ def closed_contacts(
             kept.add(tuple(rows))
         if () not in kept:
             branches.append(tuple(sorted(kept)))
-    return Contacts(tuple(base), tuple(branches), tuple(dict.fromkeys(implied)))
+    return ClosedContacts(tuple(base), tuple(branches), tuple(dict.fromkeys(implied)))
 
 
-@lru_cache(maxsize=64)
-def same_gap(structure: Structure) -> tuple[int, ...]:
-    """For each gap, the first one with the same rays: crease k on facet j belongs to two facet pairs."""
-    first: dict[tuple[str, tuple[int, ...]], int] = {}
-    return tuple(first.setdefault((g.type, g.rays), i) for i, g in enumerate(structure.gaps))
-
-
-def _pair_branches(
-    model: Model,
+def _pair_pieces(
+    model: Posed,
     layers: _Layers,
     rays: np.ndarray,
     gaps: np.ndarray,
     indices: list[int],
     tolerance: float,
-) -> set[tuple[Row, ...]]:
+) -> set[tuple[Contact, ...]]:
     """Return the ways in which a pair of facets is kept apart; () means strictly apart.
 
     `indices` are the pair's four gaps: both ends of the first facet off the second, then the reverse.
     Facets that lie on each other have both sides open pointwise; the order of the layers says which are.
     """
     structure = model.structure
-    same = same_gap(structure)
-    options: set[tuple[Row, ...]] = set()
+    same = first_of_each(structure.gaps)
+    options: set[tuple[Contact, ...]] = set()
     flat = bool((np.abs(gaps[indices]) <= tolerance).all())
     sides = layers.sides(structure.gaps[indices[0]].pair) if flat else (0, 0)
     for ends, forced in ((indices[:2], sides[0]), (indices[2:], sides[1])):
@@ -175,7 +237,7 @@ def _pair_branches(
                 if abs(value) <= tolerance
                 and _on_arc(rays, structure.gaps[e].rays[0], j, tolerance)
             ]
-            options.add(tuple(Row("gap", same[e], side) for e in touching))
+            options.add(tuple(Contact("gap", same[e], side) for e in touching))
     if not options:  # crossing within the tolerance of the caller: nothing to say here
         return {()}
     if any(not o for o in options):
@@ -190,7 +252,7 @@ def _pair_branches(
 class _Layers:
     """The layer problem of a state, posed when a pair of facets that lie on each other first asks for it."""
 
-    def __init__(self, model: Model, x: np.ndarray, tolerance: float) -> None:
+    def __init__(self, model: Posed, x: np.ndarray, tolerance: float) -> None:
         self._model, self._x, self._tolerance = model, x, tolerance
 
     @cached_property
@@ -237,7 +299,7 @@ def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -
     return False
 
 
-def _limit_that_says_the_same(model: Model, row: Row, base: list[Row]) -> Row | None:
+def _limit_that_says_the_same(model: Posed, row: Contact, base: list[Contact]) -> Contact | None:
     """Return the fold limit that makes a ray-on-facet row redundant, if there is one.
 
     Ray k lies on facet j because both belong to the two facets at a crease m folded to +-pi.  The
@@ -261,23 +323,7 @@ def _limit_that_says_the_same(model: Model, row: Row, base: list[Row]) -> Row | 
         else:
             variable = m % model.size
         for limit in base:
-            if limit.kind == "limit" and limit.index == variable:
+            if limit.is_limit and limit.index == variable:
                 # a valley turns the walk around the vertex to the left: the other facet opens on that side
                 return limit if row.side == limit.side else None
     return None
-
-
-def row_name(model: Model, row: Row) -> str:
-    """Say which contact a row is."""
-    if row.kind == "gap":
-        return model.gap_name(model.structure.gaps[row.index])
-    creases = model.creases_of(row.index)
-    sign = "+" if row.side > 0 else "-"
-    return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
-
-
-def row_weight(model: Model, row: Row) -> int:
-    """Return how many single contacts of the vertex one row stands for."""
-    if row.kind == "gap":
-        return model.structure.gaps[row.index].weight
-    return int(model.multiplicity[row.index])

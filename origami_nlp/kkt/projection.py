@@ -1,0 +1,78 @@
+"""The one projection onto closure: Gauss-Newton with contacts or fold angles held, one state or many."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.numerics import ROUNDED
+from origami_nlp.programme import Contact, Programme, held
+
+DEPENDENT = 1e-8
+"""Singular values below this share of the largest are left out: what closure does not resolve does not move."""
+LONGEST = 1.0
+"""Steps are cut to this length [rad], within which a product of folds is nearly linear."""
+
+
+def project(
+    programme: Programme,
+    x: np.ndarray,
+    contacts: Sequence[Contact] = (),
+    *,
+    frozen: np.ndarray | None = None,
+    steps: int = 30,
+    dependent: float = DEPENDENT,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Move states onto closure with contacts held, by steps of smallest length in the metric of all fold angles.
+
+    Parameters
+    ----------
+    x
+        One state [n] or states [K, n].
+    contacts
+        Held closed; fold limits exactly.
+    frozen
+        Entries of x that stay as they are, same shape as x.
+    dependent
+        Singular values below this share of the largest are left out.
+
+    Returns
+    -------
+    x
+        Where the steps ended, same shape.
+    residual
+        Largest entry of closure and openings, [] or [K]: whether that is close enough is for the caller to say.
+    """
+    x = held(x, contacts)
+    root = programme.root
+    if x.ndim == 1:
+        still = ~frozen if frozen is not None else None
+        for step in range(steps + 1):
+            f, jac = programme.constraints(x, contacts)
+            residual = np.abs(f).max(initial=0.0)
+            if residual <= ROUNDED or step == steps:
+                break
+            jac = jac / root if still is None else jac / root * still
+            move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
+            x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), 1e-300)) / root)
+            for contact in contacts:
+                contact.hold(x)
+        return x, residual
+    residual = np.full(len(x), np.inf)
+    todo = np.arange(len(x))
+    for _ in range(steps):
+        if not len(todo):
+            break
+        f, jac = programme.constraints(x[todo], contacts)
+        residual[todo] = np.abs(f).max(axis=1, initial=0.0)
+        far = residual[todo] > ROUNDED
+        todo, f, jac = todo[far], f[far], jac[far] / root
+        if frozen is not None:
+            jac = np.where(frozen[todo][:, None, :], 0.0, jac)
+        move = np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=dependent), f)
+        length = np.linalg.norm(move, axis=1, keepdims=True)
+        x[todo] -= move * np.minimum(1.0, LONGEST / np.maximum(length, 1e-300)) / root
+        for contact in contacts:
+            contact.hold(x)
+    return x, residual

@@ -1,0 +1,205 @@
+"""A state of a programme, and a stratum: a state with contacts held.  What is asked twice is computed once.
+
+Everything is in the metric of all N fold angles, y = root x with root = sqrt(multiplicity), so that a state says the
+same within its symmetry and without; energies are divided by `Model.scale`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
+from origami_nlp.numerics import OUTSIDE, RANK, TOUCHES, null_space
+from origami_nlp.programme import ClosedContacts, Contact, Local, Programme
+
+
+class State:
+    """A closed state x [n] of a programme.
+
+    Parameters
+    ----------
+    programme
+        Anything with energy, closure, contacts and their derivatives: `programme.Programme`.
+    x
+        Values of its variables [rad], shape [n].
+    tolerance
+        Opening [rad] up to which a contact counts as closed.
+
+    Examples
+    --------
+    >>> from origami_nlp import Model, State, examples
+    >>> flat = State(Model(examples.degree6("pi/3", ratio=1)), [0.0, 0.0, 0.0, 0.0])
+    >>> flat.regular, flat.refused, flat.contacts.base
+    (False, '', ())
+    """
+
+    def __init__(
+        self, programme: Programme, x: Sequence[float] | np.ndarray, tolerance: float = TOUCHES
+    ) -> None:
+        self.programme = programme
+        self.x = np.array(x, dtype=float)
+        self.x.setflags(write=False)
+        self.tolerance = tolerance
+
+    @cached_property
+    def local(self) -> Local:
+        """Values and first derivatives in the programme's variables."""
+        return self.programme.local(self.x)
+
+    @cached_property
+    def gradient(self) -> np.ndarray:
+        """Of the energy, in the metric, [n]."""
+        return self.local.gradient / self.programme.root
+
+    @cached_property
+    def jacobian(self) -> np.ndarray:
+        """Of loop closure, in the metric, [m, n]."""
+        return self.local.closure_jacobian / self.programme.root
+
+    @cached_property
+    def kernel(self) -> np.ndarray:
+        """Orthonormal basis of the directions that closure allows to first order, in the metric, [n, t]."""
+        return null_space(self.jacobian)
+
+    @cached_property
+    def regular(self) -> bool:
+        """Whether closure has full rank."""
+        return bool((np.linalg.svd(self.jacobian, compute_uv=False) > RANK).all())
+
+    @cached_property
+    def residual(self) -> float:
+        """Largest entry of loop closure."""
+        return float(np.abs(self.local.closure).max(initial=0.0))
+
+    @cached_property
+    def contacts(self) -> ClosedContacts:
+        """Contacts that are closed to `tolerance`."""
+        return self.programme.closed(self.x, self.tolerance, self.local)
+
+    @cached_property
+    def pieces(self) -> list[tuple[Contact, ...]]:
+        """Smooth pieces of the feasible set that meet here, as contacts; where too many, only those of all of them."""
+        return self.contacts.combinations() or [self.contacts.base]
+
+    @cached_property
+    def refused(self) -> str:
+        """Why the state is not admissible; "" where it is."""
+        return self.programme.refuses(self.x, OUTSIDE)
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy in the scene's units."""
+        return self.programme.energy(self.x)
+
+    @property
+    def fold_angles(self) -> np.ndarray:
+        """All N fold angles, [N]."""
+        return self.programme.expand(self.x)
+
+    def at(self, x: np.ndarray) -> State:
+        """Return another state of the same programme."""
+        return State(self.programme, x, self.tolerance)
+
+    def on(self, contacts: Sequence[Contact] = ()) -> Stratum:
+        """Return the state with these contacts held closed."""
+        return Stratum(self, tuple(contacts))
+
+    def __repr__(self) -> str:
+        angles = ", ".join(f"{v:.6g}" for v in self.fold_angles)
+        return f"State([{angles}] rad, closure {self.residual:.1e})"
+
+
+class Stratum:
+    """A state on the set where closure holds and some contacts stay closed.
+
+    Parameters
+    ----------
+    state
+        The state.
+    contacts
+        Contacts held.
+    """
+
+    def __init__(self, state: State, contacts: tuple[Contact, ...]) -> None:
+        self.state, self.contacts = state, contacts
+
+    @cached_property
+    def _openings(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.state.local.openings(self.contacts)
+
+    @property
+    def openings(self) -> np.ndarray:
+        """How far the contacts are open, [r]."""
+        return self._openings[0]
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """Gradients of the openings, in the metric, [r, n]."""
+        return self._openings[1] / self.state.programme.root
+
+    @cached_property
+    def jacobian(self) -> np.ndarray:
+        """Of closure and the contacts together, in the metric, [m + r, n]."""
+        return np.vstack([self.state.jacobian, self.slopes])
+
+    @cached_property
+    def tangent(self) -> np.ndarray:
+        """Orthonormal basis of the directions that keep the contacts closed to first order, in the metric, [n, t]."""
+        return null_space(self.jacobian)
+
+    @property
+    def dimension(self) -> int:
+        """Number of these directions."""
+        return self.tangent.shape[1]
+
+    @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Forces of closure and contacts that balance the springs best, of smallest norm, [m + r]."""
+        return np.linalg.lstsq(self.jacobian.T, self.state.gradient, rcond=1e-10)[0]
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Those of the contacts alone, positive where they push, [r]."""
+        return self.multipliers[len(self.state.jacobian) :]
+
+    @cached_property
+    def multiplier_set(self) -> Multipliers:
+        """All multipliers >= 0 of the contacts that balance the springs along closure."""
+        z = self.state.kernel
+        return find_multipliers((self.slopes @ z).T, z.T @ self.state.gradient)
+
+    @cached_property
+    def imbalance(self) -> np.ndarray:
+        """Torque that closure and contacts leave without balance, in the metric, [n]."""
+        return self.state.gradient - self.jacobian.T @ self.multipliers
+
+    @cached_property
+    def hessian(self) -> np.ndarray:
+        """Hessian of the Lagrangian with `multipliers`, in the metric, [n, n]."""
+        return self.hessian_with(self.multipliers)
+
+    def hessian_with(self, multipliers: np.ndarray) -> np.ndarray:
+        """Hessian of the Lagrangian with other multipliers of closure and contacts [m + r], in the metric, [n, n]."""
+        p = self.state.programme
+        h = p.lagrangian_hessian(self.state.x, multipliers, self.contacts)
+        return h / np.outer(p.root, p.root)
+
+    @cached_property
+    def stiffness(self) -> float:
+        """Smallest eigenvalue of the Hessian along `tangent`; inf where nothing moves."""
+        z = self.tangent
+        return float(np.linalg.eigvalsh(z.T @ self.hessian @ z)[0]) if z.shape[1] else math.inf
+
+    def response(self) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the KKT system by a load: forces of the contacts [r, n] and states [n, n], in the metric."""
+        n, count = len(self.state.x), len(self.jacobian)
+        system = np.block(
+            [[self.hessian, -self.jacobian.T], [self.jacobian, np.zeros((count,) * 2)]]
+        )
+        right = np.vstack([np.eye(n), np.zeros((count, n))])
+        solution = np.linalg.lstsq(system, right, rcond=1e-14)[0]
+        return solution[n + len(self.state.jacobian) :], solution[:n]

@@ -1,0 +1,83 @@
+"""The programme as CasADi symbols, for any solver: with planes that keep facets apart, or with every gap as a row."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from origami_nlp.numerics import cross
+from origami_nlp.programme.compiled import Structure, compile_structure
+from origami_nlp.programme.gaps import separation_rows
+
+Pairs = tuple[tuple[int, int], ...]
+PLANE_ROWS = 5
+"""Rows of a separating plane: its normal has length 1, and four corners are on their sides."""
+
+
+@dataclass(frozen=True, eq=False)
+class Nlp:
+    """Symbols of min f(x, p) subject to lower <= g(x, p) <= upper; bounds on x are the caller's."""
+
+    x: ca.SX
+    p: ca.SX
+    f: ca.SX
+    g: ca.SX
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+def pose_apart(structure: Structure, pairs: Pairs) -> Nlp:
+    """Closure, mirrors, the axis, and for each of `pairs` a plane (three more unknowns) between two facets."""
+    f = compile_structure(structure)
+    walls = [f.gaps[i] for i, gap in enumerate(structure.gaps) if gap.type != "facet-pair"]
+    unknowns, rows = [f.x], [f.piece.equations, *walls]
+    lower, upper = (
+        [0.0] * (f.piece.equations.shape[0] + len(walls)),
+        [0.0] * f.piece.equations.shape[0],
+    )
+    upper += [math.inf] * len(walls)
+    for i, j in pairs:
+        normal = ca.SX.sym(f"n_{i}_{j}", 3)
+        unknowns.append(normal)
+        planes = separation_rows(f.piece, (i, j), [*ca.vertsplit(normal)])
+        rows += [ca.dot(normal, normal) - 1, planes]
+        lower += [0.0] * PLANE_ROWS
+        upper += [0.0] + [math.inf] * (PLANE_ROWS - 1)
+    return Nlp(
+        ca.vertcat(*unknowns), f.p, f.energy, ca.vertcat(*rows), np.array(lower), np.array(upper)
+    )
+
+
+def pose_with_gaps(structure: Structure) -> Nlp:
+    """Closure, then every gap as a row (the last ones); facet pairs are free, a caller holds what it wants closed."""
+    f = compile_structure(structure)
+    m = f.piece.equations.shape[0]
+    free = [-math.inf if gap.type == "facet-pair" else 0.0 for gap in structure.gaps]
+    lower, upper = [0.0] * m + free, [0.0] * m + [math.inf] * len(structure.gaps)
+    rows = ca.vertcat(f.piece.equations, f.gaps)
+    return Nlp(f.x, f.p, f.energy, rows, np.array(lower), np.array(upper))
+
+
+def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
+    """Return the unit normal that best separates two facets, among the planes through two of their
+    rays.
+
+    If they cross there is none; the best of these planes is still where IPOPT starts.
+    """
+    i, j = pair
+    n = len(rays)
+    corners = rays[[i, (i + 1) % n, j, (j + 1) % n]]
+    a, b = np.triu_indices(4, 1)
+    normals = cross(corners[a], corners[b])
+    length = np.linalg.norm(normals, axis=1)
+    normals = normals[length > 1e-9] / length[length > 1e-9, None]
+    # planes that only touch both facets on one side are as good as the bisector of the two groups
+    middle = corners[:2].sum(axis=0) - corners[2:].sum(axis=0)
+    if np.linalg.norm(middle) > 1e-9:
+        normals = np.vstack([normals, middle / np.linalg.norm(middle)])
+    normals = np.vstack([normals, -normals])
+    margin = np.min(normals @ (corners * np.array([1, 1, -1, -1])[:, None]).T, axis=1)
+    return normals[int(margin.argmax())]

@@ -1,0 +1,254 @@
+"""A scene posed: its variables and parameters, which contacts it has, and their names in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.arguments import check_type
+from origami_nlp.pattern import Scene
+from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
+from origami_nlp.programme.compiled import Structure
+from origami_nlp.programme.contact import Contact, gap_weights
+from origami_nlp.programme.gaps import Gap, first_of_each
+from origami_nlp.programme.parameters import Parameters
+
+
+class Posed:
+    """What of a scene is modelled, by name; printing it says what is modelled and what is not.
+
+    Energies inside the programme are divided by `scale`, a power of two near the weighted mean
+    stiffness, so that results scale exactly with the stiffness.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    structure
+        Form of the programme; scenes with equal structure share compiled functions and solvers.
+    left_out
+        What was not modelled, and why.
+    parameters
+        Sector angles, stiffness, rest angles and load of the variables.
+    multiplicity
+        How many creases each variable stands for, [n].
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        check_type("scene", scene, Scene)
+        self.scene = scene
+        group = scene.group
+        gaps, pairs, self.left_out = enumerate_gaps(scene)
+        self.structure = Structure(
+            kind=group.kind,
+            order=group.order,
+            has_crease=tuple(ray.crease is not None for ray in group.rays),
+            limits=scene.contact != "none",
+            gaps=gaps,
+            pairs=pairs,
+            flat_sheet=scene.vertex.flat,
+        )
+        crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
+        position = {r: v for v, r in enumerate(crease_rays)}
+        self.variable_of_crease = np.array([position[r] for r in group.orbit])
+        self.multiplicity = np.bincount(self.variable_of_crease)
+        # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
+        k = np.bincount(self.variable_of_crease, scene.stiffness)
+        rest = np.bincount(self.variable_of_crease, scene.rest_angles) / self.multiplicity
+        self.scale = 2.0 ** round(math.log2(k.mean()))
+        sectors = [ray.sector for ray in group.rays]
+        if group.kind == "D":
+            sectors = sectors[:-1]
+        self.parameters = Parameters(np.array(sectors), k / self.scale, rest, np.zeros(self.size))
+
+    @property
+    def size(self) -> int:
+        """Number of variables n."""
+        return len(self.multiplicity)
+
+    @property
+    def equation_count(self) -> int:
+        """Number of loop-closure equations."""
+        return {("C", 1): 3, ("D", 1): 2}.get((self.structure.kind, self.structure.order), 1)
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom at a regular state: variables less equations."""
+        return self.size - self.equation_count
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether |phi| <= pi is imposed."""
+        return self.structure.limits
+
+    @property
+    def symmetry(self) -> str:
+        """Name of the group that states of the programme keep."""
+        return self.scene.group.name
+
+    @property
+    def limits(self) -> tuple[Contact, ...]:
+        """Both fold limits of every variable, where they are imposed."""
+        many = range(self.size if self.has_limits else 0)
+        return tuple(Contact("limit", v, side) for v in many for side in (-1, 1))
+
+    @property
+    def walls(self) -> tuple[int, ...]:
+        """Positions of the gaps that are one-sided by themselves: mirrors and the axis."""
+        return tuple(i for i, gap in enumerate(self.structure.gaps) if gap.type != "facet-pair")
+
+    @property
+    def every_gap(self) -> tuple[Contact, ...]:
+        """Every gap, on its positive side."""
+        return tuple(Contact("gap", i, 1) for i in range(len(self.structure.gaps)))
+
+    @property
+    def gaps(self) -> tuple[Contact, ...]:
+        """Every gap once (a crease on a facet belongs to two facet pairs), on its positive side."""
+        same = first_of_each(self.structure.gaps)
+        return tuple(Contact("gap", i, 1) for i in range(len(same)) if same[i] == i)
+
+    def sides(self, contact: Contact) -> tuple[int, ...]:
+        """Sides on which a contact may be open: both for a ray on a facet."""
+        one = contact.is_limit or contact.index in self.walls
+        return (contact.side,) if one else (1, -1)
+
+    @property
+    def step_noise(self) -> float:
+        """Length of a Newton step [rad] that is only rounding: 1e-10, more with very soft springs."""
+        return max(1e-10, 1e-15 / self.parameters.softness)
+
+    @property
+    def bound(self) -> float:
+        """Largest |fold angle|: pi, or 2 pi without contact, where each further turn repeats the shape."""
+        return math.pi if self.has_limits else 2 * math.pi
+
+    def creases_of(self, variable: int) -> tuple[int, ...]:
+        """Return the creases (1-based) whose fold angle is variable number `variable` (0-based)."""
+        return tuple((np.flatnonzero(self.variable_of_crease == variable) + 1).tolist())
+
+    def crease_of_ray(self, r: int) -> int:
+        """Return the crease (1-based) on ray r of the piece; for C_n also of its images."""
+        crease = self.scene.group.rays[r % len(self.scene.group.rays)].crease
+        if self.structure.kind == "C":
+            return r + 1
+        assert crease is not None
+        return crease + 1
+
+    def facet_of_ray(self, r: int) -> int:
+        """Return the facet (1-based) that starts at, or for a mirror ray contains, ray r."""
+        return facet_of_ray(self.scene, r) + 1
+
+    def expand(self, x: np.ndarray) -> np.ndarray:
+        """Return all N fold angles from the variables, shapes [..., n] -> [..., N]."""
+        return np.asarray(x)[..., self.variable_of_crease]
+
+    def reduce(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return the variables of a symmetric state, shapes [..., N] -> [..., n] (means of orbits)."""
+        phi = np.asarray(fold_angles, dtype=float)
+        out = np.zeros((*phi.shape[:-1], self.size))
+        for crease, v in enumerate(self.variable_of_crease):
+            out[..., v] += phi[..., crease]
+        return out / self.multiplicity
+
+    def energy(self, x: np.ndarray) -> float:
+        """Elastic energy of a state [n] in the scene's units, less the work of the load if there is one."""
+        return self.scale * float(self.parameters.energy(np.asarray(x)))
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Elastic energies of states [..., n] in the scene's units, [...]."""
+        return self.scale * self.parameters.energy(np.asarray(x))
+
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
+        """Energy of y less that of x, in the scene's units, without cancellation for nearby states."""
+        return self.scale * float(self.parameters.energy_change(x, y))
+
+    @property
+    def root(self) -> np.ndarray:
+        """The metric of all N fold angles: y = root x, root = sqrt(multiplicity), [n]."""
+        return np.sqrt(self.multiplicity)
+
+    @property
+    def contact_pairs(self) -> list[tuple[int, int]]:
+        """Facet pairs (1-based) that may cross and are modelled."""
+        return [(self.facet_of_ray(i), self.facet_of_ray(j)) for i, j in self.structure.pairs]
+
+    @property
+    def inequality_count(self) -> int:
+        """Number of inequalities: fold limits, mirror and axis contacts, four rows a facet pair."""
+        return (2 * self.size if self.has_limits else 0) + len(self.structure.gaps)
+
+    def gap_name(self, gap: Gap) -> str:
+        """Say in words what a gap is."""
+        if gap.type == "facet-pair":
+            k, j = gap.rays
+            on = f"on facet {self.facet_of_ray(j)}"
+            if self.scene.group.rays[k % len(self.scene.group.rays)].crease is None:
+                return f"mirror ray of facet {self.facet_of_ray(k)} {on}"
+            return f"crease {self.crease_of_ray(k)} {on}"
+        r, _ = gap.rays
+        ray = self.scene.group.rays[r]
+        who = f"facet {self.facet_of_ray(r)}" if ray.crease is None else f"crease {ray.crease + 1}"
+        return f"{who} on the axis" if gap.type == "axis" else f"{who} on its mirror image"
+
+    def name(self, contact: Contact) -> str:
+        """Say in words which contact it is."""
+        if not contact.is_limit:
+            return self.gap_name(self.structure.gaps[contact.index])
+        creases = self.creases_of(contact.index)
+        sign = "+" if contact.side > 0 else "-"
+        return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
+
+    def weight(self, contact: Contact) -> int:
+        """How many single contacts of the vertex it stands for: its multiplier over this is the moment at each."""
+        if contact.is_limit:
+            return int(self.multiplicity[contact.index])
+        return self.structure.gaps[contact.index].weight
+
+    def weights(self, contacts: Sequence[Contact], multipliers: np.ndarray) -> np.ndarray:
+        """Spread multipliers [..., r] of contacts over the gaps, [..., c], for the Hessian of a Lagrangian."""
+        return gap_weights(len(self.structure.gaps), contacts, multipliers)
+
+    def __repr__(self) -> str:
+        scene, lines = self.scene, []
+        group = scene.group
+        form = {
+            ("C", 1): "vec(q) = 0, q = product of all folds",
+            ("D", 1): "H e2 = e2: h_x = h_z = 0, H = folds of half the vertex",
+        }.get(
+            (group.kind, group.order),
+            f"n_1 . H n_k = -cos(pi/{group.order}), H = folds of the wedge"
+            if group.kind == "D"
+            else f"scalar of q Q(e3, 2 pi/{group.order}) = cos(pi/{group.order}), q = folds of a period",
+        )
+        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}")
+        lines.append(f"  variables     {self.size}: fold angles")
+        for v in range(self.size):
+            creases = ", ".join(str(c) for c in self.creases_of(v))
+            lines.append(
+                f"                  phi of crease{'s' if ',' in creases else ''} {creases}"
+            )
+        lines.append(f"  equalities    {self.equation_count}: {form}")
+        lines.append(f"  inequalities  {self.inequality_count}")
+        if self.has_limits:
+            lines.append(f"                  {2 * self.size} fold limits |phi| <= pi")
+        for gap in self.structure.gaps:
+            if gap.type != "facet-pair":
+                lines.append(f"                  {self.gap_name(gap)} (gap >= 0)")
+        for i, j in self.contact_pairs:
+            lines.append(
+                f"                  facets {i} and {j}: a separating plane, 4 rows "
+                "(3 more variables and |n| = 1, only while a solve needs it)"
+            )
+        lines.append(
+            f"  parameters    {self.parameters.vector.size}: sector angles, stiffness, rest angles, load"
+        )
+        lines.append(
+            f"  geometry      special relations of sector angles, runs of up to {scene.relations.longest}"
+        )
+        lines += [f"                  {line}" for line in scene.relations.lines]
+        lines.append("  left out")
+        lines += [f"                  {item.what}: {item.why}" for item in self.left_out]
+        return "\n".join(lines)

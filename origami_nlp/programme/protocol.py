@@ -1,0 +1,89 @@
+"""What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
+
+A programme of one vertex (`Model`) has all of this; one of several vertices that share creases can stand in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from origami_nlp.programme.contact import Contact
+from origami_nlp.programme.model import Local
+from origami_nlp.programme.parameters import Parameters
+from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairForce
+
+
+class Programme(Protocol):
+    """Shapes and units are those of `Model`, where each of these is described."""
+
+    structure: Any  # hashable; what solvers are built from and shared by
+    parameters: Parameters
+    multiplicity: np.ndarray
+    scale: float
+
+    @property
+    def size(self) -> int: ...  # noqa: D102
+    @property
+    def equation_count(self) -> int: ...  # noqa: D102
+    @property
+    def freedom(self) -> int: ...  # noqa: D102
+    @property
+    def symmetry(self) -> str: ...  # noqa: D102
+    @property
+    def root(self) -> np.ndarray: ...  # noqa: D102
+    @property
+    def bound(self) -> float: ...  # noqa: D102
+    @property
+    def step_noise(self) -> float: ...  # noqa: D102
+    @property
+    def has_limits(self) -> bool: ...  # noqa: D102
+    @property
+    def limits(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def every_gap(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def gaps(self) -> tuple[Contact, ...]: ...  # noqa: D102
+
+    def expand(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def energy(self, x: np.ndarray) -> float: ...  # noqa: D102
+    def energies(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float: ...  # noqa: D102
+    def local(self, x: np.ndarray) -> Local: ...  # noqa: D102
+    def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...  # noqa: D102
+    def constraints(  # noqa: D102
+        self, x: np.ndarray, contacts: Sequence[Contact] = ()
+    ) -> tuple[np.ndarray, np.ndarray]: ...
+    def lagrangian_hessian(  # noqa: D102
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact] = (),
+        weight: float = 1.0,
+    ) -> np.ndarray: ...
+    def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def crossed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ...
+    ) -> tuple[tuple[int, int], ...]: ...
+    def on_sheet(self, x: np.ndarray) -> Any: ...  # noqa: D102
+    def closed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
+    ) -> ClosedContacts: ...
+    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]: ...  # noqa: D102
+    def beyond(self, x: np.ndarray, tolerance: float = ...) -> tuple[Contact, ...]: ...  # noqa: D102
+    def refuses(self, x: np.ndarray, tolerance: float = ...) -> str: ...  # noqa: D102
+    def admissible(self, x: np.ndarray, tolerance: float = ...) -> np.ndarray: ...  # noqa: D102
+    def together(  # noqa: D102
+        self, x: np.ndarray, contacts: Sequence[Contact]
+    ) -> list[tuple[Contact, ...]]: ...
+    def sides(self, contact: Contact) -> tuple[int, ...]: ...  # noqa: D102
+    def name(self, contact: Contact) -> str: ...  # noqa: D102
+    def weight(self, contact: Contact) -> int: ...  # noqa: D102
+    def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
+    def guess(  # noqa: D102
+        self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
+    ) -> tuple[Contact, ...]: ...
+    def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
+    def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102
