@@ -16,7 +16,7 @@ from origami_nlp.cli.audit import audit
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.folding import examine
-from origami_nlp.kkt import distance_from_stationary, project
+from origami_nlp.kkt import State, distance_from_stationary, project
 from origami_nlp.minima import find_minima
 from origami_nlp.paper import (
     as_markdown,
@@ -172,10 +172,10 @@ def test_exact_minima_are_stationary_and_moved_ones_are_not() -> None:
     model = Model(scene)
     for m in panel_result(scene).minima:
         x = model.reduce(np.array(m.fold_angles))
-        assert distance_from_stationary(model, x) < 1e-9
+        assert distance_from_stationary(State(model, x, 1e-7)) < 1e-9
         y, residual = project(model, x - 0.05 * np.sign(x), ())
         assert residual < 1e-12
-        assert distance_from_stationary(model, y) > 1e-3
+        assert distance_from_stationary(State(model, y, 1e-7)) > 1e-3
 
 
 # --- the audit ----------------------------------------------------------------------------------

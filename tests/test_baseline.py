@@ -7,7 +7,7 @@ import pytest
 from computed_once import panel_result
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.kkt import classify, distance_from_stationary, project
+from origami_nlp.kkt import State as StateOf, classify, distance_from_stationary, project
 from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.paper import STEPS, appendix_a
@@ -77,11 +77,11 @@ def test_gradient_is_the_torque_that_contacts_balance(states: list[State]) -> No
             continue
         seen += 1
         paper = appendix_a(s.scene, s.phi)
-        without_contact = distance_from_stationary(Model(full_scene(s.scene)), s.phi, closed=-1.0)
+        without_contact = distance_from_stationary(StateOf(Model(full_scene(s.scene)), s.phi, -1.0))
         assert paper.steps[0].gradient == pytest.approx(without_contact, rel=1e-5)
         # with the contact moments the very same state is stationary to rounding
         model = Model(s.scene)
-        assert distance_from_stationary(model, model.reduce(s.phi)) < 1e-9
+        assert distance_from_stationary(StateOf(model, model.reduce(s.phi), 1e-7)) < 1e-9
     assert seen
 
 
@@ -151,7 +151,7 @@ def test_saddles_without_contact(scene: Scene) -> None:
         phi = np.array(m.fold_angles)
         if np.linalg.svd(fold_vertex(scene.vertex, phi)[0])[1][2] <= 1e-6:
             continue  # singular: the paper's test does not apply
-        exact, paper = classify(model, phi), appendix_a(scene, phi)
+        exact, paper = classify(StateOf(model, phi)), appendix_a(scene, phi)
         assert paper.verdict == {"minimum": "strict minimum"}.get(exact.verdict, exact.verdict), phi
         verdicts.add(paper.verdict)
     assert verdicts == {"saddle", "strict minimum"}

@@ -17,6 +17,7 @@ from origami_nlp.bench.methods_closure import FORMS, closure_residual, closures,
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
+from origami_nlp.kkt import State
 from origami_nlp.minima.full_space import hessian_spectra
 from origami_nlp.programme import Model
 
@@ -81,7 +82,7 @@ def test_rivals_get_the_programme_of_the_package(index):
     built = programme(model.structure, model.structure.pairs)
     x = draw_starts(model, 1, 1)[0][0].x
     z = built.begin(model, x)
-    f, g = built.oracle(z, model.parameters)
+    f, g = built.oracle(z, model.parameters.vector)
     assert float(f) * model.scale == pytest.approx(model.energy(x), rel=1e-12)
     assert np.asarray(g).ravel()[: model.equation_count] == pytest.approx(model.closure(x)[0])
     assert len(built.lower) == g.shape[0] and sum(built.equality) == model.equation_count + len(
@@ -93,7 +94,7 @@ def test_rivals_get_the_programme_of_the_package(index):
 def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
     model = Model(panel_problems()[index].scene)
     built = programme(model.structure, model.structure.pairs)
-    evaluate = Evaluator(built.oracle, model.parameters)
+    evaluate = Evaluator(built.oracle, model.parameters.vector)
     rng = np.random.default_rng(index)
     z = built.begin(model, draw_starts(model, 1, 1)[0][0].x) + 0.01 * rng.standard_normal(
         model.size + 3 * len(built.pairs)
@@ -120,7 +121,7 @@ def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
 def test_an_evaluator_asked_for_curvature_elsewhere_does_not_keep_stale_values():
     model = Model(SIMPLE)
     built = programme(model.structure, ())
-    evaluate = Evaluator(built.oracle, model.parameters)
+    evaluate = Evaluator(built.oracle, model.parameters.vector)
     a, b = np.full(model.size, 0.3), np.full(model.size, -0.8)
     wanted = evaluate.at(a).g.copy()
     evaluate.curvature(b, 1.0, np.ones(len(built.lower)))
@@ -216,7 +217,7 @@ def test_exact_eigenvalues_agree_with_the_package_and_beat_appendix_a():
     assert records
     full = Model(replace(SIMPLE, symmetry="none", contact="none"))
     for record, phi in zip(records, states, strict=True):
-        wanted = hessian_spectra(full, SIMPLE, phi)[0]
+        wanted = hessian_spectra(State(full, phi), SIMPLE)[0]
         assert exact_eigenvalues(full, phi) == pytest.approx(wanted, rel=1e-12, abs=1e-15)
         assert record["error_exact"] < 1e-13
         assert all(1e-13 < e < 1e-3 for e in record["error_appendix"].values())

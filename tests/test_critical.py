@@ -19,10 +19,10 @@ from origami_nlp.critical.edges import possible_rows
 from origami_nlp.critical.link import count_arcs, link_of
 from origami_nlp.critical.strata import strata_of
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.kkt import newton, project, project_batch
+from origami_nlp.kkt import newton, project
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.programme import Model, is_admissible
+from origami_nlp.programme import Model
 from origami_nlp.space import analyse_space
 
 PANELS = examples.panels()
@@ -104,7 +104,7 @@ def kkt_points(scene, rng, starts):
     for held in [(), *((r,) for r in rows), *pairs]:
         count = starts * (20 if not held else 8 if len(held) == 1 else 1)
         x = rng.uniform(-math.pi, math.pi, (count, model.size))
-        x, _ = project_batch(model, x, np.zeros_like(x, dtype=bool))
+        x, _ = project(model, x)
         for state in x:
             begin, residual = project(model, state, held)
             if residual > 1e-12 or np.abs(begin).max() > math.pi + 0.1:
@@ -172,9 +172,7 @@ def chart_points(scene, size):
     x = np.concatenate(out)
     kept = []
     for state in x:
-        if all(np.abs(state - other).max() > 1e-5 for other in kept) and is_admissible(
-            model, state
-        ):
+        if all(np.abs(state - other).max() > 1e-5 for other in kept) and not model.refuses(state):
             kept.append(state)
     return model.expand(np.array(kept).reshape(-1, model.size))
 

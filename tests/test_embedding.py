@@ -13,7 +13,6 @@ from independent.scenes import SHAPES, build
 from independent.stationary import Stratum, determinant_classes, retract
 
 from origami_nlp import Vertex, examine
-from origami_nlp.kkt.starts import gaps_hold
 from origami_nlp.programme import Model
 
 BAND = 1e-9
@@ -231,7 +230,7 @@ def wedge_agreement(scene, rng, count):
     for state, verdict in zip(phi, own, strict=True):
         y = state[first]
         closed = np.abs(model.closure(y)[0]).max() <= 1e-10 and model.on_sheet(y)
-        holds = closed and bool(np.abs(y).max() <= math.pi) and gaps_hold(model, y)
+        holds = closed and bool(model.admissible(y[None])[0])
         assert holds == verdict, (scene, state)
     return own
 

@@ -13,22 +13,18 @@ from computed_once import panel_result
 
 import origami_nlp as o
 from origami_nlp.contact.force_cone import distance_to_boundary
-from origami_nlp.contact.margin import LoadMargin, load_margin
+from origami_nlp.contact.margin import LoadMargin, load_margin, moments_of, under_load
 from origami_nlp.kkt import (
+    State,
     classify,
     find_multipliers,
-    loaded_model,
-    moments_of,
     newton,
-    sensitivity,
 )
 from origami_nlp.minima import MinimaResult, Minimum
 from origami_nlp.numerics import null_space, quaternion as quat
 from origami_nlp.programme import (
     Contact,
     Model,
-    row_name,
-    row_values,
 )
 
 MULTIPLIER_FD = 1e-6
@@ -84,7 +80,7 @@ def held(model: Model, x: np.ndarray) -> tuple[Contact, ...]:
 
 @lru_cache
 def margin_of(name: str) -> LoadMargin:
-    return load_margin(*state_of(name))
+    return load_margin(State(*state_of(name)))
 
 
 def random_scene(n: int, symmetry: str, seed: int) -> o.Scene:
@@ -136,7 +132,7 @@ def shifted_energy(model: Model, x: np.ndarray, row: Contact, opening: float) ->
         "mu_init": 1e-7, "slack_bound_push": 1e-7, "slack_bound_frac": 1e-7,
     }  # fmt: skip
     solver = ca.nlpsol("s", "ipopt", problem, {"print_time": False, "ipopt": ipopt})  # type: ignore[dict-item]
-    answer = solver(x0=x, p=model.parameters, lbg=[*lower, opening], ubg=[*upper, math.inf])
+    answer = solver(x0=x, p=model.parameters.vector, lbg=[*lower, opening], ubg=[*upper, math.inf])
     y = np.asarray(answer["x"]).ravel()
     assert np.abs(y - x).max() < 0.1
     return model.energy(y)
@@ -159,8 +155,8 @@ def test_moment_is_the_slope_of_the_optimal_energy_under_a_shifted_limit(name: s
 def mp_multipliers(model: Model, x: np.ndarray, row: Contact) -> list[mp.mpf]:
     """Solve the KKT system of one held contact to 50 digits, from the geometry up; D_n wedges of creases only."""
     n, order = model.size, model.structure.order
-    p = [mp.mpf(float(v)) for v in model.parameters]
-    sectors, k, rest = p[: -2 * n], p[-2 * n : -n], p[-n:]
+    p = model.parameters
+    sectors, k, rest = ([mp.mpf(v) for v in a.tolist()] for a in (p.sectors, p.stiffness, p.rest))
     azimuth = [sum(sectors[:i], mp.mpf(0)) for i in range(n - 1)] + [mp.pi / order]
     flat = [(mp.cos(a), mp.sin(a), mp.mpf(0)) for a in azimuth]
 
@@ -198,7 +194,7 @@ def mp_multipliers(model: Model, x: np.ndarray, row: Contact) -> list[mp.mpf]:
 
     # Newton with the Jacobian of double precision: each step gains about ten digits
     local = model.local(x)
-    _, a = row_values(model, x, (row,), local.gaps, local.gaps_jacobian)
+    _, a = local.openings((row,))
     jac = np.vstack([local.closure_jacobian, a])
     start = np.linalg.lstsq(jac.T, local.gradient, rcond=None)[0]
     hessian = model.hessian(x, -start[:-1], -model.weights((row,), start[-1:]))
@@ -235,24 +231,24 @@ def test_moment_agrees_with_a_50_digit_solve(name: str) -> None:
 def test_sensitivities_are_the_derivative_of_re_solved_states(name: str) -> None:
     model, x = state_of(name)
     rows = held(model, x)
-    first = sensitivity(model, x, rows)
+    response_to, motion_under = State(model, x).on(rows).response()
     rng = np.random.default_rng(0)
     root = np.sqrt(model.multiplicity)
     for _ in range(3):
         d = rng.normal(size=model.size)
         errors = []
         for h in (2e-3, 1e-3):
-            ends = [newton(loaded_model(model, s * h * d), x, rows) for s in (1, -1)]
+            ends = [newton(under_load(model, s * h * d), x, rows) for s in (1, -1)]
             assert all(state is not None and state.converged for state, _ in ends)
             response = (ends[0][1] - ends[1][1]) / (2 * h)
             motion = root * (ends[0][0].x - ends[1][0].x) / (2 * h)  # type: ignore[union-attr]
             errors.append(
                 max(
-                    np.abs(response - first.response @ d).max(),
-                    np.abs(motion - first.motion @ d).max(),
+                    np.abs(response - response_to @ d).max(),
+                    np.abs(motion - motion_under @ d).max(),
                 )
             )
-        assert errors[1] < 1e-4 * max(1.0, float(np.abs(first.motion @ d).max()))
+        assert errors[1] < 1e-4 * max(1.0, float(np.abs(motion_under @ d).max()))
         assert errors[1] < 0.3 * errors[0] + 1e-9  # second order
 
 
@@ -267,7 +263,7 @@ def test_loads_and_moments_are_inverse_and_keep_the_norm() -> None:
     rng = np.random.default_rng(2)
     x, y = rng.normal(size=(2, model.size))
     change = model.energy_change(x, y) - moments @ (model.expand(y) - model.expand(x))
-    assert loaded_model(model, load).energy_change(x, y) == pytest.approx(change)
+    assert under_load(model, load).energy_change(x, y) == pytest.approx(change)
 
 
 # ---------------------------------------------------------------- margins
@@ -293,7 +289,7 @@ def test_random_pinned_scenes_are_confirmed(n: int, symmetry: str, seed: int) ->
     result = o.find_minima(random_scene(n, symmetry, seed), max_starts=64)
     states = pinned(result)
     assert states
-    margin = load_margin(result.model, states[0])
+    margin = load_margin(State(result.model, states[0]))
     assert margin.status == "exact"
     if margin.ends == "opens":
         assert margin.checked, margin
@@ -331,10 +327,10 @@ def test_every_load_in_the_ball_is_borne(name: str) -> None:
         d *= 0.98 * margin.norm / model.scale / np.linalg.norm(d)
         y = x
         for part in np.linspace(0.1, 1.0, 10):
-            solved, mu = newton(loaded_model(model, part * d), y, rows)
+            solved, mu = newton(under_load(model, part * d), y, rows)
             assert solved is not None and solved.converged and mu.min() > 0
             y = solved.x
-        what = classify(loaded_model(model, d), y)
+        what = classify(State(under_load(model, d), y))
         assert what.verdict == "minimum" and what.kind == "contact-pinned"
 
 
@@ -345,7 +341,7 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     kinds = []
     for m in result.minima:
         x = model.reduce(np.array(m.fold_angles))
-        margin = load_margin(model, x)
+        margin = load_margin(State(model, x))
         kinds.append((m.kind, margin.status))
         if margin.status == "unbounded":
             rows = held(model, x)
@@ -367,7 +363,7 @@ def test_margins_scale_with_the_stiffness() -> None:
     scaled = o.Scene(
         scene.vertex, tuple(1000 * k for k in scene.stiffness), scene.rest_angles, "D1", mirror=1
     )
-    margin = load_margin(Model(scaled), state_of("fold limit")[1], check=False)
+    margin = load_margin(State(Model(scaled), state_of("fold limit")[1]), check=False)
     assert margin.norm == pytest.approx(1000 * margin_of("fold limit").norm, rel=1e-6)
 
 
@@ -407,4 +403,4 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
 
 def test_rows_have_names() -> None:
     model, x = state_of("fold limit")
-    assert row_name(model, held(model, x)[0]) == "phi = +pi at creases 2, 6"
+    assert model.name(held(model, x)[0]) == "phi = +pi at creases 2, 6"

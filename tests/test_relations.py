@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import origami_nlp
-from origami_nlp.kkt import classify
+from origami_nlp.kkt import State, classify
 from origami_nlp.minima import result_from_dict, result_to_dict
 from origami_nlp.minima.find import Rejected
 from origami_nlp.minima.hinges import hinge_minima
@@ -185,7 +185,7 @@ def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     scene = origami_nlp.examples.degree6("pi/4", 1.0)
     result = origami_nlp.find_minima(scene, max_starts=8, fewest_starts=8)
     state = result.minima[0]
-    what = classify(result.model, result.model.reduce(state.fold_angles), polished=False)
+    what = classify(State(result.model, result.model.reduce(state.fold_angles)), polished=False)
     assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason
     named = Rejected(what.verdict, what.reason, state.fold_angles, state.energy, 1)
     told = replace(result, search=replace(result.search, undecided=(named,)))

@@ -17,7 +17,7 @@ from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.minima import MinimaResult
 from origami_nlp.path import BoundaryCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.path.curve import CLOSED_TO
-from origami_nlp.programme import Contact, Model, row_values
+from origami_nlp.programme import Contact, Model
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),
@@ -108,7 +108,7 @@ def test_states_of_a_curve_close_keep_their_contacts_and_are_admissible(name: st
     for phi, energy in zip(curve.fold_angles, curve.energy, strict=True):
         x = model.reduce(phi)
         local = model.local(x)
-        values, _ = row_values(model, x, curve.rows, local.gaps, local.gaps_jacobian)
+        values, _ = local.openings(curve.rows)
         assert np.abs(local.closure).max() <= 10 * CLOSED_TO
         assert np.abs(values).max() <= 10 * CLOSED_TO
         assert not model.refuses(x)

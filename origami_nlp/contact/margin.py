@@ -195,12 +195,12 @@ def _cap(model: Programme) -> float:
     return 2 * math.pi * model.scale * float(model.parameters.stiffness.sum())
 
 
-def _under(model: Programme, load: np.ndarray) -> Programme:
+def under_load(model: Programme, load: np.ndarray) -> Programme:
     """The model with energy U - load . y, for a load [n] in the metric of all N fold angles, over `scale`."""
     return model.loaded(model.root * load)
 
 
-def _moments_of(model: Programme, load: np.ndarray) -> tuple[float, ...]:
+def moments_of(model: Programme, load: np.ndarray) -> tuple[float, ...]:
     """Moment [N m] on each of the N creases of a load in the metric."""
     return tuple(model.expand(model.scale * load / model.root).tolist())
 
@@ -237,7 +237,7 @@ def _regular(piece: Stratum, check: bool) -> LoadMargin:
         reason = f"the load path ends before a contact opens: {ending}"
     return LoadMargin(
         "exact", norm, float(model.scale * margins.min()),
-        _moments_of(model, load), model.name(rows[i]), ending, creases, cap,
+        moments_of(model, load), model.name(rows[i]), ending, creases, cap,
         model.symmetry, below, above, checked, reason,
     )  # fmt: skip
 
@@ -255,7 +255,7 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
     wanted = start
     for _ in range(MOST_REFINEMENTS):
         trial = load + damping * (wanted - load)
-        loaded = _under(model, trial)
+        loaded = under_load(model, trial)
         solved, _ = newton(loaded, y, rows)
         if solved is None or not solved.converged:
             damping /= 2
@@ -291,7 +291,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
     model, rows = piece.state.programme, piece.contacts
 
     def look(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int] | None:
-        loaded = _under(model, tau * direction)
+        loaded = under_load(model, tau * direction)
         solved, mu = newton(loaded, near, rows)
         if solved is None or not solved.converged or np.linalg.norm(solved.x - near) > FARTHEST:
             return None
@@ -320,7 +320,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
             break
     if ending == "lost":
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
-        left = State(_under(model, low * direction), near).on(rows).stiffness
+        left = State(under_load(model, low * direction), near).on(rows).stiffness
         ending = "softens" if left <= 1e-2 * piece.stiffness else "lost"
     return _Event(high, ending, row, near)
 
@@ -349,7 +349,7 @@ def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMa
 def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float) -> Check:
     """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
     model, rows = piece.state.programme, piece.contacts
-    loaded = _under(model, load)
+    loaded = under_load(model, load)
     _, jac = model.constraints(near, rows)
     wanted = np.zeros(len(jac))
     wanted[model.equation_count + i] = NEAR_CONTACT
@@ -406,6 +406,6 @@ def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
     norm = float(model.scale * distance)
     return LoadMargin(
-        "bound", norm, norm, _moments_of(model, load), names, "opens", (),
+        "bound", norm, norm, moments_of(model, load), names, "opens", (),
         _cap(model), model.symmetry, None, None, checked, reason,
     )  # fmt: skip

@@ -91,23 +91,29 @@ class Model(Posed):
         if x.ndim == 1:
             return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
         k = len(x)
-        columns = [
-            x,
-            np.tile(self.parameters.vector, (k, 1)),
-            *(np.reshape(m, (k, -1)) for m in more),
-        ]
+        if k == 0:  # CasADi maps over one state at least
+            spare = [np.zeros((1, np.size(m))) if np.ndim(m) < 2 else np.zeros((1, m.shape[-1])) for m in more]
+            return [out[:0] for out in self._call(name, np.zeros((1, self.size)), *spare)]
+        columns = [x, np.tile(self.parameters.vector, (k, 1)), *(np.reshape(m, (k, -1)) for m in more)]
         out = mapped(self.structure, name, k)(*(c.T for c in columns))
         full = [o.full() for o in (out if isinstance(out, tuple | list) else [out])]
         return [
-            f.reshape(len(f), k, -1).transpose(1, 0, 2) if f.size else _none(f, k) for f in full
+            f.reshape(len(f), k, -1).transpose(1, 0, 2) if f.size else np.zeros((k, *f.shape[:1], 0))
+            for f in full
         ]
 
     def local(self, x: np.ndarray) -> Local:
         """Evaluate values and first derivatives at one state [n] or at states [K, n]."""
         grad, g, jac, gaps, jac_gaps = self._call("local", x)
-        n, lead = self.size, x.shape[:-1]
-        jac, jac_gaps = jac.reshape(*lead, -1, n), jac_gaps.reshape(*lead, -1, n)
-        return Local(x, grad[..., 0], g[..., 0], jac, gaps.reshape(*lead, -1), jac_gaps)
+        lead, n, m, c = x.shape[:-1], self.size, self.equation_count, len(self.structure.gaps)
+        return Local(
+            x,
+            grad.reshape(*lead, n),
+            g.reshape(*lead, m),
+            jac.reshape(*lead, m, n),
+            gaps.reshape(*lead, c),
+            jac_gaps.reshape(*lead, c, n),
+        )
 
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate the loop-closure equations [..., m] and their Jacobian [..., m, n] at states [..., n]."""
@@ -259,7 +265,3 @@ class Model(Posed):
         good[where] = True
         return good
 
-
-def _none(full: np.ndarray, count: int) -> np.ndarray:
-    """An empty result of a mapped function, [K, 0, 0]."""
-    return np.zeros((count, 0, 0))

@@ -26,9 +26,9 @@ def test_evaluators_return_what_the_functions_return(scene):
         lam, mu = rng.normal(size=model.equation_count), rng.normal(size=len(model.structure.gaps))
         for name in ("closure", "local", "hessian", "rays", "sheet"):
             extra = (1.5, lam, mu) if name == "hessian" else ()
-            slow = getattr(f, name)(x, model.parameters, *extra)
+            slow = getattr(f, name)(x, model.parameters.vector, *extra)
             slow = slow if isinstance(slow, tuple) else (slow,)
-            fast = f.evaluators[name](x, model.parameters, *extra)
+            fast = f.evaluators[name](x, model.parameters.vector, *extra)
             assert len(fast) == len(slow)
             for a, b in zip(fast, slow, strict=True):
                 assert a.shape == b.shape and (a == np.asarray(b)).all()
