@@ -6,46 +6,28 @@ from typing import Annotated
 
 import typer
 
-from origami_nlp.cli.minima import JsonFile
-
-Degree = Annotated[int, typer.Option(help="Number N of creases: even, at least 6.")]
-RestRule = Annotated[
-    str,
-    typer.Option(help="waterbomb: a state of the cone; paper: as printed in section 5."),
-]
-EndRule = Annotated[
-    str,
-    typer.Option(
-        help="contract: branches with a steep flap end at pi/2 - 2 pi/N, where a single one touches nothing "
-        "(cut); contact: a single steep flap goes on until it touches."
-    ),
-]
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
+from origami_nlp.pattern import parse_angle
 
 
 def count(
-    degree: Degree,
-    ratio: Annotated[float, typer.Option(help="Stiffness ratio r_k = k_even/k_odd.")],
-    elevation: Annotated[
-        str, typer.Option(help='Elevation nu_0 of the rest state, signed: 0.3 or "-pi/6".')
-    ],
+    degree: o.Degree,
+    ratio: o.Ratio,
+    elevation: o.RestElevation,
     depth: Annotated[
         float,
         typer.Option(help="Count wells deeper than this share of U_flat; 0 counts all minima."),
     ] = 0.0,
-    rest: RestRule = "waterbomb",
-    end: EndRule = "contract",
-    json: JsonFile = None,
+    rest: o.RestRule = "waterbomb",
+    end: o.EndRule = "contract",
+    json: o.JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
     from origami_nlp.cone import branch_minima, count_to_dict, print_count, write_lines
-    from origami_nlp.files import check_writable, is_stdout, screen
-    from origami_nlp.pattern import parse_angle
 
-    check_writable(json, "--json")
-    found = branch_minima(
-        degree, ratio, parse_angle(elevation, "--elevation"), rest=rest, depth=depth, end=end
-    )
-    if not is_stdout(json):
-        print_count(found, screen())
-    if json:
-        write_lines(count_to_dict(found), json)
+    out = Output(json=json)
+    nu = parse_angle(elevation, "--elevation")
+    found = branch_minima(degree, ratio, nu, rest=rest, depth=depth, end=end)
+    print_count(found, out.console)
+    out.save("json", write_lines, count_to_dict(found))

@@ -6,20 +6,20 @@ from typing import Annotated
 
 import typer
 
-from origami_nlp.cli.cone_count import Degree
-from origami_nlp.cli.minima import JsonFile
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
 
 
 def foldings(
-    degree: Degree,
+    degree: o.Degree,
     listed: Annotated[
         bool | None,
         typer.Option("--list/--no-list", help="List them (up to degree 32; default: up to 16)."),
     ] = None,
-    json: JsonFile = None,
+    json: o.JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
     from origami_nlp.cone import (
@@ -29,12 +29,9 @@ def foldings(
         print_foldings,
         write_lines,
     )
-    from origami_nlp.files import check_writable, is_stdout, screen
 
     check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
-    check_writable(json, "--json")
+    out = Output(json=json)
     shown = degree <= 16 if listed is None else listed
-    if not is_stdout(json):
-        print_foldings(degree, screen(), shown)
-    if json:
-        write_lines(foldings_to_dict(degree, shown), json)
+    print_foldings(degree, out.console, shown)
+    out.save("json", write_lines, foldings_to_dict(degree, shown))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from origami_nlp.cli.minima import Seed
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 
 DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
@@ -17,20 +17,16 @@ QUICK = (6, 8, 10, 12, 100, 1000)
 def speed(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer degrees, one map.")] = False,
     points: Annotated[int, typer.Option(min=1, help="Random points a degree.")] = 10,
-    seed: Seed = 0,
-    markdown: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the table as Markdown.")
-    ] = None,
+    seed: o.Seed = 0,
+    markdown: o.MarkdownFile = None,
 ) -> None:
     """Measure the time of an exact count against N, beside brute force, each with its error."""
     from rich.markdown import Markdown
 
     from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
-    from origami_nlp.files import PAGE, check_writable, screen, write_whole
-    from origami_nlp.minima import check_options
+    from origami_nlp.files import PAGE
 
-    check_options(seed, points)
-    check_writable(markdown, "--markdown")
+    out = Output(markdown=markdown)
     with progress("measuring") as report:
         rows = measure(
             QUICK if quick else DEGREES,
@@ -39,7 +35,5 @@ def speed(
             maps=(12,) if quick else MAP_DEGREES,
             progress=lambda degree: report(text=f"degree {degree} done"),
         )
-    text = as_markdown(rows)
-    screen(markdown).print(Markdown(text), width=PAGE)
-    if markdown:
-        write_whole(markdown, text.encode())
+    out.say(Markdown(as_markdown(rows)), width=PAGE)
+    out.write("markdown", as_markdown, rows)
