@@ -146,11 +146,14 @@ def test_the_help_lists_what_a_new_user_needs_first_and_old_names_still_work(mon
     ).split()
     lines = [line.split() for line in text.split("Commands:")[1].splitlines()]
     assert [words[0] for words in lines if words and words[0] in order] == order
-    top = get_command(app).commands
-    for name, command in top["paper"].commands.items():
-        assert top[name].hidden and not command.hidden
-        assert top[name].callback.__wrapped__ is command.callback.__wrapped__
-    assert set(top) == {*order, *top["paper"].commands}
+    top = get_command(app)
+    assert set(top.commands) == set(order)
+    for name, command in top.commands["paper"].commands.items():
+        assert top.get_command(None, name) is command
+        assert run(monkeypatch, capsys, name, "--help")[0] == 0
+    for wrong in ("count", "nothing"):
+        code, out, err = run(monkeypatch, capsys, wrong)
+        assert code == 2 and not out and f"No such command '{wrong}'" in err
 
 
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
@@ -180,10 +183,13 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
 
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):
     file = tmp_path / "a.fold"
-    file.write_text(json.dumps({**disc([60, 100, 120, 80], "MVVV"), "file_spec": 99}))
+    data = disc([60, 100, 120, 80], "MVVV")
+    data["edges_vertices"].append(data["edges_vertices"][0])  # a line twice
+    data["edges_assignment"].append("M")
+    file.write_text(json.dumps(data))
     told = []
     scene = origami_nlp.read_fold_scene(file, tell=told.append, stiffness=2.0)
-    assert scene.degree == 4 and set(scene.stiffness) == {2.0}
+    assert told and scene.degree == 4 and set(scene.stiffness) == {2.0}
     assert capsys.readouterr().err == ""
     assert origami_nlp.read_fold_scene(file, stiffness=2.0) == scene
     assert capsys.readouterr().err == "".join(f"note: {note}\n" for note in told)

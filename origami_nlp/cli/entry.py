@@ -17,7 +17,7 @@ from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
-from origami_nlp.cli.paper import PAPER, paper
+from origami_nlp.cli.paper import paper
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
 from origami_nlp.cli.transitions import transitions
@@ -30,9 +30,8 @@ app.add(minima, contacts, barriers, critical, space, landscape, transitions)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
 app.add(sweep)
-app.add_group("paper", paper)
+app.add_group("paper", paper, open=True)  # its commands had no group at first
 app.add(bench)
-app.add(*PAPER, hidden=True)  # as they were called first
 
 
 def main() -> None:

@@ -8,17 +8,21 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-Command = Callable[..., None]
-
 
 class _Listed(TyperGroup):
-    """A group whose help lists its commands in the order of `Group.names`: typer would put groups last."""
+    """What typer makes of a `Group`; alone it would list groups last."""
 
     names: list[str]
+    open: list[str]
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Return the names that are shown."""
+        """Return the names that help shows."""
         return self.names
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command of this group, or of one of its open groups."""
+        groups = (self, *(self.commands[name] for name in self.open))
+        return next((g.commands[cmd_name] for g in groups if cmd_name in g.commands), None)  # type: ignore[attr-defined]
 
 
 class Group(typer.Typer):
@@ -31,9 +35,9 @@ class Group(typer.Typer):
     """
 
     def __init__(self, help: str) -> None:
-        self.about, self.names = help, list[str]()
+        self.about, self.names, self.open = help, list[str](), list[str]()
         super().__init__(
-            cls=type("Listed", (_Listed,), {"names": self.names}),
+            cls=type("Listed", (_Listed,), {"names": self.names, "open": self.open}),
             help=help,
             no_args_is_help=True,
             add_completion=False,
@@ -41,14 +45,15 @@ class Group(typer.Typer):
             rich_markup_mode=None,  # rich takes "[rad]" for markup and drops it
         )
 
-    def add(self, *commands: Command, hidden: bool = False) -> None:
-        """Add commands under the names of their functions; hidden: they work, and no help lists them."""
+    def add(self, *commands: Callable[..., None]) -> None:
+        """Add commands under the names of their functions."""
         for one in commands:
             about = (one.__doc__ or "").splitlines()[0]  # whole: typer would cut it
-            self.command(one.__name__, short_help=about, hidden=hidden)(one)
-            self.names += [] if hidden else [one.__name__]
+            self.command(one.__name__, short_help=about)(one)
+            self.names.append(one.__name__)
 
-    def add_group(self, name: str, group: Group) -> None:
-        """Add a group of commands."""
+    def add_group(self, name: str, group: Group, open: bool = False) -> None:
+        """Add a group of commands; open: its commands work without its name too, and no help says so."""
         self.add_typer(group, name=name, short_help=group.about)
         self.names.append(name)
+        self.open += [name] if open else []

@@ -186,7 +186,5 @@ def grid(
     out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
 
 
-PAPER = (demo, panels, reproduce, verify, audit, grid)
-
 paper = Group("The source paper: its 18 panels, figures, equations and published states.")
-paper.add(*PAPER)
+paper.add(demo, panels, reproduce, verify, audit, grid)
