@@ -22,13 +22,13 @@ def branch(
     json: JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.cone import ConeBranch, branch_to_dict, parse_flaps, print_branch, write_lines
+    from origami_nlp.cone import branch as cone_branch, branch_to_dict, print_branch, write_lines
     from origami_nlp.files import check_writable, is_stdout, screen
     from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
     nu = parse_angle(elevation, "--elevation")
-    state = ConeBranch(parse_flaps(flaps), -1 if nu < 0 else 1, end)
+    state = cone_branch(flaps, -1 if nu < 0 else 1, end=end)
     data = branch_to_dict(state, nu)  # complains past the end, before anything is written
     if not is_stdout(json):
         print_branch(state, nu, screen())

@@ -37,14 +37,19 @@ def count(
     json: JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.cone import branch_minima, count_to_dict, print_count, write_lines
+    from origami_nlp.cone import (
+        Cone,
+        count as count_minima,
+        count_to_dict,
+        print_count,
+        write_lines,
+    )
     from origami_nlp.files import check_writable, is_stdout, screen
     from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
-    found = branch_minima(
-        degree, ratio, parse_angle(elevation, "--elevation"), rest=rest, depth=depth, end=end
-    )
+    at = parse_angle(elevation, "--elevation")
+    found = count_minima(Cone(degree, rest, end), ratio, at, depth=depth)
     if not is_stdout(json):
         print_count(found, screen())
     if json:

@@ -34,6 +34,7 @@ def phase(
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from origami_nlp.cone import (
+        Cone,
         check_size,
         diagram_to_dict,
         map_as_csv,
@@ -47,11 +48,9 @@ def phase(
     check_outputs(("--figure", figure), ("--csv", csv), ("--json", json))
     with progress(f"cone of degree {degree}", size) as report:
         diagram = phase_diagram(
-            degree,
+            Cone(degree, rest, end),
             size=size,
             depth=depth,
-            rest=rest,
-            end=end,
             contact=not without_contact,
             progress=report,
         )
@@ -111,21 +110,14 @@ def full(
     json: JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.cone import cone_full_space, full_space_to_dict, print_full_space
+    from origami_nlp.cone import Cone, full_space, full_space_to_dict, print_full_space
     from origami_nlp.files import check_writable, is_stdout, screen, write_json
     from origami_nlp.pattern import parse_angle
 
     check_writable(json, "--json")
     at = parse_angle(elevation, "--elevation")
     with progress("branch minima") as report:
-        found = cone_full_space(
-            degree,
-            ratio,
-            at,
-            rest=rest,
-            end=end,
-            progress=report,
-        )
+        found = full_space(Cone(degree, rest, end), ratio, at, progress=report)
     if not is_stdout(json):
         print_full_space(found, screen())
     if json:

@@ -55,8 +55,10 @@ class OddCreases:
     def at(cls, degree: int, s: Any, g: Any) -> OddCreases:
         """Evaluate at s = |v| [rad] with g = direction * (odd rest angle), broadcast against each other."""
         roots = cone_roots(degree, np.asarray(s, dtype=float))
-        parts = (part[..., SIZES] * TO_SIZES for part in (roots.value, roots.first, roots.second))
-        return cls(*parts, pull=np.asarray(g)[..., None] * SIGNS)
+        size, first, second = (
+            part[..., SIZES] * TO_SIZES for part in (roots.value, roots.first, roots.second)
+        )
+        return cls(size, first, second, np.asarray(g)[..., None] * SIGNS)
 
     @cached_property
     def stretch(self) -> np.ndarray:

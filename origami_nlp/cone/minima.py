@@ -88,13 +88,9 @@ class ConeMinima:
     def where(self, keep: np.ndarray) -> ConeMinima:
         """Return the minima of a mask."""
         rows = np.nonzero(keep)[0]
-        chosen = rows.tolist()
-        return ConeMinima(
-            *(
-                tuple(c[k] for k in chosen) if isinstance(c, tuple) else c[rows]
-                for c in self.columns
-            )
-        )
+        numbers = tuple(self.multiplicity[k] for k in rows.tolist())
+        kept: list[Any] = [numbers if isinstance(c, tuple) else c[rows] for c in self.columns]
+        return ConeMinima(*kept)
 
     def of_class(self, valleys: int, changes: int, direction: int) -> np.ndarray:
         """Mask of the minima of one class of branches."""
@@ -104,9 +100,10 @@ class ConeMinima:
     def then(self, more: ConeMinima) -> ConeMinima:
         """Return these minima followed by others."""
         pairs = zip(self.columns, more.columns, strict=True)
-        return ConeMinima(
-            *(a + b if isinstance(a, tuple) else np.concatenate([a, b]) for a, b in pairs)
-        )
+        joined: list[Any] = [
+            a + b if isinstance(a, tuple) else np.concatenate([a, b]) for a, b in pairs
+        ]
+        return ConeMinima(*joined)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ ON_LINE = 1e-9
 """A vertex of a contour lies on a grid line to this share of its coordinate: contourpy returns node coordinates to
 some eps, and neighbouring lines are at least 1/MOST_LINES apart."""
 BISECTIONS = 80
-"""Halvings of a grid edge: 53 to the last bit of its middle, and 27 more for roots nearer to zero."""
+"""Most halvings of a grid edge: 53 to the last bit of its middle, and 27 more for roots nearer to zero."""
 
 
 @dataclass(frozen=True)
@@ -207,6 +207,8 @@ def _bisected(
     below = np.signbit(value(low))
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
+        if ((middle == low) | (middle == high)).all():
+            break
         same = np.signbit(value(middle)) == below
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     return np.where(free_x, low, at_x), np.where(free_x, at_y, low)
