@@ -6,7 +6,7 @@ from .classes import (
     energy_classes as energy_classes,
 )
 from .drawing import draw_branch as draw_branch, draw_foldings as draw_foldings
-from .energy import class_energy as class_energy
+from .energy import SideEnergy as SideEnergy, class_energy as class_energy
 from .flaps import (
     class_of as class_of,
     parse_flaps as parse_flaps,

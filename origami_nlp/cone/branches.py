@@ -11,10 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.cone.classes import EnergyClass, direction_name
 from origami_nlp.cone.flaps import Flaps, class_of, parse_flaps, write_flaps
@@ -43,8 +45,8 @@ class ConeBranch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "flaps", parse_flaps(self.flaps))
-        if self.direction not in (UP, DOWN):
-            raise OptionError(f"direction = {self.direction!r}: up is +1, down is -1")
+        if not isinstance(self.direction, Integral) or self.direction not in (UP, DOWN):
+            raise OptionError(f"direction = {shown(self.direction)}: up is +1, down is -1")
         _ = self.cone  # complains about an unknown rule
 
     @property
@@ -162,5 +164,5 @@ def branch(
     """
     sign = {"up": UP, "down": DOWN}.get(direction) if isinstance(direction, str) else direction
     if sign is None:
-        raise OptionError(f"direction = {direction!r}: write up or down")
+        raise OptionError(f"direction = {shown(direction)}: write up or down")
     return ConeBranch(parse_flaps(flaps), sign, end)

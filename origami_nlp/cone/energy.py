@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.closed_forms import MIXED, SHALLOW, STEEP, cone_roots
-from origami_nlp.cone.classes import AssignmentClasses, EnergyClass, odd_crease_numbers
+from origami_nlp.cone.classes import EnergyClass, assignment_classes, odd_crease_numbers
 from origami_nlp.cone.rules import Cone, Rest
 
 SIZES = [SHALLOW, STEEP, MIXED]
@@ -101,20 +101,36 @@ class SideEnergy:
     rest: Rest
 
     @classmethod
-    def of(
-        cls, cone: Cone, classes: AssignmentClasses, direction: int, elevation: float
-    ) -> SideEnergy:
-        """Set up all classes of one direction at one rest elevation v_0 [rad].
+    def of(cls, cone: Cone | int, direction: int, elevation: float) -> SideEnergy:
+        """Set up all classes of one direction at one rest elevation.
 
         `at` gives (A', B') of all classes at any elevations, and a class has a stationary point at s exactly
         for r = -A'(s)/B'(s).
 
+        Parameters
+        ----------
+        cone
+            A `Cone`, or its degree.
+        direction
+            +1 up, -1 down.
+        elevation
+            v_0 of the rest state, signed [rad].
+
         Raises
         ------
-        AngleError
-            If the rest elevation is out of range.
+        OptionError, AngleError
+            If the degree or the rest elevation is out of range.
+
+        Examples
+        --------
+        >>> from origami_nlp import cone
+        >>> odd, even = cone.SideEnergy.of(6, +1, 0.3).at([0.1, 0.2]).slopes
+        >>> odd.shape, even.shape
+        ((4, 2), (4, 2))
         """
-        return cls(cone, classes.valleys, classes.changes, direction, cone.at_rest(elevation))
+        cone = Cone.of(cone)
+        known = assignment_classes(cone.degree)
+        return cls(cone, known.valleys, known.changes, direction, cone.at_rest(elevation))
 
     @property
     def flaps(self) -> int:

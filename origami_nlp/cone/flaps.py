@@ -9,6 +9,9 @@ state.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
+
+import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.cone.rules import LARGEST_DEGREE, check_degree
@@ -16,6 +19,7 @@ from origami_nlp.errors import OptionError
 
 Flaps = tuple[int, ...]
 """One entry a flap, +1 valley or -1 mountain."""
+MEANING = "write +1 (valley) or -1 (mountain), one a flap"
 
 
 def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
@@ -61,9 +65,12 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
             elif letter != " ":
                 raise OptionError(f'flaps = {text!r}: write V and M, one a flap, such as "VVM"')
     else:
-        flaps = [int(f) for f in text]
-        if any(f not in (1, -1) for f in flaps):
-            raise OptionError("flaps must be +1 (valley) or -1 (mountain)")
+        values = text.tolist() if isinstance(text, np.ndarray) else text
+        if not isinstance(values, Sequence) or not all(
+            isinstance(f, Real) and f in (1, -1) for f in values
+        ):
+            raise OptionError(f"flaps = {shown(text)}: {MEANING}")
+        flaps = [int(f) for f in values]
     if degree is not None and len(flaps) != degree // 2:
         raise OptionError(
             f"flaps = {write_flaps(flaps)!r} has {len(flaps)} flaps, a cone of degree {degree} "
@@ -93,9 +100,7 @@ def write_flaps(flaps: Sequence[int]) -> str:
     'VVM'
     """
     if not isinstance(flaps, Sequence) or isinstance(flaps, str) or not {*flaps} <= {1, -1}:
-        raise OptionError(
-            f"flaps = {shown(flaps)} must be +1 (valley) or -1 (mountain), one a flap"
-        )
+        raise OptionError(f"flaps = {shown(flaps)}: {MEANING}")
     return "".join("V" if f > 0 else "M" for f in flaps)
 
 

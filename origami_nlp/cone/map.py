@@ -112,7 +112,7 @@ def count_map(
     inside, pinned, cut = (np.zeros(shape, np.int64) for _ in range(3))
     for k, elevation in enumerate(columns):
         for direction in (1, -1):
-            side = SideEnergy.of(cone, classes, direction, elevation)
+            side = SideEnergy.of(cone, direction, elevation)
             for end, rows in side.by_end():
                 column = _Column(side.only(rows), end, given[order], depth)
                 own = limbs[:, rows]

@@ -219,7 +219,7 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     classes = assignment_classes(cone.degree)
     parts, undecided = [], []
     for direction in (1, -1):
-        side = SideEnergy.of(cone, classes, direction, elevation)
+        side = SideEnergy.of(cone, direction, elevation)
         found, ties = _minima_of(side, classes.multiplicity, ratio)
         parts.append(found)
         rows = zip(classes.valleys[ties].tolist(), classes.changes[ties].tolist(), strict=True)
