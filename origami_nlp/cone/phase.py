@@ -93,8 +93,8 @@ def phase_diagram(
     Examples
     --------
     >>> from origami_nlp import cone
-    >>> cone.phase_diagram(8, size=6).numbers
-    (16,)
+    >>> cone.phase_diagram(6, size=4).numbers
+    (8,)
     """
     cone = Cone.of(cone, LARGEST_DEGREE)
     check_size(size)
