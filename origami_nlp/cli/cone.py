@@ -32,11 +32,17 @@ def count(
     json: o.JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.cone import branch_minima, count_to_dict, print_count, write_lines
+    from origami_nlp.cone import (
+        Cone,
+        count as count_minima,
+        count_to_dict,
+        print_count,
+        write_lines,
+    )
 
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
-    found = branch_minima(degree, ratio, nu, rest=rest, depth=depth, end=end)
+    found = count_minima(Cone(degree, rest, end), ratio, nu, depth=depth)
     print_count(found, out.console)
     out.save("json", write_lines, count_to_dict(found))
 
@@ -76,11 +82,11 @@ def branch(
     json: o.JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.cone import ConeBranch, branch_to_dict, parse_flaps, print_branch, write_lines
+    from origami_nlp.cone import branch as cone_branch, branch_to_dict, print_branch, write_lines
 
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
-    state = ConeBranch(parse_flaps(flaps), -1 if nu < 0 else 1, end)
+    state = cone_branch(flaps, -1 if nu < 0 else 1, end=end)
     data = branch_to_dict(state, nu)  # complains past the end, before anything is written
     print_branch(state, nu, out.console)
     out.save("json", write_lines, data)
@@ -135,6 +141,7 @@ def phase(
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from origami_nlp.cone import (
+        Cone,
         check_size,
         diagram_to_dict,
         draw_phase,
@@ -147,11 +154,9 @@ def phase(
     out = Output(figure=figure, csv=csv, json=json)
     with progress(f"cone of degree {degree}", size) as report:
         diagram = phase_diagram(
-            degree,
+            Cone(degree, rest, end),
             size=size,
             depth=depth,
-            rest=rest,
-            end=end,
             contact=not without_contact,
             progress=report,
         )
@@ -197,12 +202,12 @@ def full(
     json: o.JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.cone import cone_full_space, full_space_to_dict, print_full_space
+    from origami_nlp.cone import Cone, full_space, full_space_to_dict, print_full_space
 
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
     with progress("branch minima") as report:
-        found = cone_full_space(degree, ratio, nu, rest=rest, end=end, progress=report)
+        found = full_space(Cone(degree, rest, end), ratio, nu, progress=report)
     print_full_space(found, out.console)
     out.write("json", full_space_to_dict, found)
 
