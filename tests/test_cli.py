@@ -11,7 +11,6 @@ from computed_once import panel_result
 import origami_nlp
 from origami_nlp.cli import main
 from origami_nlp.minima import result_from_dict, result_to_dict
-from origami_nlp.minima.table import as_text
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -65,7 +64,7 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
             )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
-    assert "phi = -pi at creases 2, 6" in as_text(result)
+    assert "phi = -pi at creases 2, 6" in repr(result)
 
 
 def test_json_to_stdout_is_only_json(scene_file, monkeypatch, capsys):
@@ -122,4 +121,4 @@ def test_a_search_stopped_by_its_cap_says_so():
     assert (
         math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
     )
-    assert "cap" in as_text(result)
+    assert "cap" in repr(result)
