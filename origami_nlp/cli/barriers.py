@@ -38,11 +38,11 @@ def barriers(
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
     from origami_nlp.barriers import (
+        barriers_table,
         barriers_to_dict,
         check_freedoms,
         draw_merge_trees,
         find_barriers,
-        markdown_rows,
         print_barriers,
     )
     from origami_nlp.files import check_outputs, screen, write_json, write_whole
@@ -66,10 +66,7 @@ def barriers(
     if json:
         write_json(documents if panels else documents[0], json)
     if markdown:
-        head = "| scene | pair | minima [J] | pass [J] | kind | fold angles at the pass [deg] | full space |"
-        table = [head, "|---|---|---|---|---|---|---|"]
-        table += [row for b in found for row in markdown_rows(b)]
-        write_whole(markdown, ("\n".join(table) + "\n").encode())
+        write_whole(markdown, barriers_table(found).markdown().encode())
     if figure:
         draw_merge_trees(found, figure)
         console.print(f"figure written to {figure}")

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
 from origami_nlp.files import save_figure
-from origami_nlp.space.find import Space, SpaceMesh
+from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
 LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
