@@ -13,11 +13,11 @@ from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.arguments import check_type
-from origami_nlp.chart import Chart, angle_ticks, chart_of, chart_points, coordinate_label
+from origami_nlp.chart import Chart, chart_of, chart_points, coordinate_label
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
-from origami_nlp.show import label_text
+from origami_nlp.show import angle_ticks, label_text
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers, Pass
