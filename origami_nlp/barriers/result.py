@@ -14,7 +14,7 @@ from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Table, Told, pick, to_plain
+from origami_nlp.show import Piece, Table, Told, pick, short_label, to_plain
 
 HEADS = (
     "from",
@@ -158,8 +158,7 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
     """Return the passes of several scenes, a row a pair: minima, pass, kind, where, full space."""
     rows = []
     for barriers in several:
-        name = barriers.scene.label.replace("degree ", "N = ").replace(" alpha_1 =", "")
-        name = name.replace(" r_k =", "").replace("*", r"\*")
+        name = short_label(barriers.scene.label).replace("*", r"\*")
         judged = barriers.full or any(m.full_space is not None for m in barriers.result.minima)
         full = {(f.from_state, f.to_state): f for f in barriers.full}
         for p in barriers.passes:

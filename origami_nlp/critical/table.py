@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from origami_nlp.critical.result import CriticalPoints
+from origami_nlp.show import short_label
 
 PANEL_HEADS = (
     "scene (N, alpha_1, r_k)",
@@ -36,7 +37,6 @@ def panel_row(found: CriticalPoints, euler_characteristic: int) -> tuple[str, ..
     ]
     sums += [sum(p.contribution for p in group) for group in (flat, singular)]
     verdict = found.verdict(euler_characteristic)
-    name = scene.label.replace("degree ", "N = ").replace("alpha_1 = ", "")
     same = "-"
     if found.comparison is not None:
         lists = found.comparison
@@ -44,7 +44,7 @@ def panel_row(found: CriticalPoints, euler_characteristic: int) -> tuple[str, ..
             "yes" if lists.agree else f"no: +{len(lists.only_critical)} -{len(lists.only_search)}"
         )
     return (
-        name.replace("r_k = ", ""),
+        short_label(scene.label),
         *(str(sum(p.kind == k for p in essential)) for k in ("minimum", "saddle", "maximum")),
         *(f"{v:+d}" if v else "0" for v in sums),
         str(len(found.points) - len(essential)),

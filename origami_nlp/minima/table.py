@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.stability import verdict
+from origami_nlp.show import short_label
 
 SUMMARY_HEADS = (
     "scene",
@@ -39,7 +40,7 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
     ]
     failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
     return (
-        short_name(r),
+        short_label(r.scene.label or repr(r.scene.vertex)),
         str(len(kinds)),
         ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)),
         str(r.search.starts),
@@ -69,12 +70,6 @@ def _stable_of(verdicts: Sequence[str]) -> str:
     return words + (f", {undecided} undecided" if undecided else "")
 
 
-def short_name(r: MinimaResult) -> str:
-    """Return a scene's name without the words that all rows of a table share."""
-    name = r.scene.label or repr(r.scene.vertex)
-    return name.replace("alpha_1 = ", "").replace("r_k = ", "").replace("degree ", "N = ")
-
-
 def full_space_row(r: MinimaResult) -> tuple[str, ...]:
     """Return one scene's verdicts in the full space, and the certificates by state."""
     found = [m.full_space for m in r.minima if m.full_space]
@@ -87,7 +82,7 @@ def full_space_row(r: MinimaResult) -> tuple[str, ...]:
             words += f", descends to {target} at {f.lands_on.energy:.4g} J"
         how.append(f"#{number} {words}")
     return (
-        short_name(r),
+        short_label(r.scene.label or repr(r.scene.vertex)),
         str(len(r.minima)),
         *(str(verdicts.count(v)) for v in ("stable", "unstable", "undecided")),
         "; ".join(how),

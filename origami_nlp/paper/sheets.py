@@ -27,7 +27,7 @@ from origami_nlp.landscape import (
 )
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, examples
-from origami_nlp.show import Table, angle_ticks
+from origami_nlp.show import Table, angle_ticks, short_label
 from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int], None]
@@ -212,12 +212,9 @@ def sheet_table(panels: list[ExactLandscape]) -> Table:
     for panel in panels:
         lines = panel.boundary.lines if panel.boundary else ()
         length = sum(part.length for part in panel.metastable)
-        name = panel.result.scene.label
-        for long, short in (("degree ", "N = "), ("alpha_1 = ", ""), ("r_k = ", "")):
-            name = name.replace(long, short)
         rows.append(
             (
-                name,
+                short_label(panel.result.scene.label),
                 *("?" if n is None else str(n) for n in panel.counts),
                 f"{length:.2f}" if panel.metastable else "-",
                 str(sum(line.thin for line in lines)),

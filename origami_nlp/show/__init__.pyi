@@ -12,7 +12,12 @@ from .plain import (
     pick as pick,
     to_plain as to_plain,
 )
-from .style import angle_ticks as angle_ticks, label_text as label_text, pi_label as pi_label
+from .style import (
+    angle_ticks as angle_ticks,
+    label_text as label_text,
+    pi_label as pi_label,
+    short_label as short_label,
+)
 from .table import (
     Cell as Cell,
     Piece as Piece,

@@ -37,7 +37,8 @@ def to_plain(value: Any) -> Any:
         return float(value) if math.isfinite(value) else None
     if isinstance(value, np.ndarray | np.generic):
         listed = value.tolist()
-        exact = value.dtype.kind in "biuU" or bool(np.isfinite(value).all())
+        kind = value.dtype.kind
+        exact = kind in "biuU" or (kind == "f" and bool(np.isfinite(value).all()))
         return listed if exact else to_plain(listed)
     if isinstance(value, Mapping):
         return {key: to_plain(entry) for key, entry in value.items()}
@@ -120,7 +121,8 @@ def _read(hint: Any, value: Any, null: Mapping[str, float], name: str) -> Any:
             kinds = kinds[:1] * len(value)
         return tuple(_read(k, v, null, name) for k, v in zip(kinds, value, strict=True))
     if hint is np.ndarray:
-        return np.array(value)
+        read = np.array(value)
+        return read.astype(float) if read.dtype == object else read  # null among numbers
     return from_plain(hint, value, null) if _names(hint) else value
 
 

@@ -14,6 +14,11 @@ def label_text(text: str) -> str:
     return pretty.replace("$", r"\$")
 
 
+def short_label(text: str) -> str:
+    """Shorten the label of a scene of the paper to what differs: ``N = 6, pi/3, 1``."""
+    return text.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", "")
+
+
 def pi_label(numerator: int, denominator: int = 1) -> str:
     """Write a multiple of pi for the tick of an axis, such as ``−3π/4``."""
     common = math.gcd(numerator, denominator) or 1

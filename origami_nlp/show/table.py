@@ -71,7 +71,7 @@ class Table:
     def markdown(self) -> str:
         """Return the table in Markdown, without its title; bold cells stay bold."""
         marks = ["---:" if c in "rR" else "---" for c in self.columns] or ["---"] * len(self.heads)
-        lines = [f"| {' | '.join(self.heads)} |", f"|{'|'.join(marks)}|"]
+        lines = [f"| {' | '.join(map(_markdown, self.heads))} |", f"|{'|'.join(marks)}|"]
         lines += [f"| {' | '.join(map(_markdown, row))} |" for row in self.rows]
         return "\n".join(lines) + "\n"
 
