@@ -252,7 +252,7 @@ def test_html(results, name):
     for m in result.minima:
         assert f"{m.energy:.6g}" in text and m.certificate in text and m.kind in text
         for contact in m.contacts:
-            assert f"{contact.text}: {contact.multiplier:.4g} N m" in text
+            assert f"{contact.text}: moment {contact.multiplier:.4g} N m" in text
 
 
 def test_html_escapes_names(results):

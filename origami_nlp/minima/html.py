@@ -9,12 +9,16 @@ import math
 from html import escape
 
 from origami_nlp.chart import UNIT, landscape
-from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.marks import STYLE
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
-from origami_nlp.minima.telling import geometry_lines, undecided_lines
+from origami_nlp.minima.telling import (
+    contact_words,
+    freedom_words,
+    geometry_lines,
+    undecided_lines,
+)
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words, inline_image
 
@@ -66,9 +70,9 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
             str(number),
             f"{m.energy:.6g}",
             Words(m.kind, colour=STYLE[m.kind][0]),
-            _dimension(m, freedom),
+            freedom_words(m.local_dimension, freedom),
             ", ".join(_degrees(a) for a in m.fold_angles),
-            "\n".join(_contact(c) for c in m.contacts) or "none closed",
+            "\n".join(contact_words(c) for c in m.contacts) or "none closed",
             str(m.hits),
         ]
         if full:
@@ -77,24 +81,9 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
     return Table(heads, rows, columns="rrlllllr" if full else "rrllllr")
 
 
-def _dimension(minimum: Minimum, freedom: int) -> str:
-    d = minimum.local_dimension
-    if d == freedom:
-        return str(d)
-    return {0: "0: isolated", 1: "1: handle"}.get(d, f"{d} of {freedom}")
-
-
 def _degrees(angle: float) -> str:
     value = f"{math.degrees(angle):.1f}"
     return ("0.0" if value == "-0.0" else value).replace("-", "−")
-
-
-def _contact(contact: ContactForce) -> str:
-    low, high = contact.multiplier_range
-    text = f"{contact.text}: {contact.multiplier:.4g} N m"
-    if math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300):
-        return text
-    return f"{text} (any of {low:.4g} to {'inf' if math.isinf(high) else f'{high:.4g}'})"
 
 
 def _certificates(minima: tuple[Minimum, ...]) -> str:
