@@ -16,7 +16,6 @@ import origami_nlp
 from origami_nlp.cli import app, main
 from origami_nlp.cli.output import Output
 from origami_nlp.minima import result_from_dict, result_to_dict
-from origami_nlp.minima.table import as_text
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -70,7 +69,7 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
             )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
-    assert "phi = -pi at creases 2, 6" in as_text(result)
+    assert "phi = -pi at creases 2, 6" in repr(result)
 
 
 def test_json_to_stdout_is_only_json(scene_file, monkeypatch, capsys):
@@ -127,7 +126,7 @@ def test_a_search_stopped_by_its_cap_says_so():
     assert (
         math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
     )
-    assert "cap" in as_text(result)
+    assert "cap" in repr(result)
 
 
 def test_the_package_runs_as_a_module_and_ends_as_the_command_does():

@@ -29,11 +29,11 @@ def barriers(
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it."""
     from origami_nlp.barriers import (
+        barriers_table,
         barriers_to_dict,
         check_freedoms,
         draw_merge_trees,
         find_barriers,
-        markdown_rows,
         print_barriers,
     )
 
@@ -49,13 +49,7 @@ def barriers(
         with progress(f"{one.label or scene}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
         print_barriers(found[-1], out.console)
-
-    def as_markdown() -> str:
-        head = "| scene | pair | minima [J] | pass [J] | kind | fold angles at the pass [deg] | full space |"
-        table = [head, "|---|---|---|---|---|---|---|"]
-        return "\n".join([*table, *(row for b in found for row in markdown_rows(b))]) + "\n"
-
     documents = [barriers_to_dict(b) for b in found]
     out.write("json", lambda: documents if panels else documents[0])
-    out.write("markdown", as_markdown)
+    out.write("markdown", lambda: barriers_table(found).markdown())
     out.save("figure", draw_merge_trees, found)

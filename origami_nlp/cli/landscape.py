@@ -39,7 +39,6 @@ def landscape(
         draw_landscape,
         exact_landscape,
         landscape_to_dict,
-        print_landscape,
     )
     from origami_nlp.space import analyse_space
 
@@ -57,7 +56,7 @@ def landscape(
     result = search(stated, scene, seed=seed, full=True)
     with progress("boundary"):
         exact = exact_landscape(result, size)
-    print_landscape(exact, out.console)
+    exact.tell(out.console)
     barriers = None
     if json or passes:
         with progress("passes between minima"):

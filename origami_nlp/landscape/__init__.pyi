@@ -11,4 +11,3 @@ from .panel import (
     write_counts as write_counts,
 )
 from .plain import landscape_to_dict as landscape_to_dict
-from .table import print_landscape as print_landscape

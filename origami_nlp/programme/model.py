@@ -76,6 +76,10 @@ class Model:
             sectors = sectors[:-1]
         self.parameters = np.concatenate([sectors, k / self.scale, rest])
 
+    def __getstate__(self) -> dict[str, object]:
+        """Leave compiled functions behind: they do not travel, and are made again where they are needed."""
+        return {key: value for key, value in self.__dict__.items() if key != "functions"}
+
     @property
     def size(self) -> int:
         """Number of variables n."""
