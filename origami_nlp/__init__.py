@@ -10,7 +10,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.pattern import Scene, Vertex, examples, format_scene, parse_scene, read_scene
+from origami_nlp.pattern import (
+    Scene,
+    Vertex,
+    examples,
+    format_scene,
+    parse_scene,
+    read_fold_scene,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from origami_nlp.folding import examine
@@ -41,6 +49,7 @@ __all__ = [
     "find_minima",
     "format_scene",
     "parse_scene",
+    "read_fold_scene",
     "read_scene",
 ]
 

@@ -9,17 +9,10 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
+from origami_nlp import cone
 from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.bench import read_bench
 from origami_nlp.chart import landscape
-from origami_nlp.cone import (
-    branch_minima,
-    cone_full_space,
-    draw_phase,
-    phase_boundaries,
-    phase_diagram,
-    write_flaps,
-)
 from origami_nlp.critical import find_critical_points
 from origami_nlp.landscape import draw_landscape, exact_landscape
 from origami_nlp.minima import write_fold
@@ -98,8 +91,8 @@ def case(function, name, wrong, *needs, **fixed):
 
 
 SPRINGS = {"stiffness": SCENE.stiffness, "rest_angles": SCENE.rest_angles}
-CONE = {"degree": 6, "ratio": 1.0}
-SMALL_MAP = {"degree": 6, "size": 4}
+CONE = {"cone": 6, "ratio": 1.0}
+SMALL_MAP = {"cone": 6, "size": 4}
 CASES = [
     case(o.Vertex, "sector_angles", LISTS),
     case(o.Vertex, "flat", FLAGS, sector_angles=("pi/2",) * 4),
@@ -159,28 +152,30 @@ CASES = [
     case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),
     case(count_grid_minima, "results", (*LISTS, [SCENE])),
     case(count_grid_minima, "sizes", (None, 65, [7], *NOTHING), results=[]),
-    case(branch_minima, "degree", (5, 7, *WHOLES), ratio=1.0, elevation=0.5),
-    case(branch_minima, "ratio", (0, *NUMBERS), degree=6, elevation=0.5),
-    case(branch_minima, "elevation", (4, *NUMBERS[:-4]), **CONE),
-    case(branch_minima, "rest", NAMES, elevation=0.5, **CONE),
-    case(branch_minima, "depth", (1, *NUMBERS), elevation=0.5, **CONE),
-    case(branch_minima, "end", NAMES, elevation=0.5, **CONE),
-    case(cone_full_space, "degree", (5, *WHOLES), ratio=1.0, rest_elevation=0.5),
-    case(cone_full_space, "ratio", (0, *NUMBERS), degree=6, rest_elevation=0.5),
-    case(cone_full_space, "progress", CALLS, rest_elevation=0.5, **CONE),
-    case(phase_diagram, "degree", (5, 202, *WHOLES), size=4),
-    case(phase_diagram, "size", (1, 10_000, *WHOLES), degree=6),
-    case(phase_diagram, "ratios", (*LISTS, (1, 0.1), (0, 1), (1, 2, 3)), **SMALL_MAP),
-    case(phase_diagram, "rest_elevations", (*LISTS[1:], (1, 0.1), (-9, 9)), **SMALL_MAP),
-    case(phase_diagram, "depth", (1, *NUMBERS), **SMALL_MAP),
-    case(phase_diagram, "rest", NAMES, **SMALL_MAP),
-    case(phase_diagram, "end", NAMES, **SMALL_MAP),
-    case(phase_diagram, "contact", FLAGS, **SMALL_MAP),
-    case(phase_diagram, "progress", CALLS, **SMALL_MAP),
-    case(phase_boundaries, "degree", (5, *WHOLES)),
-    case(phase_boundaries, "lines", (1, *WHOLES), degree=6),
-    case(draw_phase, "diagram", SCENES),
-    case(write_flaps, "flaps", (*LISTS, "VVM", (1, 0))),
+    case(cone.Cone, "degree", (5, 7, *SEEDS)),
+    case(cone.Cone, "rest", NAMES, degree=6),
+    case(cone.Cone, "end", NAMES, degree=6),
+    case(cone.count, "cone", (5, 4002, *WHOLES), ratio=1.0, elevation=0.5),
+    case(cone.count, "ratio", (0, *NUMBERS), cone=6, elevation=0.5),
+    case(cone.count, "elevation", (4, *NUMBERS[:-4]), **CONE),
+    case(cone.count, "depth", (1, *NUMBERS), elevation=0.5, **CONE),
+    case(cone.full_space, "cone", (5, *WHOLES), ratio=1.0, elevation=0.5),
+    case(cone.full_space, "ratio", (0, *NUMBERS), cone=6, elevation=0.5),
+    case(cone.full_space, "progress", CALLS, elevation=0.5, **CONE),
+    case(cone.phase_diagram, "cone", (5, 202, *WHOLES), size=4),
+    case(cone.phase_diagram, "size", (1, 10_000, *WHOLES), cone=6),
+    case(cone.phase_diagram, "ratios", (*LISTS, (1, 0.1), (0, 1), (1, 2, 3)), **SMALL_MAP),
+    case(cone.phase_diagram, "rest_elevations", (*LISTS[1:], (1, 0.1), (-9, 9)), **SMALL_MAP),
+    case(cone.phase_diagram, "depth", (1, *NUMBERS), **SMALL_MAP),
+    case(cone.phase_diagram, "contact", FLAGS, **SMALL_MAP),
+    case(cone.phase_diagram, "progress", CALLS, **SMALL_MAP),
+    case(cone.phase_boundaries, "cone", (5, *WHOLES)),
+    case(cone.phase_boundaries, "lines", (1, *WHOLES), cone=6),
+    case(cone.foldings, "degree", (5, 34, *WHOLES)),
+    case(cone.branch, "flaps", (*LISTS, "VXM", (1, 0)), direction="up"),
+    case(cone.branch, "direction", (None, 0, [], "left", *but(-1)), flaps="VVM"),
+    case(cone.draw_phase, "diagram", SCENES),
+    case(cone.write_flaps, "flaps", (*LISTS, "VVM", (1, 0))),
     case(limits, "elevation", (0, 1, *NUMBERS)),
     case(limits, "ratio", (0, *NUMBERS)),
     case(fold_vertices, "frame", SCENES),
@@ -204,7 +199,8 @@ CASES = [
 @pytest.mark.parametrize(("function", "name", "wrong", "needs", "fixed"), CASES)
 def test_a_wrong_argument_is_named(made, function, name, wrong, needs, fixed):
     right = {key: made[key] for key in needs} | fixed
-    word = {"path": "path|sweep", "number": "number|vertex"}.get(name, name)
+    words = {"path": "path|sweep", "number": "number|vertex", "cone": "degree"}
+    word = words.get(name, name)
     for value in wrong:
         with pytest.raises(o.OrigamiError) as raised:
             function(**right, **{name: value})

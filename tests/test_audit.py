@@ -12,7 +12,7 @@ from computed_once import panel_result
 from independent import rotations
 from typer.testing import CliRunner
 
-from origami_nlp.cli.audit import audit
+from origami_nlp.cli.paper import audit
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.folding import examine

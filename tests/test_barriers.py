@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.graph import parabola_top, side_of_flat
 from origami_nlp.barriers.merge_tree import merge_tree
-from origami_nlp.barriers.table import full_words
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
@@ -340,7 +339,9 @@ def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are(handle_
     for f in handle_barriers.full:
         assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-12)
         assert "(proved: phi_" in f.why and "sampled" not in f.why
-    assert all("(proved: phi_" in line for line in full_words(handle_barriers))
+    told = [line for line in handle_barriers.told() if "in the full space" in str(line)]
+    assert len(told) == len(handle_barriers.full)
+    assert all("(proved: phi_" in str(line) for line in told)
 
 
 def test_wrong_scenes_are_named(saddle_scene):

@@ -2,16 +2,20 @@
 
 import json
 import math
+import os
+import subprocess
 import sys
 
 import numpy as np
 import pytest
 from computed_once import panel_result
+from fold_files import disc
+from typer.main import get_command
 
 import origami_nlp
-from origami_nlp.cli import main
+from origami_nlp.cli import app, main
+from origami_nlp.cli.output import Output
 from origami_nlp.minima import result_from_dict, result_to_dict
-from origami_nlp.minima.table import as_text
 
 
 def run(monkeypatch, capsys, *arguments):
@@ -65,7 +69,7 @@ def test_minima_writes_the_contract(scene_file, tmp_path, monkeypatch, capsys):
             )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
-    assert "phi = -pi at creases 2, 6" in as_text(result)
+    assert "phi = -pi at creases 2, 6" in repr(result)
 
 
 def test_json_to_stdout_is_only_json(scene_file, monkeypatch, capsys):
@@ -122,4 +126,69 @@ def test_a_search_stopped_by_its_cap_says_so():
     assert (
         math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
     )
-    assert "cap" in as_text(result)
+    assert "cap" in repr(result)
+
+
+def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
+    for arguments, code in ((["example", "degree6"], 0), (["minima", "nowhere.toml"], 2)):
+        line = [sys.executable, "-m", "origami_nlp", *arguments]
+        done = subprocess.run(line, capture_output=True, text=True, check=False)
+        assert done.returncode == code
+        assert done.stderr.count("\n") == (code != 0) and bool(done.stdout) == (code == 0)
+
+
+def test_the_help_lists_what_a_new_user_needs_first_and_old_names_still_work(monkeypatch, capsys):
+    _, text, _ = run(monkeypatch, capsys, "--help")
+    order = (
+        "minima contacts barriers critical space landscape transitions vertices model example "
+        "cone sweep paper bench"
+    ).split()
+    lines = [line.split() for line in text.split("Commands:")[1].splitlines()]
+    assert [words[0] for words in lines if words and words[0] in order] == order
+    top = get_command(app)
+    assert set(top.commands) == set(order)
+    for name, command in top.commands["paper"].commands.items():
+        assert top.get_command(None, name) is command
+        assert run(monkeypatch, capsys, name, "--help")[0] == 0
+    for wrong in ("count", "nothing"):
+        code, out, err = run(monkeypatch, capsys, wrong)
+        assert code == 2 and not out and f"No such command '{wrong}'" in err
+
+
+def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
+    good = tmp_path / "a.json"
+    for targets, word in (
+        ({"json": good, "markdown": tmp_path / "none" / "a"}, "--markdown"),
+        ({"json": good, "figure": tmp_path / "a.gif"}, "--figure.*must end in .png"),
+        ({"json": good, "npz": tmp_path / "a.txt"}, "--npz.*must end in .npz"),
+        ({"json": good, "markdown": good}, "is the file of --json too"),
+    ):
+        with pytest.raises(origami_nlp.OrigamiError, match=word):
+            Output(**targets)
+    assert not os.listdir(tmp_path)
+    out = Output(json=good, markdown=tmp_path / "a.md", html=None)
+    out.write("json", lambda number: {"x": number}, 1)
+    out.write("markdown", str.upper, "text")
+    out.write("html", lambda: pytest.fail("nobody asked for it"))
+    assert json.loads(good.read_text()) == {"x": 1} and (tmp_path / "a.md").read_text() == "TEXT"
+    told = capsys.readouterr()
+    assert told.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.md'}"]
+    out = Output(json="-", markdown=tmp_path / "b.md")
+    out.write("json", lambda: [1])
+    out.write("markdown", lambda: "b")
+    told = capsys.readouterr()
+    assert json.loads(told.out) == [1] and told.err == f"written: {tmp_path / 'b.md'}\n"
+
+
+def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):
+    file = tmp_path / "a.fold"
+    data = disc([60, 100, 120, 80], "MVVV")
+    data["edges_vertices"].append(data["edges_vertices"][0])  # a line twice
+    data["edges_assignment"].append("M")
+    file.write_text(json.dumps(data))
+    told = []
+    scene = origami_nlp.read_fold_scene(file, tell=told.append, stiffness=2.0)
+    assert told and scene.degree == 4 and set(scene.stiffness) == {2.0}
+    assert capsys.readouterr().err == ""
+    assert origami_nlp.read_fold_scene(file, stiffness=2.0) == scene
+    assert capsys.readouterr().err == "".join(f"note: {note}\n" for note in told)

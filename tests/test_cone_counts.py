@@ -11,19 +11,11 @@ from hypothesis import given, settings, strategies as st
 from independent import cone_branches as brute
 from typer.testing import CliRunner
 
+from origami_nlp import cone
 from origami_nlp.bench import as_markdown, measure
 from origami_nlp.bench.cone_speed import scan_branches
 from origami_nlp.cli import app
-from origami_nlp.cone import (
-    branch_minima,
-    class_of,
-    cone_classes,
-    count_map,
-    rest_state,
-    roots as cone_roots,
-    steep_end,
-)
-from origami_nlp.cone.energy import direction_classes
+from origami_nlp.cone import roots as cone_roots
 from origami_nlp.errors import OrigamiError
 
 RATIOS = (1e-4, 1e4)
@@ -34,13 +26,13 @@ def points(degree, number, seed):
     rng = np.random.default_rng([seed, degree])
     ratios = 10 ** rng.uniform(*np.log10(RATIOS), number)
     ratios[:2] = RATIOS
-    return ratios, rng.uniform(-steep_end(degree), math.pi / 2, number)
+    return ratios, rng.uniform(-cone.Cone(degree).steep_end, math.pi / 2, number)
 
 
 def disagreements(degree, number, seed):
     wrong = []
     for r, v in zip(*points(degree, number, seed), strict=True):
-        found = branch_minima(degree, r, v)
+        found = cone.count(degree, r, v)
         assert not found.undecided
         ours = (found.stable_interior, found.stable_contact, found.falling_at_cut)
         if ours != brute.count(degree, r, v):
@@ -64,12 +56,12 @@ def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
     rng = np.random.default_rng(3)
     compared = 0
     for r, v in zip(*points(degree, 12, seed=4), strict=True):
-        m = branch_minima(degree, r, v).minima
+        m = cone.count(degree, r, v).minima
         for _ in range(4):
             flaps = tuple(rng.choice([1, -1], degree // 2).tolist())
             direction = int(rng.choice([1, -1]))
-            valleys, changes = class_of(flaps)
-            own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == direction)
+            valleys, changes = cone.class_of(flaps)
+            own = m.of_class(valleys, changes, direction)
             ours = np.abs(m.elevation[own & m.interior])
             theirs = brute.minimum_on(degree, flaps, direction, r, v)
             assert len(ours) == len(theirs)
@@ -104,11 +96,11 @@ def test_a_random_branch_equals_an_ipopt_solve(degree):
     rng = np.random.default_rng(degree)
     checked = 0
     for r, v in zip(*points(degree, 8, seed=5), strict=True):
-        m = branch_minima(degree, r, v).minima
+        m = cone.count(degree, r, v).minima
         flaps = tuple(rng.choice([1, -1], degree // 2).tolist())
         direction = int(rng.choice([1, -1]))
-        valleys, changes = class_of(flaps)
-        own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == direction)
+        valleys, changes = cone.class_of(flaps)
+        own = m.of_class(valleys, changes, direction)
         s = ca.SX.sym("s")
         angles = branch_angles(degree, flaps, direction, s)
         rest = brute.rest_angles(degree, v)
@@ -158,9 +150,9 @@ def closed_loop(phi):
 def test_the_degree_6_branch_equals_an_ipopt_solve_of_the_closed_vertex(word, direction):
     """All six fold angles are free; closure and equal even folds leave the branch: no closed form."""
     r, v = 0.4, -0.35
-    m = branch_minima(6, r, v).minima
-    valleys, changes = class_of(word)
-    own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == direction)
+    m = cone.count(6, r, v).minima
+    valleys, changes = cone.class_of(word)
+    own = m.of_class(valleys, changes, direction)
     phi, s = ca.SX.sym("phi", 6), ca.SX.sym("s")
     rest = brute.rest_angles(6, v)
     stiffness = [1.0, r] * 3
@@ -223,17 +215,15 @@ def slope_mp(degree, direction, weights, valleys, r, v, s):
 @pytest.mark.parametrize("elevation", [1e-10, -1e-10, 0.3, -0.4])
 def test_minima_agree_with_50_digits(degree, elevation):
     ratio = 0.7
-    found = branch_minima(degree, ratio, elevation)
+    found = cone.count(degree, ratio, elevation)
     m = found.minima
     rng = np.random.default_rng(0)
     with mp.workdps(50):
         for k in rng.choice(len(m), min(len(m), 8), replace=False).tolist():
             direction = int(m.direction[k])
-            side = direction_classes(degree, elevation, direction=direction)
+            side = cone.SideEnergy.of(degree, direction, elevation)
             row = int(
-                np.nonzero(
-                    (side.classes.valleys == m.valleys[k]) & (side.classes.changes == m.changes[k])
-                )[0][0]
+                np.nonzero((side.valleys == m.valleys[k]) & (side.changes == m.changes[k]))[0][0]
             )
             args = (degree, direction, side.weights[row].tolist(), int(m.valleys[k]), ratio)
             s = abs(m.elevation[k])
@@ -253,29 +243,33 @@ def test_slopes_are_the_sum_over_creases():
     """A', B' of classes against every assignment's own fold angles; A'', B'' and energies by differences."""
     rng = np.random.default_rng(8)
     for degree in (6, 8, 10):
-        s = rng.uniform(0.01, steep_end(degree) - 0.01, 5)
+        s = rng.uniform(0.01, cone.Cone(degree).steep_end - 0.01, 5)
         for rest in ("waterbomb", "paper"):
             for direction in (1, -1):
-                side = direction_classes(degree, -0.3, direction=direction, rest=rest)
-                odd, even = side.slopes(s)
+                side = cone.SideEnergy.of(cone.Cone(degree, rest), direction, -0.3)
+                odd, even = side.at(s).slopes
                 free = np.where(np.arange(degree) % 2 == 0, side.rest.odd, side.rest.even)
                 for flaps, d in brute.branches(degree):
                     if d != direction:
                         continue
-                    row = side.classes.index(flaps)
+                    row = cone.assignment_classes(degree).index(flaps)
                     angles = brute.cone_fold_angles(degree, d * s, flaps)
                     terms = (angles.value - free) * d * angles.first
                     np.testing.assert_allclose(odd[row], terms[:, ::2].sum(axis=1), rtol=1e-11)
                     np.testing.assert_allclose(even[row], terms[:, 1::2].sum(axis=1), rtol=1e-11)
                 h = 1e-5
                 for value, derivative in (
-                    (side.energies, side.slopes),
-                    (side.slopes, side.curvatures),
+                    ("energies", "slopes"),
+                    ("slopes", "curvatures"),
                 ):
                     for kind in (0, 1):
-                        step = (value(s + h)[kind] - value(s - h)[kind]) / (2 * h)
-                        np.testing.assert_allclose(derivative(s)[kind], step, rtol=1e-6, atol=1e-6)
-                wells, energies, flat = side.wells(s), side.energies(s), side.flat_energies()
+                        above, below, slope = (
+                            getattr(side.at(x), name)[kind]
+                            for x, name in ((s + h, value), (s - h, value), (s, derivative))
+                        )
+                        step = (above - below) / (2 * h)
+                        np.testing.assert_allclose(slope, step, rtol=1e-6, atol=1e-6)
+                wells, energies, flat = side.at(s).wells, side.at(s).energies, side.at(s).flat
                 for kind in (0, 1):
                     np.testing.assert_allclose(
                         wells[kind], flat[kind] - energies[kind], rtol=1e-9, atol=1e-11
@@ -286,9 +280,9 @@ def test_slopes_are_the_sum_over_creases():
 
 
 def test_multiplicities_are_exact_at_degree_1000():
-    classes = cone_classes(1000)
+    classes = cone.assignment_classes(1000)
     assert sum(classes.multiplicity) == 2**500
-    found = branch_minima(1000, 3.0, 0.2)
+    found = cone.count(1000, 3.0, 0.2)
     m = found.minima
     assert found.branches == 2**501
     of_kind = {"interior": 0, "contact": 0, "cut": 0}
@@ -308,9 +302,9 @@ def test_multiplicities_are_exact_at_degree_1000():
 )
 @settings(max_examples=60, deadline=None)
 def test_at_least_half_of_the_branches_hold_a_minimum(degree, exponent, share, rest):
-    low = -steep_end(degree)
+    low = -cone.Cone(degree).steep_end
     elevation = low + share * (math.pi / 2 - low)
-    found = branch_minima(degree, 10**exponent, elevation, rest=rest)
+    found = cone.count(cone.Cone(degree, rest), 10**exponent, elevation)
     if abs(elevation) > 1e-6 and not found.undecided:
         assert 2 * found.branches_with_minimum >= found.branches
     total = found.stable_interior + found.stable_contact + found.falling_at_cut
@@ -320,49 +314,49 @@ def test_at_least_half_of_the_branches_hold_a_minimum(degree, exponent, share, r
 
 
 def test_flat_rest_state_has_no_minimum_off_the_flat_state():
-    found = branch_minima(8, 2.0, 0.0)
+    found = cone.count(8, 2.0, 0.0)
     assert (found.stable_interior, found.stable_contact, len(found.minima)) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("degree", [6, 8, 12, 100])
 def test_rest_state_is_a_stress_free_minimum_of_its_branch(degree):
-    for v in (-steep_end(degree), -0.1, 1e-9, 0.5, math.pi / 2):
-        m = branch_minima(degree, 1.3, v).minima
+    for v in (-cone.Cone(degree).steep_end, -0.1, 1e-9, 0.5, math.pi / 2):
+        m = cone.count(degree, 1.3, v).minima
         own = (m.valleys == degree // 2) & (np.sign(m.elevation) == np.sign(v))
         k = np.nonzero(own)[0][np.argmin(np.abs(m.elevation[own] - v))]
         assert m.elevation[k] == pytest.approx(v, rel=1e-13)
         assert m.energy[k] == pytest.approx(0, abs=1e-25)
         assert m.depth[k] == pytest.approx(1, abs=1e-15)
         # at the ends of the range the stress-free state is at contact, and bears nothing
-        at_end = v in (-steep_end(degree), math.pi / 2)
+        at_end = v in (-cone.Cone(degree).steep_end, math.pi / 2)
         assert bool(m.contact[k]) == at_end and m.multiplier[k] == 0
 
 
 def test_a_tie_is_reported():
-    assert branch_minima(6, 1.0, math.pi / 2).undecided == ((3, 0, 1),)
+    assert cone.count(6, 1.0, math.pi / 2).undecided == ((3, 0, 1),)
 
 
 def test_depth_counts_deeper_wells_only():
     r, v = 1.3, -0.1
-    every = branch_minima(12, r, v)
+    every = cone.count(12, r, v)
     for depth in (1e-3, 0.05, 0.5):
-        deep = branch_minima(12, r, v, depth=depth)
+        deep = cone.count(12, r, v, depth=depth)
         assert np.all(deep.minima.depth > depth)
         kept = every.minima.where(every.minima.depth > depth)
         total = deep.stable_interior + deep.stable_contact + deep.falling_at_cut
         assert sum(kept.multiplicity) == total
-    assert branch_minima(12, r, v, depth=0.5).stable_interior < every.stable_interior
+    assert cone.count(12, r, v, depth=0.5).stable_interior < every.stable_interior
 
 
 def test_a_branch_may_hold_an_interior_minimum_and_fall_again_at_its_end():
     """Degree 10, four valleys up: over a barrier the energy falls again, to the cut and past it."""
-    m = branch_minima(10, 0.01, -0.8).minima
+    m = cone.count(10, 0.01, -0.8).minima
     own = (m.valleys == 4) & (m.direction == 1)
     assert m.kind[own].tolist() == ["interior", "cut"]
-    side = direction_classes(10, -0.8, direction=1)
-    row = side.classes.index((1, 1, 1, 1, -1))
-    s = np.linspace(0, steep_end(10), 2001)
-    odd, even = side.energies(s)
+    side = cone.SideEnergy.of(10, 1, -0.8)
+    row = cone.assignment_classes(10).index((1, 1, 1, 1, -1))
+    s = np.linspace(0, cone.Cone(10).steep_end, 2001)
+    odd, even = side.at(s).energies
     u = odd[row] + 0.01 * even[row]
     inner = int(np.argmin(u[:1000]))
     assert (
@@ -380,11 +374,11 @@ def test_a_branch_may_hold_an_interior_minimum_and_fall_again_at_its_end():
 )
 def test_a_branch_may_hold_two_interior_minima(degree, flaps, r, v):
     """Seen with plain energies of one branch on a fine grid."""
-    valleys, changes = class_of(flaps)
-    m = branch_minima(degree, r, v).minima
-    own = (m.valleys == valleys) & (m.changes == changes) & (m.direction == 1) & m.interior
+    valleys, changes = cone.class_of(flaps)
+    m = cone.count(degree, r, v).minima
+    own = m.of_class(valleys, changes, 1) & m.interior
     assert own.sum() == 2
-    s = np.linspace(1.0, steep_end(degree), 20001)[:-1]
+    s = np.linspace(1.0, cone.Cone(degree).steep_end, 20001)[:-1]
     angles = brute.cone_fold_angles(degree, s, flaps).value
     stiffness = np.tile([1.0, r], degree // 2)
     u = ((angles - brute.rest_angles(degree, v)) ** 2 / 2) @ stiffness
@@ -405,12 +399,12 @@ def test_a_branch_may_hold_two_interior_minima(degree, flaps, r, v):
 )
 @settings(max_examples=150, deadline=None)
 def test_enclosures_hold_what_they_enclose(degree, rest, where, width, direction):
-    v = rest * (math.pi / 2 if rest > 0 else steep_end(degree))
-    side = direction_classes(degree, v, direction=direction)
-    low = where * steep_end(degree)
+    v = rest * (math.pi / 2 if rest > 0 else cone.Cone(degree).steep_end)
+    side = cone.SideEnergy.of(degree, direction, v)
+    low = where * cone.Cone(degree).steep_end
     high = min(low + width, math.pi / 2)
     slowest, fastest = cone_roots.curvature_bounds(side, np.array([low]), np.array([high]))
-    bend, _ = side.curvatures(np.linspace(low, high, 40))
+    bend, _ = side.at(np.linspace(low, high, 40)).curvatures
     assert np.all(bend >= (side.weights @ slowest.T) - 1e-12 * np.abs(bend))
     assert np.all(bend <= (side.weights @ fastest.T) + 1e-12 * np.abs(bend))
     if width < 1e-3:  # and are tight on small cells
@@ -421,10 +415,10 @@ def test_enclosures_hold_what_they_enclose(degree, rest, where, width, direction
 def test_counts_do_not_depend_on_the_first_grid(cells, monkeypatch):
     cases = [(10, 0.01, -0.8), (24, 0.00167, -1.04632), (24, 0.00165, -1.04632)]
     cases += [(n, r, v) for n in (6, 12) for r, v in zip(*points(n, 25, seed=9), strict=True)]
-    expected = [branch_minima(*case) for case in cases]
+    expected = [cone.count(*case) for case in cases]
     monkeypatch.setattr(cone_roots, "CELLS", cells)
     for case, before in zip(cases, expected, strict=True):
-        now = branch_minima(*case)
+        now = cone.count(*case)
         assert (now.stable_interior, now.stable_contact) == (
             before.stable_interior,
             before.stable_contact,
@@ -435,15 +429,15 @@ def test_counts_do_not_depend_on_the_first_grid(cells, monkeypatch):
 
 def test_isolation_is_what_finds_the_second_minimum(monkeypatch):
     """Believing every cell monotone, as a plain scan does, loses minima: the enclosures do the work."""
-    expected = branch_minima(24, 0.00167, -1.04632).stable_interior
+    expected = cone.count(24, 0.00167, -1.04632).stable_interior
 
     def believing(branches, low, high):
         return np.ones((len(low), 3)), np.ones((len(low), 3))
 
     monkeypatch.setattr(cone_roots, "CELLS", 1)
-    assert branch_minima(24, 0.00167, -1.04632).stable_interior == expected
+    assert cone.count(24, 0.00167, -1.04632).stable_interior == expected
     monkeypatch.setattr(cone_roots, "curvature_bounds", believing)
-    assert branch_minima(24, 0.00167, -1.04632).stable_interior < expected
+    assert cone.count(24, 0.00167, -1.04632).stable_interior < expected
 
 
 @pytest.mark.slow
@@ -455,13 +449,13 @@ def test_two_interior_minima_need_24_creases(degree):
     """
     overlaps = 0
     for v in np.concatenate(
-        [np.linspace(-steep_end(degree), -1e-3, 700), np.linspace(1e-3, math.pi / 2, 700)]
+        [np.linspace(-cone.Cone(degree).steep_end, -1e-3, 700), np.linspace(1e-3, math.pi / 2, 700)]
     ):
         for direction in (1, -1):
-            side = direction_classes(degree, v, direction=direction)
+            side = cone.SideEnergy.of(degree, direction, v)
             rows = np.nonzero(side.end < 1.5)[0]
-            s = np.linspace(0.0, steep_end(degree), 150)[1:]
-            odd, even = (x[rows] for x in side.slopes(s))
+            s = np.linspace(0.0, cone.Cone(degree).steep_end, 150)[1:]
+            odd, even = (x[rows] for x in side.at(s).slopes)
             with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 at the rest state
                 level = np.nan_to_num(-odd / even, nan=-1.0, posinf=1e300, neginf=-1e300)
             vertex = side.even_vertex[rows, None]  # B' changes sign there: pieces end
@@ -486,13 +480,18 @@ def test_two_interior_minima_need_24_creases(degree):
 def test_maps_equal_points(degree, depth):
     rng = np.random.default_rng(degree)
     ratios = 10 ** rng.uniform(-4, 4, 12 if degree < 100 else 4)
-    elevations = [-steep_end(degree), 0.0, math.pi / 2, *rng.uniform(-steep_end(degree), 1.57, 5)]
+    elevations = [
+        -cone.Cone(degree).steep_end,
+        0.0,
+        math.pi / 2,
+        *rng.uniform(-cone.Cone(degree).steep_end, 1.57, 5),
+    ]
     if degree == 24:  # where a branch holds two minima
         ratios, elevations = np.append(ratios, [0.00167, 0.00165]), [*elevations, -1.04632]
-    plane = count_map(degree, ratios, elevations, depth=depth)
+    plane = cone.count_map(degree, ratios, elevations, depth=depth)
     for i, r in enumerate(ratios):
         for k, v in enumerate(elevations):
-            point = branch_minima(degree, r, v, depth=depth)
+            point = cone.count(degree, r, v, depth=depth)
             assert plane.interior[i, k] == point.stable_interior
             assert plane.contact[i, k] == point.stable_contact
             assert plane.cut[i, k] == point.falling_at_cut
@@ -500,10 +499,11 @@ def test_maps_equal_points(degree, depth):
 
 def test_maps_follow_the_other_rules():
     ratios, elevations = np.geomspace(1e-3, 1e3, 9), np.linspace(-1.5, 1.5, 7)
-    plane = count_map(8, ratios, elevations, rest="paper", end="contact", depth=0.02)
+    other = cone.Cone(8, rest="paper", end="contact")
+    plane = cone.count_map(other, ratios, elevations, depth=0.02)
     for i, r in enumerate(ratios):
         for k, v in enumerate(elevations):
-            point = branch_minima(8, r, v, rest="paper", end="contact", depth=0.02)
+            point = cone.count(other, r, v, depth=0.02)
             assert plane.interior[i, k] == point.stable_interior
             assert plane.contact[i, k] == point.stable_contact
             assert plane.cut[i, k] == point.falling_at_cut
@@ -517,11 +517,12 @@ def test_the_papers_rest_state_is_its_printed_formula(degree):
     alpha = 2 * math.pi / degree
     for v in (-1.2, -0.2, 0.2, 1.2):
         top, bottom = abs(math.cos(v) + math.sin(alpha)), 1 + math.cos(v) * math.sin(alpha)
-        rest = rest_state(degree, v, "paper")
+        rest = cone.Cone(degree, "paper").at_rest(v)
         assert rest.odd == pytest.approx(2 * math.acos(top / bottom), rel=1e-12)
         assert rest.even == -2 * v
     for v in (0.2, 1.2):  # for v_0 > 0 it is the waterbomb
-        assert rest_state(degree, v, "paper").odd == rest_state(degree, v).odd
+        printed, waterbomb = (cone.Cone(degree, rule).at_rest(v) for rule in ("paper", "waterbomb"))
+        assert printed.odd == waterbomb.odd
 
 
 @pytest.mark.parametrize(
@@ -543,10 +544,12 @@ def test_the_papers_rest_state_is_its_printed_formula(degree):
     ],
 )
 def test_values_out_of_range_are_named(arguments):
-    given = {"degree": 6, "ratio": 1.0, "elevation": 0.1} | arguments
+    rules = {"rest": "waterbomb", "end": "contract", "depth": 0.0}
+    given = {"degree": 6, "ratio": 1.0, "elevation": 0.1} | rules | arguments
     field = next(iter(arguments))
     with pytest.raises(OrigamiError, match=field) as caught:
-        branch_minima(**given)
+        of = cone.Cone(given["degree"], given["rest"], given["end"])
+        cone.count(of, given["ratio"], given["elevation"], depth=given["depth"])
     assert "\n" not in str(caught.value)
 
 
@@ -602,7 +605,7 @@ def test_speed_is_measured_with_errors(tmp_path):
     assert rows[0].brute_seconds > 0 and rows[0].map_seconds > 0 and rows[1].brute_seconds is None
     assert "| 65,536 |" in as_markdown(rows)
     # with many nodes the scan finds what the exact count finds
-    found = branch_minima(8, 0.3, -0.5)
+    found = cone.count(8, 0.3, -0.5)
     at_end = found.stable_contact + found.falling_at_cut
     assert scan_branches(8, 0.3, -0.5, 4000) == (found.stable_interior, at_end)
 

@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from origami_nlp import cone
 from origami_nlp.cli import app
-from origami_nlp.cone import (
-    ConeBranch,
-    bracelets,
-    branch_minima,
-    class_of,
-    cone_full_space,
-    write_flaps,
-)
-from origami_nlp.cone.full_space import cone_scene, tangent_slope
+from origami_nlp.cone.stability import cone_scene, tangent_slope
 from origami_nlp.errors import OrigamiError
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.minima import find_minima
@@ -26,7 +19,7 @@ POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
 
 @pytest.fixture(scope="module", params=POINTS, ids=str)
 def judged(request):
-    return cone_full_space(*request.param)
+    return cone.full_space(*request.param)
 
 
 def slope_by_differences(scene, x):
@@ -46,34 +39,34 @@ def slope_by_differences(scene, x):
 
 
 def test_every_minimum_of_every_arrangement_is_there(judged):
-    count = branch_minima(judged.degree, judged.ratio, judged.rest.elevation)
+    count = cone.count(judged.cone.degree, judged.ratio, judged.rest.elevation)
     total = count.stable_interior + count.stable_contact + count.falling_at_cut
     assert judged.count() == total
     assert judged.count(kind="interior") == count.stable_interior
     assert judged.count(kind="cut") == count.falling_at_cut
     stable, unstable, undecided = (judged.count(v) for v in ("stable", "unstable", "undecided"))
     assert stable + unstable + undecided == judged.count()
-    seen = {(s.flaps, s.direction) for s in judged.states}
+    seen = {(s.branch.flaps, s.branch.direction) for s in judged.states}
     m = count.minima
     for k in range(len(m)):
         of_class = [
             f.flaps
-            for f in bracelets(judged.degree)
-            if class_of(f.flaps) == (m.valleys[k], m.changes[k])
+            for f in cone.foldings(judged.cone.degree, mirrors_differ=False)
+            if cone.class_of(f.flaps) == (m.valleys[k], m.changes[k])
         ]
         assert all((flaps, int(m.direction[k])) in seen for flaps in of_class)
 
 
 def test_interior_verdicts_follow_from_slope_and_second_differences(judged):
     """At a regular interior state: a slope off the branch decides, else the energy along closed arcs."""
-    scene = cone_scene(judged.degree, judged.ratio, judged.rest)
+    scene = cone_scene(judged.cone.degree, judged.ratio, judged.rest)
     rng = np.random.default_rng(0)
     for state in (s for s in judged.states if s.kind == "interior"):
         x = np.array(state.fold_angles)
         slope, jacobian = slope_by_differences(scene, x)
         assert slope == pytest.approx(state.residual, abs=1e-7)
         if slope > 1e-6:
-            assert state.verdict == "unstable", write_flaps(state.flaps)
+            assert state.verdict == "unstable", state.branch
             continue
         null = np.linalg.svd(jacobian)[2][3:]
         rises = []
@@ -88,7 +81,7 @@ def test_interior_verdicts_follow_from_slope_and_second_differences(judged):
 
 
 def test_descents_close_are_admissible_and_fall(judged):
-    scene = cone_scene(judged.degree, judged.ratio, judged.rest)
+    scene = cone_scene(judged.cone.degree, judged.ratio, judged.rest)
     for state in (s for s in judged.states if s.verdict == "unstable"):
         path = np.array([a for a, _ in state.full_space.descent])
         energies = scene.energy(path)
@@ -101,23 +94,25 @@ def test_descents_close_are_admissible_and_fall(judged):
 
 @pytest.mark.slow
 def test_a_search_without_branches_finds_the_stable_ones_and_no_other():
-    judged = cone_full_space(6, 1.0, 0.5)
+    judged = cone.full_space(6, 1.0, 0.5)
     scene = cone_scene(6, 1.0, judged.rest)
     found = [np.array(m.fold_angles) for m in find_minima(scene, max_starts=60).minima]
     for state in judged.states:
         near = min(np.abs(np.array(state.fold_angles) - x).max() for x in found)
-        assert (near < 1e-6) == (state.verdict == "stable"), write_flaps(state.flaps)
+        assert (near < 1e-6) == (state.verdict == "stable"), state.branch
 
 
 def test_arrangements_of_one_class_have_one_energy_but_their_own_slope():
     """(V4M2, 4 changes) of degree 12: VVVMVM and VVMVVM are not equal by rotation or reflection."""
-    count = branch_minima(12, 1.0, 0.5)
+    count = cone.count(12, 1.0, 0.5)
     m = count.minima
     row = np.flatnonzero((m.valleys == 4) & (m.changes == 4) & (m.direction == 1)).item()
     scene = cone_scene(12, 1.0, count.rest)
-    words = [f.flaps for f in bracelets(12) if class_of(f.flaps) == (4, 4)]
+    words = [
+        f.flaps for f in cone.foldings(12, mirrors_differ=False) if cone.class_of(f.flaps) == (4, 4)
+    ]
     assert len(words) == 2
-    states = [ConeBranch(w, 1).fold_angles(m.elevation[row]) for w in words]
+    states = [cone.ConeBranch(w, 1).fold_angles(m.elevation[row]) for w in words]
     assert scene.energy(states[0]) == pytest.approx(scene.energy(states[1]), rel=1e-13)
     slopes = [tangent_slope(Model(scene), x) for x in states]
     assert abs(slopes[0] - slopes[1]) > 1e-4
@@ -130,7 +125,7 @@ def test_only_equilibria_are_stable_at_random_parameters(degree, many):
     rng = np.random.default_rng(degree)
     for _ in range(many):
         nu = rng.uniform(-np.pi / 2 + 2 * np.pi / degree, np.pi / 2)
-        judged = cone_full_space(degree, float(10 ** rng.uniform(-2.5, 2.5)), float(nu))
+        judged = cone.full_space(degree, float(10 ** rng.uniform(-2.5, 2.5)), float(nu))
         for state in judged.states:
             assert state.verdict != "undecided", state
             if state.kind == "interior":
@@ -152,4 +147,4 @@ def test_command_reports_verdicts(tmp_path):
 )
 def test_bad_input_is_named(degree, ratio, nu):
     with pytest.raises(OrigamiError, match=r"degree|ratio|elevation"):
-        cone_full_space(degree, ratio, nu)
+        cone.full_space(degree, ratio, nu)

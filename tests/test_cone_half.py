@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from independent import cone_branches as brute
 
-from origami_nlp.cone import ConeBranch, bracelets, branch_end, branch_minima, count_map, steep_end
-from origami_nlp.cone.branches import is_cut, lone_end
+from origami_nlp import cone
 from origami_nlp.folding import examine
 
 
@@ -60,7 +59,7 @@ def test_off_the_curves_the_count_is_half_and_on_a_curve_it_is_not():
         for factor, wanted in ((1 - mp.mpf(10) ** -4, 16), (1, 12), (1 + mp.mpf(10) ** -4, 16)):
             by_digits = minima_by_digits(8, exact * factor, 0.5)
             assert sum(by_digits) == wanted and max(by_digits) == 1
-            found = branch_minima(8, float(exact * factor), 0.5)
+            found = cone.count(8, float(exact * factor), 0.5)
             assert found.branches_with_minimum == wanted
             # a curve is a tie, and is reported as one
             assert set(found.undecided) == ({(3, 2, 1), (1, 2, -1)} if factor == 1 else set())
@@ -68,14 +67,15 @@ def test_off_the_curves_the_count_is_half_and_on_a_curve_it_is_not():
 
 @pytest.mark.parametrize("degree", [6, 8, 10, 12])
 def test_a_flat_rest_state_leaves_no_minimum_on_any_branch(degree):
-    assert branch_minima(degree, 1.0, 0.0).branches_with_minimum == 0
+    assert cone.count(degree, 1.0, 0.0).branches_with_minimum == 0
     assert brute.count(degree, 1.0, 0.0) == (0, 0, 0)
 
 
 def maps(degree, end, size=200):
-    low = -steep_end(degree)
+    low = -cone.Cone(degree).steep_end
     cells = (np.arange(size) + 0.5) / size
-    return count_map(degree, 10 ** (4 * cells - 2), low + (math.pi / 2 - low) * cells, end=end)
+    elevations = low + (math.pi / 2 - low) * cells
+    return cone.count_map(cone.Cone(degree, end=end), 10 ** (4 * cells - 2), elevations)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_the_true_end_of_one_steep_flap_gives_degree_8_twenty_minima():
     assert len(rows) > 40
     for i, k in list(zip(rows, columns, strict=True))[::20]:
         r, nu = float(plane.ratios[i]), float(plane.elevations[k])
-        found = branch_minima(8, r, nu, end="contact")
+        found = cone.count(cone.Cone(8, end="contact"), r, nu)
         inside, falls = brute.per_branch(8, r, nu, "contact")
         assert inside.sum() + falls.sum() == 20 and found.falling_at_cut == 0
         assert (inside.sum(), falls.sum()) == (found.stable_interior, found.stable_contact)
@@ -120,7 +120,7 @@ def test_the_true_end_of_one_steep_flap_gives_degree_8_twenty_minima():
 def test_more_than_half_needs_no_second_minimum_on_a_branch():
     """N = 14: 142 of 256 branches with one minimum each: 14 that climb from the flat state fall later."""
     r, nu = 0.0092, -1.1101
-    found = branch_minima(14, r, nu)
+    found = cone.count(14, r, nu)
     inside, falls = brute.per_branch(14, r, nu)
     each = inside + falls
     assert each.max() == 1 and each.sum() == found.branches_with_minimum == 142
@@ -135,7 +135,7 @@ def test_more_than_half_needs_no_second_minimum_on_a_branch():
 
 def test_the_37_minima_of_degree_10_lie_on_32_branches():
     """Five of them hold two, inside and at the end: M V_4 up."""
-    found = branch_minima(10, 0.02, -0.9)
+    found = cone.count(10, 0.02, -0.9)
     inside, falls = brute.per_branch(10, 0.02, -0.9)
     each = inside + falls
     assert each.sum() == 37 and (each > 0).sum() == found.branches_with_minimum == 32
@@ -151,15 +151,15 @@ def test_the_37_minima_of_degree_10_lie_on_32_branches():
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_cut_end_is_where_nothing_touches(degree, direction):
     """The embedding knows nothing of branches: contact at all ends but the cut ones, which can be passed."""
-    for folding in bracelets(degree):
-        branch = ConeBranch(folding.flaps, direction)
-        cut = bool(is_cut(branch.steep, "contract"))
-        assert cut == (branch.steep == 1) and not is_cut(branch.steep, "contact")
+    for folding in cone.foldings(degree, mirrors_differ=False):
+        branch = cone.ConeBranch(folding.flaps, direction)
+        cut = bool(branch.cone.is_cut(branch.steep))
+        further = cone.ConeBranch(folding.flaps, direction, "contact")
+        assert cut == (branch.steep == 1) and not further.cone.is_cut(branch.steep)
         assert ("no contact" in branch.end_text) == cut
         if not cut:
             continue
-        further = ConeBranch(folding.flaps, direction, "contact")
-        for v in (branch.end, branch.end + 0.5 * (lone_end(degree) - branch.end)):
+        for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):
             told = examine(branch.vertex, further.fold_angles(direction * v))
             assert told.admissible, told.reason
             assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3
@@ -170,18 +170,14 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
 )
 def test_no_state_at_a_cut_is_called_pinned_by_contact(degree, r, nu):
     """And every branch that falls at its cut holds a minimum further along."""
-    m = branch_minima(degree, r, nu).minima
+    m = cone.count(degree, r, nu).minima
     rows = np.nonzero(m.kind == "cut")[0]
     assert len(rows)
-    further = branch_minima(degree, r, nu, end="contact")
+    further = cone.count(cone.Cone(degree, end="contact"), r, nu)
     assert further.falling_at_cut == 0
     for k in range(len(m)):
         steep = degree // 2 - m.valleys[k] if m.direction[k] > 0 else m.valleys[k]
         assert m.kind[k] in (("interior", "cut") if steep == 1 else ("interior", "contact"))
     for k in rows:
-        own = (
-            (further.minima.valleys == m.valleys[k])
-            & (further.minima.changes == m.changes[k])
-            & (further.minima.direction == m.direction[k])
-        )
-        assert np.abs(further.minima.elevation[own]).max() > float(branch_end(degree, 1))
+        own = further.minima.of_class(m.valleys[k], m.changes[k], m.direction[k])
+        assert np.abs(further.minima.elevation[own]).max() > cone.Cone(degree).steep_end

@@ -10,21 +10,10 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from typer.testing import CliRunner
 
+from origami_nlp import cone
 from origami_nlp.cli import app
-from origami_nlp.cone import (
-    ConeBranch,
-    bracelets,
-    branch_end,
-    class_of,
-    cone_classes,
-    draw_branch,
-    draw_foldings,
-    parse_flaps,
-    steep_end,
-    write_flaps,
-)
-from origami_nlp.cone.branches import branch_label, lone_end
-from origami_nlp.cone.flaps import bracelet_number, necklace_number, necklaces, symmetry_of
+from origami_nlp.cone.necklaces import symmetry_of
+from origami_nlp.cone.rules import END_RULES
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.folding import examine, fold_vertex
 
@@ -56,7 +45,7 @@ def partial_mp(degree, v, flap):
 def test_fold_angles_agree_with_50_digits(degree, share, direction):
     rng = np.random.default_rng(degree)
     flaps = tuple(rng.choice([1, -1], degree // 2).tolist())
-    branch = ConeBranch(flaps, direction)
+    branch = cone.ConeBranch(flaps, direction)
     v = direction * share * branch.end
     phi = branch.fold_angles(v)
     with mp.workdps(60):
@@ -74,7 +63,7 @@ def test_fold_angles_agree_with_50_digits(degree, share, direction):
 def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
     flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))
     direction = data.draw(st.sampled_from([1, -1]))
-    branch = ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
+    branch = cone.ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
     share = data.draw(st.floats(0.01, 0.999))
     phi = branch.fold_angles(direction * share * branch.end)
     state = examine(branch.vertex, phi)
@@ -93,8 +82,8 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
     """Just before the end every branch is embedded; just after it none is (or the sheet is folded flat)."""
     from origami_nlp.closed_forms import cone_fold_angles
 
-    for folding in necklaces(degree):
-        branch = ConeBranch(folding.flaps, direction, "contact")
+    for folding in cone.foldings(degree):
+        branch = cone.ConeBranch(folding.flaps, direction, "contact")
         before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
         after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
         assert examine(branch.vertex, before).admissible
@@ -104,25 +93,31 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
 def test_only_a_single_steep_flap_goes_past_the_contracts_end():
     for degree in (6, 8, 10, 12, 14, 1000):
         steep = np.arange(degree // 2 + 1)
-        contract, contact = (branch_end(degree, steep, rule) for rule in ("contract", "contact"))
+        contract, contact = (cone.Cone(degree, end=e).ends(steep) for e in END_RULES)
         assert contract[0] == contact[0] == math.pi / 2
         np.testing.assert_array_equal(contract[2:], contact[2:])
-        assert contract[1] == steep_end(degree) < contact[1] == lone_end(degree) <= math.pi / 2
-    assert lone_end(6) == pytest.approx(math.atan(math.sqrt(2)), rel=1e-15)
+        assert (
+            contract[1]
+            == cone.Cone(degree).steep_end
+            < contact[1]
+            == cone.Cone(degree).lone_end
+            <= math.pi / 2
+        )
+    assert cone.Cone(6).lone_end == pytest.approx(math.atan(math.sqrt(2)), rel=1e-15)
 
 
 def test_past_the_end_it_says_so():
-    branch = ConeBranch((1, 1, -1), 1)
+    branch = cone.ConeBranch((1, 1, -1), 1)
     with pytest.raises(AngleError, match=r"past the end .* pi/6"):
         branch.fold_angles([0.1, 0.53])
     with pytest.raises(AngleError, match="past the end"):
-        ConeBranch((1, 1, 1), 1).fold_angles(1.58)
+        cone.ConeBranch((1, 1, 1), 1).fold_angles(1.58)
     with pytest.raises(AngleError, match="up has elevations >= 0"):
         branch.fold_angles(-0.1)
     with pytest.raises(AngleError, match="finite"):
         branch.fold_angles(math.nan)
     np.testing.assert_array_equal(branch.fold_angles(0.0), np.zeros(6))
-    assert np.abs(ConeBranch((1, 1, 1), -1).fold_angles(-math.pi / 6)).max() == pytest.approx(
+    assert np.abs(cone.ConeBranch((1, 1, 1), -1).fold_angles(-math.pi / 6)).max() == pytest.approx(
         math.pi, abs=1e-14
     )
 
@@ -134,16 +129,18 @@ def test_past_the_end_it_says_so():
 def test_classes_and_their_multiplicities_are_those_of_all_words(degree):
     found = {}
     for word in words(degree // 2):
-        found[class_of(word)] = found.get(class_of(word), 0) + 1
-    classes = cone_classes(degree)
+        found[cone.class_of(word)] = found.get(cone.class_of(word), 0) + 1
+    classes = cone.assignment_classes(degree)
     keys = zip(classes.valleys.tolist(), classes.changes.tolist(), strict=True)
     assert dict(zip(keys, classes.multiplicity, strict=True)) == found
+    both = [(c.valleys, c.changes, c.multiplicity) for c in cone.energy_classes(degree)]
+    assert sorted(both) == sorted(2 * [(*key, many) for key, many in found.items()])
 
 
 @given(st.integers(3, 60))
 @settings(max_examples=30, deadline=None)
 def test_multiplicities_sum_to_all_assignments(half):
-    assert sum(cone_classes(2 * half).multiplicity) == 2**half
+    assert sum(cone.assignment_classes(2 * half).multiplicity) == 2**half
 
 
 def orbits(degree, mirrored):
@@ -159,8 +156,12 @@ def orbits(degree, mirrored):
 @pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 16])
 def test_lists_and_formulas_agree_with_orbits(degree):
     for mirrored, listed, number in (
-        (False, necklaces(degree), necklace_number(degree)),
-        (True, bracelets(degree), bracelet_number(degree)),
+        (False, cone.foldings(degree), cone.number_of_foldings(degree)),
+        (
+            True,
+            cone.foldings(degree, mirrors_differ=False),
+            cone.number_of_foldings(degree, mirrors_differ=False),
+        ),
     ):
         theirs = orbits(degree, mirrored)
         assert {f.flaps for f in listed} == theirs
@@ -171,17 +172,24 @@ def test_lists_and_formulas_agree_with_orbits(degree):
 def test_numbers_of_foldings():
     """The paper's table holds necklaces, its formula gives bracelets; both for any degree."""
     printed = [4, 6, 8, 14, 20, 36, 60, 108, 188, 352, 632, 1182, 2192]
-    assert [necklace_number(n) for n in range(6, 31, 2)] == printed
-    assert [bracelet_number(n) for n in (12, 14, 16, 30)] == [13, 18, 30, 1224]
+    assert [cone.number_of_foldings(n) for n in range(6, 31, 2)] == printed
+    assert [cone.number_of_foldings(n, mirrors_differ=False) for n in (12, 14, 16, 30)] == [
+        13,
+        18,
+        30,
+        1224,
+    ]
     for degree in (1000, 1002):
         n = degree // 2
-        assert 0 <= n * necklace_number(degree) - 2**n < n * n * 2 ** (n // 2)
+        turned = cone.number_of_foldings(degree)
+        mirrored = cone.number_of_foldings(degree, mirrors_differ=False)
+        assert 0 <= n * turned - 2**n < n * n * 2 ** (n // 2)
         # a bracelet is one necklace, or two that mirror each other
-        assert necklace_number(degree) < 2 * bracelet_number(degree) < 2 * necklace_number(degree)
+        assert turned < 2 * mirrored < 2 * turned
 
 
 def test_symmetries_of_degree_8():
-    names = {write_flaps(f.flaps): (f.symmetry, f.copies) for f in necklaces(8)}
+    names = {cone.write_flaps(f.flaps): (f.symmetry, f.copies) for f in cone.foldings(8)}
     assert names == {
         "VVVV": ("D4", 1),
         "VVVM": ("D1", 4),
@@ -190,8 +198,8 @@ def test_symmetries_of_degree_8():
         "VMMM": ("D1", 4),
         "MMMM": ("D4", 1),
     }
-    assert symmetry_of(parse_flaps("VVMVMM")) == "C1"
-    assert [f.chiral for f in necklaces(12)].count(True) == 2
+    assert symmetry_of(cone.parse_flaps("VVMVMM")) == "C1"
+    assert [f.chiral for f in cone.foldings(12)].count(True) == 2
 
 
 @given(st.integers(3, 7), st.data())
@@ -199,7 +207,7 @@ def test_symmetries_of_degree_8():
 def test_symmetry_keeps_the_folded_shape(half, data):
     """Rotations and reflections of the name map the fold angles onto themselves; no others do."""
     flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))
-    phi = ConeBranch(flaps, 1).fold_angles(0.3 * steep_end(2 * half))
+    phi = cone.ConeBranch(flaps, 1).fold_angles(0.3 * cone.Cone(2 * half).steep_end)
     turns = sum(np.allclose(np.roll(phi, k), phi, atol=1e-9) for k in range(2 * half))
     mirrors = sum(np.allclose(np.roll(phi[::-1], k), phi, atol=1e-9) for k in range(2 * half))
     assert symmetry_of(flaps) == f"{'D' if mirrors else 'C'}{turns}"
@@ -207,15 +215,20 @@ def test_symmetry_keeps_the_folded_shape(half, data):
 
 
 def test_assignments_are_read_and_written():
-    assert parse_flaps("V2M") == parse_flaps("vvm") == (*parse_flaps("M_1V2")[1:], -1) == (1, 1, -1)
-    assert write_flaps((1, -1, -1)) == "VMM"
-    assert branch_label((1, -1, -1), -1) == "M2V down"
-    assert branch_label((1, -1, 1, -1), 1) == "M2V2 up (4 changes)"
+    assert (
+        cone.parse_flaps("V2M")
+        == cone.parse_flaps("vvm")
+        == (*cone.parse_flaps("M_1V2")[1:], -1)
+        == (1, 1, -1)
+    )
+    assert cone.write_flaps((1, -1, -1)) == "VMM"
+    assert cone.branch((1, -1, -1), "down").energy_class.name == "M2V down"
+    assert cone.branch("VMVM", "up").energy_class.name == "M2V2 up (4 changes)"
     for bad in ("VXM", "VM", "", "V0MM", "2VM", "V99999999M"):
         with pytest.raises(OptionError):
-            parse_flaps(bad)
+            cone.parse_flaps(bad)
     with pytest.raises(OptionError, match="has 3 flaps, a cone of degree 8 has 4"):
-        parse_flaps("VVM", 8)
+        cone.parse_flaps("VVM", 8)
 
 
 # ---------------------------------------------------------------- command line, drawings
@@ -245,7 +258,7 @@ def test_foldings_are_listed(tmp_path):
     assert (data["necklaces"], data["bracelets"]) == (14, 13)
     assert len(data["necklace_list"]) == 14 and len(data["bracelet_list"]) == 13
     many = CliRunner().invoke(app, ["cone", "foldings", "--degree", "1000", "--json", "-"])
-    assert json.loads(many.stdout)["necklaces"] == str(necklace_number(1000))
+    assert json.loads(many.stdout)["necklaces"] == str(cone.number_of_foldings(1000))
     with pytest.raises(OptionError, match="up to 32"):
         CliRunner().invoke(
             app, ["cone", "foldings", "--degree", "34", "--list"], catch_exceptions=False
@@ -255,12 +268,12 @@ def test_foldings_are_listed(tmp_path):
 @pytest.mark.parametrize("ending", ["png", "svg"])
 def test_foldings_are_drawn(tmp_path, ending):
     target = tmp_path / f"cone.{ending}"
-    figure = draw_foldings(6, 0.7, target)
+    figure = cone.draw_foldings(6, 0.7, target)
     assert target.stat().st_size > 5000
     titles = [axes.get_title() for axes in figure.axes]
     assert len(titles) == 4 and sum("ends at pi/6" in t for t in titles) == 3
     with pytest.raises(OptionError, match="to draw"):
-        draw_foldings(18, 0.3)
+        cone.draw_foldings(18, 0.3)
 
 
 def test_a_branch_is_drawn_by_command(tmp_path):
@@ -269,6 +282,6 @@ def test_a_branch_is_drawn_by_command(tmp_path):
     out = CliRunner().invoke(app, command)
     assert out.exit_code == 0 and target.stat().st_size > 5000
     with pytest.raises(AngleError, match="past the end"):
-        draw_branch(ConeBranch((1, 1, -1), 1), [0.6])
+        cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
     with pytest.raises(OptionError, match="--degree is missing"):
         CliRunner().invoke(app, ["cone", "draw", "--figure", str(target)], catch_exceptions=False)

@@ -10,34 +10,19 @@ from hypothesis import given, settings, strategies as st
 from mpmath import mp
 from typer.testing import CliRunner
 
+from origami_nlp import cone
 from origami_nlp.cli import app
-from origami_nlp.cone import (
-    branch_classes,
-    branch_minima,
-    count_map,
-    phase_boundaries,
-    phase_diagram,
-    rest_angles,
-    rest_range,
-    rest_state,
-)
-from origami_nlp.cone.energy import direction_classes
 from origami_nlp.cone.phase_curves import KINDS
-from origami_nlp.cone.phase_energy import class_energy
 from origami_nlp.paper import section5 as printed
 
 SIDE = 1e-9
 SLOW = pytest.mark.slow
 
 
-def counts_of(branches, ratio, nu, depth, rest="waterbomb"):
+def counts_of(branches, ratio, nu, depth):
     """Minima of one class: (inside, at its end)."""
-    found = branch_minima(branches.degree, ratio, nu, depth=depth, rest=rest).minima
-    own = (
-        (found.valleys == branches.valleys)
-        & (found.changes == branches.changes)
-        & (found.direction == branches.direction)
-    )
+    found = cone.count(branches.cone, ratio, nu, depth=depth).minima
+    own = found.of_class(branches.valleys, branches.changes, branches.direction)
     return int((own & found.interior).sum()), int((own & ~found.interior).sum())
 
 
@@ -54,7 +39,7 @@ def sample(curve, many, rng):
 def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
     rng = np.random.default_rng(degree)
     kinds = set()
-    for curve in phase_boundaries(degree, depth=depth, lines=120):
+    for curve in cone.phase_boundaries(degree, depth=depth, lines=120):
         for k in sample(curve, 3, rng):
             nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
             sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
@@ -72,12 +57,10 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
 @pytest.mark.parametrize("depth", [0.0, 1e-3, 0.3])
 def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
     rng = np.random.default_rng(degree)
-    for curve in phase_boundaries(degree, depth=depth, rest=rest):
+    for curve in cone.phase_boundaries(cone.Cone(degree, rest), depth=depth):
         for k in sample(curve, 8, rng):
             nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
-            sides = [
-                counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth, rest) for s in (-1, 1)
-            ]
+            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
             assert sides[0] != sides[1], (curve, nu, ratio)
 
 
@@ -87,10 +70,10 @@ def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth)
 )
 def test_class_counts_change_only_across_boundaries(degree, depth):
     """Along a vertical line the changes of every class's counts are the crossings of its curves."""
-    curves = phase_boundaries(degree, depth=depth)
-    low, high = rest_range(degree)
+    curves = cone.phase_boundaries(degree, depth=depth)
+    low, high = cone.Cone(degree).rest_range
     for nu in (0.93 * low, 0.31 * high, 0.77 * high):
-        for branches in branch_classes(degree):
+        for branches in cone.energy_classes(degree):
             levels = []
             for curve in (c for c in curves if c.branches == branches):
                 x, y = curve.rest_elevation, curve.ratio
@@ -116,18 +99,18 @@ def test_class_counts_change_only_across_boundaries(degree, depth):
 @settings(max_examples=60, deadline=None)
 def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
     """The branches (word, up) and (complement, down) leave the flat state in opposite directions."""
-    low, high = rest_range(degree)
+    low, high = cone.Cone(degree).rest_range
     nu = low + (high - low) * place
     if abs(nu) < 1e-3:
         return
-    count = branch_minima(degree, 10**log_ratio, nu)
+    count = cone.count(degree, 10**log_ratio, nu)
     assert count.branches_with_minimum >= count.branches // 2
     # exactly half unless a fold has added a pair
     slopes = 0
     for direction in (1, -1):
-        odd, even = direction_classes(degree, nu, direction=direction).slopes(np.zeros(1))
+        odd, even = cone.SideEnergy.of(degree, direction, nu).at(np.zeros(1)).slopes
         falls = (odd + 10**log_ratio * even)[:, 0] < 0
-        branches = direction_classes(degree, nu, direction=direction).classes.multiplicity
+        branches = cone.assignment_classes(degree).multiplicity
         slopes += sum(m for m, f in zip(branches, falls, strict=True) if f)
     assert slopes == count.branches // 2
 
@@ -136,29 +119,32 @@ def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
 @pytest.mark.parametrize("degree", [6, 10, 16])
 def test_class_energy_is_that_of_all_creases(degree, rest):
     """Against the sum over the fold angles of an assignment, and derivatives against 40 digits."""
-    from origami_nlp.cone import ConeBranch, bracelets, class_of
 
     rng = np.random.default_rng(degree)
-    low, high = rest_range(degree, rest)
-    for folding in bracelets(degree)[::3]:
+    low, high = cone.Cone(degree, rest).rest_range
+    for folding in cone.foldings(degree, mirrors_differ=False)[::3]:
         for direction in (1, -1):
             branches = next(
                 b
-                for b in branch_classes(degree)
-                if (b.valleys, b.changes, b.direction) == (*class_of(folding.flaps), direction)
+                for b in cone.energy_classes(cone.Cone(degree, rest))
+                if (b.valleys, b.changes, b.direction) == (*cone.class_of(folding.flaps), direction)
             )
             t, nu = rng.uniform(0, branches.end), rng.uniform(low, high)
-            phi = ConeBranch(folding.flaps, direction).fold_angles(direction * t)
-            state = rest_state(degree, nu, rest)
-            energy = class_energy(branches, t, nu, rest)
-            assert energy.a == pytest.approx(((phi[::2] - state.odd) ** 2).sum() / 2, rel=1e-12)
-            assert energy.b == pytest.approx(((phi[1::2] - state.even) ** 2).sum() / 2, rel=1e-12)
+            phi = cone.ConeBranch(folding.flaps, direction).fold_angles(direction * t)
+            state = cone.Cone(degree, rest).at_rest(nu)
+            energy = cone.class_energy(branches, t, nu)
+            assert energy.flat[0] - energy.wells[0] == pytest.approx(
+                ((phi[::2] - state.odd) ** 2).sum() / 2, rel=1e-12
+            )
+            assert energy.flat[1] - energy.wells[1] == pytest.approx(
+                ((phi[1::2] - state.even) ** 2).sum() / 2, rel=1e-12
+            )
             with mp.workdps(40):
                 exact = _by_digits(folding.flaps, direction, degree, state)
-                assert float(energy.da) == pytest.approx(
+                assert float(energy.slopes[0]) == pytest.approx(
                     float(mp.diff(exact, t)), rel=1e-12, abs=1e-12
                 )
-                assert float(energy.dda) == pytest.approx(
+                assert float(energy.curvatures[0]) == pytest.approx(
                     float(mp.diff(exact, t, 2)), rel=1e-11, abs=1e-11
                 )
 
@@ -180,10 +166,10 @@ def _by_digits(flaps, direction, degree, state):
 
 @pytest.mark.parametrize("rest", ["waterbomb", "paper"])
 def test_rest_angles_of_many_are_those_of_one(rest):
-    low, high = rest_range(12, rest)
+    low, high = cone.Cone(12, rest).rest_range
     nu = np.linspace(low, high, 41)[1:-1]
-    odd, even = rest_angles(12, nu, rest)
-    single = [rest_state(12, float(v), rest) for v in nu]
+    odd, even = cone.Cone(12, rest).rest_angles(nu)
+    single = [cone.Cone(12, rest).at_rest(float(v)) for v in nu]
     assert np.allclose(odd, [s.odd for s in single], rtol=1e-15, atol=0)
     assert np.allclose(even, [s.even for s in single], rtol=1e-15, atol=0)
 
@@ -193,10 +179,10 @@ def test_dense_scan_agrees_with_exact_counts(depth, contact):
     """The scan that stands in for printed roots, run on exact ones."""
     reading = printed.Reading("", "", False, depth, contact, "waterbomb", "exact")
     rng = np.random.default_rng(1)
-    nu = rng.uniform(*rest_range(8), 12)
+    nu = rng.uniform(*cone.Cone(8).rest_range, 12)
     ratios = 10 ** rng.uniform(-2, 2, 12)
     scanned = printed.scan_counts(8, ratios, nu, reading)
-    exact = count_map(8, ratios, nu, depth=depth)
+    exact = cone.count_map(8, ratios, nu, depth=depth)
     wanted = (exact.interior + contact * exact.at_end).T
     assert (scanned != wanted).mean() < 0.02  # a scan of 400 points misses minima within its step
 
@@ -206,7 +192,7 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
     from symbolic.claims.section5 import stiff_even_minima
 
     for degree in (6, 8, 10, 12):
-        counts = count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
+        counts = cone.count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
         assert (counts.total == stiff_even_minima(degree // 2)).all()
 
 
@@ -234,7 +220,7 @@ def test_command_writes_map_and_boundaries(tmp_path):
     rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
     assert len(rows) == 144
     for nu, ratio, *numbers in rows[::17]:
-        count = branch_minima(8, ratio, nu)
+        count = cone.count(8, ratio, nu)
         assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
     assert np.array(told["interior"]).shape == (12, 12)
     assert files["png"].stat().st_size > 10_000
@@ -257,7 +243,7 @@ def test_bad_options_are_named(options, word):
 
 
 def test_diagram_counts_only_inside_when_asked():
-    both, inside = (phase_diagram(6, size=9, contact=c) for c in (True, False))
+    both, inside = (cone.phase_diagram(6, size=9, contact=c) for c in (True, False))
     assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
     assert (inside.minima == both.map.interior).all() and (inside.minima < both.minima).any()
 
@@ -291,7 +277,7 @@ def test_figure_axis_is_the_papers(monkeypatch):
     nu = low + (high - low) * (np.arange(8) + 0.5) / 8
     ratios = 10 ** (-2 + 4 * (np.arange(8) + 0.5) / 8)
     wanted = np.array(
-        [[branch_minima(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
+        [[cone.count(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
     )
     numbers = np.unique(wanted)
     assert (numbers[shown.astype(int)] == wanted).all()
@@ -306,8 +292,8 @@ def m2v_shares(direction: int, mirror: int, size: int = 8) -> list[float]:
 
     direction: +1 up, -1 down in our convention.  mirror: -1 where nu_0 is minus the paper's.
     """
-    branches = next(b for b in branch_classes(6) if (b.valleys, b.direction) == (1, direction))
-    first, last = rest_range(6)
+    branches = next(b for b in cone.energy_classes(6) if (b.valleys, b.direction) == (1, direction))
+    first, last = cone.Cone(6).rest_range
     cells = (np.arange(size) + 0.5) / size
     shares = []
     for (low, high), top in M2V_REGIONS:

@@ -7,12 +7,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from independent.cone_single import Range, bends, setup, undecided
 
-from origami_nlp.cone import cone_classes, steep_end
-from origami_nlp.cone.energy import direction_classes
+from origami_nlp import cone
 
 
 def open_boxes(degree):
-    classes = cone_classes(degree)
+    classes = cone.assignment_classes(degree)
     return {
         (a, c, d): left
         for a, c in zip(classes.valleys.tolist(), classes.changes.tolist(), strict=True)
@@ -42,26 +41,26 @@ def test_the_proof_fails_where_two_minima_exist():
 @settings(max_examples=150, deadline=None)
 def test_enclosures_hold_the_energies_derivatives(data):
     degree = data.draw(st.sampled_from([6, 8, 10, 12, 22]))
-    classes = cone_classes(degree)
+    classes = cone.assignment_classes(degree)
     row = data.draw(st.integers(0, len(classes) - 1))
     direction, side = (data.draw(st.sampled_from([1, -1])) for _ in range(2))
     valleys, changes = int(classes.valleys[row]), int(classes.changes[row])
     weights, _, _, kind = setup(degree, valleys, changes, direction, side)
-    low = data.draw(st.floats(0.01, 0.95)) * steep_end(degree)
-    high = min(low + data.draw(st.floats(1e-3, 0.2)), steep_end(degree))
-    rest = sorted(data.draw(st.floats(0.01, 0.99)) * steep_end(degree) for _ in range(2))
+    low = data.draw(st.floats(0.01, 0.95)) * cone.Cone(degree).steep_end
+    high = min(low + data.draw(st.floats(1e-3, 0.2)), cone.Cone(degree).steep_end)
+    rest = sorted(data.draw(st.floats(0.01, 0.99)) * cone.Cone(degree).steep_end for _ in range(2))
     s = Range(np.array([low]), np.array([high]))
     v = Range(np.array([rest[0]]), np.array([rest[1]]))
     two, three, whole, _, _, arm = bends(degree, weights, direction, kind, valleys, s, v)
     for share in (0.0, 0.3, 1.0):
         own = rest[0] + share * (rest[1] - rest[0])
-        branches = direction_classes(degree, side * own, direction=direction)
+        branches = cone.SideEnergy.of(degree, direction, side * own)
         points = np.linspace(low, high, 9)
-        slope = branches.slopes(points)[0][row]
-        bend = branches.curvatures(points)[0][row]
+        slope = branches.at(points).slopes[0][row]
+        bend = branches.at(points).curvatures[0][row]
         h = 1e-5
         third = (
-            branches.curvatures(points + h)[0][row] - branches.curvatures(points - h)[0][row]
+            branches.at(points + h).curvatures[0][row] - branches.at(points - h).curvatures[0][row]
         ) / (2 * h)
         away = points - branches.even_vertex[row]
         for enclosure, values, slack in (

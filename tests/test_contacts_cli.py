@@ -16,8 +16,7 @@ import origami_nlp as o
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.contact import report_contacts
 from origami_nlp.contact.figure import draw_contacts, images
-from origami_nlp.contact.pinned import SOFT, ContactReport
-from origami_nlp.contact.report import as_html, as_markdown, contacts_to_dict, margin_number
+from origami_nlp.contact.report import SOFT, ContactReport, margin_number
 from origami_nlp.errors import OptionError
 
 
@@ -91,7 +90,7 @@ def test_bad_options_are_named(
 
 
 def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
-    data = json.loads(json.dumps(contacts_to_dict(report), allow_nan=False))
+    data = json.loads(json.dumps(report.to_dict(), allow_nan=False))
     (state,) = report.states
     (plain,) = data["states"]
     assert plain["load_margin"]["norm"] == state.margin.norm
@@ -113,7 +112,7 @@ def test_every_status_of_a_margin_has_words() -> None:
     words = {s.margin.status: margin_number(s.margin) for s in report.states}
     assert words["zero"] == "0" and words["unbounded"] == "unbounded"
     assert float(words["exact"]) > 0
-    text = as_markdown(report)
+    text = report.to_markdown()
     assert "unbounded" in text and "any of" in text  # ranges of dependent contacts
     rows = [line for line in text.splitlines() if line.startswith("|")]
     assert len({line.count("|") - line.count("\\|") for line in rows[:3]}) == 1
@@ -121,14 +120,14 @@ def test_every_status_of_a_margin_has_words() -> None:
 
 
 def test_page_is_static_and_escaped(report: ContactReport) -> None:
-    page = as_html(report)
+    page = report.to_html()
     assert not re.search(r"<script|<link|https?://", page)
     scene = report.result.scene
     named = o.Scene(
         scene.vertex, scene.stiffness, scene.rest_angles, "D2", scene.contact, name="<b>&co"
     )
     odd = report_contacts(o.find_minima(named), check=False)
-    page = as_html(odd)
+    page = odd.to_html()
     assert "<b>&co" not in page and "&lt;b&gt;&amp;co" in page
 
 

@@ -17,9 +17,8 @@ from matplotlib.text import Text
 
 import origami_nlp as o
 from origami_nlp.folding import fold_vertex
-from origami_nlp.minima.figure import MOST_DRAWN
-from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import STYLE
+from origami_nlp.minima.picture import MOST_DRAWN
 from origami_nlp.show import draw_state, pose_state
 
 COARSE = 81  # cells of the landscape: the pictures are not looked at here
@@ -253,14 +252,14 @@ def test_html(results, name):
     for m in result.minima:
         assert f"{m.energy:.6g}" in text and m.certificate in text and m.kind in text
         for contact in m.contacts:
-            assert f"{contact.text}: {contact.multiplier:.4g} N m" in text
+            assert f"{contact.text}: moment {contact.multiplier:.4g} N m" in text
 
 
 def test_html_escapes_names(results):
     result = results["no chart"]
     scene = dataclasses.replace(result.scene, name="<script>alert(1)</script> & $x_1$")
     result = dataclasses.replace(result, scene=scene, minima=())
-    parser, text = parse(as_html(result))
+    parser, text = parse(result.to_html())
     assert "script" not in parser.tags and "<script>alert(1)</script> & $x_1$" in text
     o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula
 

@@ -17,8 +17,7 @@ from independent.relations import exact_sectors
 from independent.stands import CLOSES, RADII, Sheet, base, judge, product_of_folds
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.cli.vertices import read_fold_scene
-from origami_nlp.pattern import fold_vertices, read_fold
+from origami_nlp.pattern import fold_vertices, read_fold, read_fold_scene
 
 pytestmark = pytest.mark.skipif(not EXTENDED, reason="no extended precision on this machine")
 
@@ -322,14 +321,14 @@ SEEN_FALSE = [
 
 @pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE[:3])
 def test_vertices_of_files_where_false_states_were_seen(files, name, vertex):
-    result = find_minima(read_fold_scene(str(files / name), vertex, None))
+    result = find_minima(read_fold_scene(files / name, vertex))
     assert result.minima and not failures(result, 600)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE)
 def test_three_seeds_find_the_same_energies(files, name, vertex):
-    scene = read_fold_scene(str(files / name), vertex, None)
+    scene = read_fold_scene(files / name, vertex)
     energies = [[m.energy for m in find_minima(scene, seed=s).minima] for s in range(3)]
     assert len({len(e) for e in energies}) == 1
     assert np.ptp(energies, axis=0).max() <= 1e-12 * scene.degree * pi**2
@@ -350,7 +349,7 @@ def test_no_vertex_of_the_files_is_left_out(files):
 @pytest.mark.parametrize("place", places() if FILES.is_dir() else [None], ids=str)
 def test_every_minimum_of_every_vertex_of_the_files_stands(files, place):
     name, frame, vertex = place
-    scene = read_fold_scene(str(files / name), vertex, frame)
+    scene = read_fold_scene(files / name, vertex, frame)
     seen = {}
     for seed in range(3):
         result = find_minima(scene, seed=seed)

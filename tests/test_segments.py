@@ -12,7 +12,7 @@ from computed_once import panel_result
 
 import origami_nlp as o
 from origami_nlp.chart import trace_boundary
-from origami_nlp.contact.segments import SegmentReport, find_segments, segments_to_dict
+from origami_nlp.contact.segments import SegmentReport, find_segments
 from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.minima import MinimaResult
 from origami_nlp.path import BoundaryCurve, Point, advance, evaluate, follow_boundary
@@ -216,7 +216,7 @@ def test_boundaries_without_a_state_are_found_on_request() -> None:
 
 
 def test_json_is_plain_and_finite() -> None:
-    data = json.loads(json.dumps(segments_to_dict(segments("fold limit")), allow_nan=False))
+    data = json.loads(json.dumps(segments("fold limit").to_dict(), allow_nan=False))
     assert data["schema"] == "origami-nlp/segments/1"
     assert data["segments"][0]["curve"] == 1
     assert len(data["curves"][0]["s"]) == len(data["curves"][0]["fold_angles"])

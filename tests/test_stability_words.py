@@ -14,10 +14,8 @@ import origami_nlp as o
 from origami_nlp.cli import app
 from origami_nlp.minima import judge_in_full_space, minima_table
 from origami_nlp.minima.fold_out import minima_to_fold
-from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import WARNING
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
-from origami_nlp.minima.table import as_text
 
 SCENE = o.examples.degree6("pi/3", 1)
 
@@ -47,15 +45,20 @@ def words(figure):
 
 
 def test_without_verdicts_no_word_says_stable(open_):
-    assert count_words(open_) == "4 symmetric minima"
+    assert count_words(open_.scene, open_.minima) == "4 symmetric minima"
     assert {verdict(SCENE, m) for m in open_.minima} == {"not asked"}
     figure = o.draw_minima(open_, size=61)
-    told = [as_text(open_), as_html(open_, picture=False), *words(figure)]
+    told = [repr(open_), open_.to_html(picture=False), *words(figure)]
     told.append(json.dumps(minima_to_fold(open_)))
     for text in told:
-        plain = text.replace(not_asked_words(open_), "").replace("whether they are stable", "")
+        plain = text.replace(not_asked_words(open_.scene, open_.minima), "").replace(
+            "whether they are stable", ""
+        )
         assert "stable" not in plain, text
-    assert not_asked_words(open_) in told[0] and not_asked_words(open_) in told[1]
+    assert (
+        not_asked_words(open_.scene, open_.minima) in told[0]
+        and not_asked_words(open_.scene, open_.minima) in told[1]
+    )
     assert any("was not asked" in text for text in words(figure))
 
 
@@ -64,12 +67,12 @@ def test_verdicts_are_in_table_html_figure_and_fold(decided):
     verdicts = [judge_in_full_space(SCENE, np.array(m.fold_angles)).verdict for m in decided.minima]
     assert sorted(verdicts) == ["stable"] * 3 + ["unstable"]
     title = "4 symmetric minima (3 stable, 1 unstable in the full space)"
-    text = as_text(decided)
+    text = repr(decided)
     assert title in text and "full space: not asked" not in text
     rows = [line.split() for line in text.splitlines() if line.strip().startswith(("1  ", "2  "))]
     rows += [line.split() for line in text.splitlines() if line.strip().startswith(("3  ", "4  "))]
     assert [next(w for w in row if w in verdicts) for row in rows] == verdicts
-    html = as_html(decided, picture=False)
+    html = decided.to_html(picture=False)
     assert title in html
     frames = minima_to_fold(decided)["file_frames"]
     figure = o.draw_minima(decided, size=61)
@@ -93,8 +96,11 @@ def test_the_table_with_verdicts_fits_a_narrow_terminal(decided):
 
 def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
     count = len(free.minima)
-    assert count and count_words(free) == f"{count} stable state{'s' * (count != 1)}"
-    assert not not_asked_words(free)
+    assert (
+        count
+        and count_words(free.scene, free.minima) == f"{count} stable state{'s' * (count != 1)}"
+    )
+    assert not not_asked_words(free.scene, free.minima)
     for m in free.minima:
         full = judge_in_full_space(free.scene, np.array(m.fold_angles))
         assert verdict(free.scene, m) == full.verdict == "stable"
@@ -104,8 +110,10 @@ def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
 def test_with_less_than_full_contact_a_minimum_is_a_minimum(contact):
     scene = dataclasses.replace(SCENE, symmetry="none", contact=contact)
     result = o.find_minima(scene, fewest_starts=4, max_starts=4)
-    assert count_words(result, "no").endswith(("minima", "minimum"))
-    assert "stable" not in count_words(result) and not not_asked_words(result)
+    assert count_words(result.scene, result.minima, "no").endswith(("minima", "minimum"))
+    assert "stable" not in count_words(result.scene, result.minima) and not not_asked_words(
+        result.scene, result.minima
+    )
 
 
 def test_undecided_states_are_counted_as_such(decided):
@@ -113,7 +121,10 @@ def test_undecided_states_are_counted_as_such(decided):
     unsure = dataclasses.replace(first.full_space, verdict="undecided")
     minima = (dataclasses.replace(first, full_space=unsure), *others)
     result = dataclasses.replace(decided, minima=minima)
-    assert count_words(result) == "4 symmetric minima (3 stable, 1 undecided in the full space)"
+    assert (
+        count_words(result.scene, result.minima)
+        == "4 symmetric minima (3 stable, 1 undecided in the full space)"
+    )
 
 
 def test_demo_decides_every_state(tmp_path, monkeypatch):

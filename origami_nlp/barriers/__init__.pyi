@@ -1,12 +1,9 @@
 from .figure import draw_merge_trees as draw_merge_trees, merge_tree_axes as merge_tree_axes
-from .find import (
+from .find import check_freedoms as check_freedoms, find_barriers as find_barriers
+from .passes import Pass as Pass
+from .result import (
     Barriers as Barriers,
-    Pass as Pass,
-    check_freedoms as check_freedoms,
-    find_barriers as find_barriers,
-)
-from .table import (
+    barriers_table as barriers_table,
     barriers_to_dict as barriers_to_dict,
-    markdown_rows as markdown_rows,
     print_barriers as print_barriers,
 )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.barriers.find import Barriers, Join
+from origami_nlp.barriers.result import Barriers, Join
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

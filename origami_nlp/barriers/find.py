@@ -8,17 +8,16 @@ sets of the energy first meet; Newton on the KKT system makes the top of each lo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
-from origami_nlp.barriers.graph import StateGraph, side_of_flat
+from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.merge_tree import MergeTree
-from origami_nlp.barriers.passes import Pass, PassKind, critical_at, slide
+from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
+from origami_nlp.barriers.result import Barriers, Join, Unlisted
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
 from origami_nlp.pattern import Scene
@@ -28,63 +27,6 @@ MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
 SPACING = 0.12
 """Lattice of the graph [rad]."""
-
-
-@dataclass(frozen=True)
-class Join:
-    """Two branches of the merge tree meet: at `energy`, states `first` and `second` (1-based) on either side."""
-
-    energy: float
-    pass_kind: PassKind
-    first: tuple[int, ...]
-    second: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Unlisted:
-    """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
-
-    depth: energy up to where it joins a deeper one.  fold_angles: of its bottom [N].
-    lands_on: number (1-based) of the minimum to which the bottom descends, or None.
-    """
-
-    depth: float
-    fold_angles: tuple[float, ...]
-    lands_on: int | None
-
-
-@dataclass(frozen=True)
-class Barriers:
-    """Passes for every pair of minima, the merge tree, and the graph that they came from.
-
-    unlisted: the deepest basins of the graph without a listed minimum.
-    full: what is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
-    """
-
-    result: MinimaResult = field(repr=False)
-    passes: tuple[Pass, ...]
-    merges: tuple[Join, ...]
-    graph: StateGraph
-    unlisted: tuple[Unlisted, ...] = field(repr=False, default=())
-    full: tuple[FullPass, ...] = ()
-
-    @property
-    def scene(self) -> Scene:
-        """The scene."""
-        return self.result.scene
-
-    def matrix(self) -> np.ndarray:
-        """Return the barrier energies [m, m]: an ultrametric; the diagonal holds the minima's own energies."""
-        m = len(self.result.minima)
-        out = np.full((m, m), math.inf)
-        np.fill_diagonal(out, [s.energy for s in self.result.minima])
-        for p in self.passes:
-            out[p.from_state - 1, p.to_state - 1] = out[p.to_state - 1, p.from_state - 1] = p.energy
-        return out
-
-    def to_dict(self) -> list[dict[str, Any]]:
-        """Return the issue's ``barriers`` list."""
-        return [p.to_dict() for p in self.passes]
 
 
 def find_barriers(

@@ -30,6 +30,7 @@ from origami_nlp.minima import full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
+from origami_nlp.show import pick
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
@@ -67,18 +68,9 @@ class FullPass:
 
     def to_dict(self) -> dict[str, Any]:
         """Return an entry of the JSON file."""
-        return {
-            "from": self.from_state,
-            "to": self.to_state,
-            "symmetric": self.symmetric,
-            "upper": self.upper,
-            "lower": self.lower,
-            "largest_drop": self.drop,
-            "pass_kind": self.pass_kind,
-            "verdict": self.verdict,
-            "index": self.index,
-            "lower_bound": self.why,
-        }
+        ends = ("from=from_state", "to=to_state")
+        bounds = ("symmetric", "upper", "lower", "largest_drop=drop")
+        return pick(self, *ends, *bounds, "pass_kind", "verdict", "index", "lower_bound=why")
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ in one state only that state itself is the pass.  A pass counts only with the ev
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -19,6 +18,7 @@ import numpy as np
 from origami_nlp.kkt import State, follow, judge_branch, newton, project
 from origami_nlp.numerics import CURVED
 from origami_nlp.programme import Contact, Model
+from origami_nlp.show import pick
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -53,22 +53,20 @@ class Pass:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entry of the JSON file (no barrier: energy null)."""
-        finite = math.isfinite(self.energy)
-        return {
-            "from": self.from_state,
-            "to": self.to_state,
-            "energy": self.energy if finite else None,
-            "pass_kind": self.pass_kind,
-            "fold_angles": list(self.fold_angles),
-            "contacts": list(self.contacts),
-            "residual": None if math.isnan(self.residual) else self.residual,
-            "mesh_energy": self.mesh_energy if math.isfinite(self.mesh_energy) else None,
-            "lower_bound": self.why,
-            "path": [
-                {"fold_angles": p, "energy": u}
-                for p, u in zip(self.path.tolist(), self.path_energy.tolist(), strict=True)
-            ],
-        }
+        states = zip(self.path.tolist(), self.path_energy.tolist(), strict=True)
+        return pick(
+            self,
+            "from=from_state",
+            "to=to_state",
+            "energy",
+            "pass_kind",
+            "fold_angles",
+            "contacts",
+            "residual",
+            "mesh_energy",
+            "lower_bound=why",
+            path=[{"fold_angles": p, "energy": u} for p, u in states],
+        )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ its minima, against 40 digits.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,15 +16,7 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.cone import (
-    BranchMinima,
-    branch_end,
-    branch_minima,
-    cone_classes,
-    count_map,
-    rest_state,
-    steep_end,
-)
+from origami_nlp.cone import Cone, ConeMinima, assignment_classes, count, count_map
 
 BRUTE_DEGREES = 18
 """Largest degree done by brute force (1,024 branches)."""
@@ -57,19 +48,20 @@ def random_points(degree: int, number: int, seed: int) -> list[tuple[float, floa
     """Return (r_k, v_0): log-uniform in 1e-4 to 1e4, uniform in the range of the rest elevation."""
     rng = np.random.default_rng([seed, degree])
     ratios = 10 ** rng.uniform(-4, 4, number)
-    return list(zip(ratios, rng.uniform(-steep_end(degree), math.pi / 2, number), strict=True))
+    return list(zip(ratios, rng.uniform(*Cone(degree).rest_range, number), strict=True))
 
 
 def scan_branches(
     degree: int, ratio: float, elevation: float, nodes: int = BRUTE_NODES
 ) -> tuple[int, int]:
     """Count minima (inside, at the end) branch by branch on a grid of elevations."""
-    rest = rest_state(degree, elevation)
+    cone = Cone(degree)
+    rest = cone.at_rest(elevation)
     interior = contact = 0
     for direction in (1, -1):
         for flaps in product((1, -1), repeat=degree // 2):
             steep = sum(f != direction for f in flaps)
-            end = float(branch_end(degree, steep))
+            end = float(cone.ends(steep))
             s = np.linspace(0.0, end, nodes + 1)[1:]
             angles = cone_fold_angles(degree, direction * s, flaps)
             terms = angles.value * angles.first * direction
@@ -91,10 +83,10 @@ def measure(
     """Time the methods on the same random points, one degree after the other."""
     rows = []
     for degree in degrees:
-        cone_classes.cache_clear()
+        assignment_classes.cache_clear()
         cases = random_points(degree, points, seed)
         start = time.process_time()
-        counts = [branch_minima(degree, r, v) for r, v in cases]
+        counts = [count(degree, r, v) for r, v in cases]
         exact = (time.process_time() - start) / points
         error = max(
             elevation_error(degree, r, v, c.minima) for (r, v), c in zip(cases, counts, strict=True)
@@ -108,17 +100,17 @@ def measure(
             wrong = sum(a != b for a, b in zip(scanned, pairs, strict=True))
         if degree in maps:
             start = time.process_time()
-            v = np.linspace(-steep_end(degree), math.pi / 2, MAP_SIZE)
+            v = np.linspace(*Cone(degree).rest_range, MAP_SIZE)
             count_map(degree, np.geomspace(1e-4, 1e4, MAP_SIZE), v)
             plane = time.process_time() - start
-        size = len(cone_classes(degree))
+        size = len(assignment_classes(degree))
         rows.append(SpeedRow(degree, points, size, exact, error, brute, wrong, plane))
         if progress:
             progress(degree)
     return rows
 
 
-def elevation_error(degree: int, ratio: float, elevation: float, minima: BranchMinima) -> float:
+def elevation_error(degree: int, ratio: float, elevation: float, minima: ConeMinima) -> float:
     """Return the largest relative error of some interior minima's elevations, against 40 digits.
 
     The slope is written out again from arctangents; one Newton step at 40 digits from a root good to

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from origami_nlp.bench.cone_speed import BRUTE_NODES, MAP_SIZE, SAMPLED, SpeedRow
 from origami_nlp.cone import number_words
+from origami_nlp.show import Table
 
 HEADS = (
     "N",
@@ -46,8 +47,6 @@ def as_markdown(rows: Sequence[SpeedRow]) -> str:
         "error is the number of points where it miscounts (minima it steps over near the flat state "
         f"and near the end).  Maps hold {MAP_SIZE * MAP_SIZE:,} points.",
         "",
-        "| " + " | ".join(HEADS) + " |",
-        "|" + " ---: |" * len(HEADS),
-        *("| " + " | ".join(cells(row)) + " |" for row in rows),
+        Table(HEADS, [cells(row) for row in rows], columns="r" * len(HEADS)).markdown().rstrip(),
     ]
     return "\n".join(lines) + "\n"

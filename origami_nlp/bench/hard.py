@@ -7,9 +7,11 @@ keep; one that misses a bound, ends in another verdict, or raises, is a failure 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+from origami_nlp.show import Cell, Table, Words, pick, rows_markdown
 
 
 @dataclass(frozen=True)
@@ -100,22 +102,18 @@ class HardReport:
             f"{failed} failures, {seconds:.1f} s"
         )
 
-    def table(self) -> Any:
-        """Return the outcomes as a rich table."""
-        from rich.table import Table
-        from rich.text import Text
-
-        table = Table(title=self.summary(), title_justify="left")
-        for head in ("setting", "", "error", "iterations", "verdict", "s"):
-            right = head in ("iterations", "s")
-            table.add_column(head, justify="right" if right else "left", overflow="fold")
+    def table(self) -> Table:
+        """Return the outcomes, one row each, under the name of their case."""
+        rows: list[Sequence[Cell]] = []
+        ends = []
         for result in self.results:
-            table.add_row(Text(result.case.name, style="bold"), "", "", "", "", "")
+            rows.append((Words(result.case.name, "bold"), *[""] * 5))
             for o in result.outcomes:
-                passed = Text("ok", style="green") if o.passed else Text("FAILS", style="bold red")
-                table.add_row(Text(f"  {o.setting}"), passed, *(Text(c) for c in _cells(o)))
-            table.add_section()
-        return table
+                passed = Words("ok", "green") if o.passed else Words("FAILS", "bold red")
+                rows.append((f"  {o.setting}", passed, *_cells(o)))
+            ends.append(len(rows) - 1)
+        heads = ("setting", "", "error", "iterations", "verdict", "s")
+        return Table(heads, rows, self.summary(), "LLLRLR", ends=ends)
 
     def markdown(self) -> str:
         """Return every case with its statement and a table of its outcomes."""
@@ -146,13 +144,10 @@ class HardReport:
                 f"- Must: {c.must}",
                 "",
             ]
-            lines += [
-                "| setting | passes | error | iterations | verdict | s |",
-                "|---|---|---|---|---|---|",
-            ]
-            for o in r.outcomes:
-                cells = " | ".join(cell.replace("|", "\\|") for cell in _cells(o))
-                lines.append(f"| {o.setting} | {'yes' if o.passed else '**fails**'} | {cells} |")
+            passes = ("**fails**", "yes")
+            rows = [(o.setting, passes[o.passed], *_cells(o)) for o in r.outcomes]
+            heads = ("setting", "passes", "error", "iterations", "verdict", "s")
+            lines.append(rows_markdown(heads, rows).rstrip())
         return "\n".join(lines) + "\n"
 
     def to_dict(self) -> dict[str, Any]:
@@ -161,34 +156,25 @@ class HardReport:
             "schema": "origami-nlp-hard-1",
             "cases": [
                 {
-                    "name": r.case.name,
-                    "hard": r.case.hard,
-                    "known": r.case.known,
-                    "must": r.case.must,
+                    **pick(r.case, "name", "hard", "known", "must"),
                     "outcomes": [
-                        {
-                            "setting": o.setting,
-                            "passed": o.passed,
-                            "measured": [
-                                {"what": m.what, "value": _number(m.value), "bound": m.bound}
-                                for m in o.measured
-                            ],
-                            "verdict": o.verdict,
-                            "verdict_right": o.right,
-                            "iterations": o.iterations,
-                            "seconds": o.seconds,
-                            "note": o.note,
-                        }
+                        pick(
+                            o,
+                            "setting",
+                            "passed",
+                            "measured",
+                            "verdict",
+                            "verdict_right=right",
+                            "iterations",
+                            "seconds",
+                            "note",
+                        )
                         for o in r.outcomes
                     ],
                 }
                 for r in self.results
             ],
         }
-
-
-def _number(value: float) -> float | None:
-    return value if abs(value) < float("inf") else None
 
 
 def _cells(o: Outcome) -> tuple[str, str, str, str]:

@@ -1,11 +1,11 @@
 from .axes import (
     HANDLE as HANDLE,
     UNIT as UNIT,
-    angle_ticks as angle_ticks,
     colour_bar as colour_bar,
     coordinate_label as coordinate_label,
     draw_area as draw_area,
     draw_curves as draw_curves,
+    energy_image as energy_image,
     norm_of as norm_of,
 )
 from .boundary_lines import (

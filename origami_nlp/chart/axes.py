@@ -8,6 +8,7 @@ marker: an isolated point; a ring: a family of states shares this point of the c
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -16,21 +17,35 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
-from origami_nlp.chart.energy_map import Landscape
+from origami_nlp.chart.energy_map import Branch, Landscape
+from origami_nlp.show import angle_ticks
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
 CURVES = ("#0072B2", "#009E73", "#000000", "#D55E00", "#CC79A7", "#E69F00")
-TICKS = {-2: "-π", -1: "-π/2", 0: "0", 1: "π/2", 2: "π"}
 
 
-def norm_of(chart: Landscape) -> Normalize:
-    """One colour scale for all branches, finer at low energies, where the minima are."""
+def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
+    """One colour scale for all branches and `energies`, finer at low energies, where the minima are."""
     values = np.concatenate([b.energy[np.isfinite(b.energy)] for b in chart.branches])
     low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
+    low = min([low, *energies])
     if not high > low:
         high = low + max(abs(low), 1e-300)
     return PowerNorm(0.5, vmin=float(low), vmax=float(high))
+
+
+def energy_image(axes: Any, branch: Branch, energy: Any, norm: Normalize, **look: Any) -> Any:
+    """Paint the cells of a branch by their energies [ny, nx], none where it is masked; returns the image."""
+    (left, right), (low, high) = map(cell_edges, branch.axes)
+    extent = (left, right, low, high)
+    return axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
+
+
+def cell_edges(values: np.ndarray) -> tuple[float, float]:
+    """Return where the first of evenly spaced cells starts, and the last one ends, given their middles."""
+    half = (values[1] - values[0]) / 2
+    return float(values[0] - half), float(values[-1] + half)
 
 
 def draw_area(
@@ -42,18 +57,9 @@ def draw_area(
     """
     branch = chart.branches[k]
     x, y = branch.axes
-    dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
-    left, right, low, high = x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy
+    (left, right), (low, high) = cell_edges(x), cell_edges(y)
     energy = np.ma.masked_invalid(branch.energy)
-    image = axes.imshow(
-        energy,
-        extent=(left, right, low, high),
-        origin="lower",
-        cmap="cividis",
-        norm=norm,
-        aspect="auto",
-        interpolation="nearest",
-    )
+    image = energy_image(axes, branch, energy, norm, cmap="cividis", interpolation="nearest")
     levels = _levels(norm, energy)
     if levels:
         lines = axes.contour(
@@ -132,25 +138,6 @@ def coordinate_label(name: str) -> str:
         return rf"$\varphi_{{{name[4:]}}}$ [rad]"
     crease = name.rsplit(" ", 1)[-1].rstrip(")")
     return rf"elevation $\upsilon$ of crease {crease} [rad]"
-
-
-def angle_ticks(axis: Any, low: float, high: float) -> None:
-    """Put ticks at multiples of pi/4 between low and high, pi/2 where there are many."""
-    quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
-    if high - low > 1.1 * math.pi:
-        quarters = [q for q in quarters if q % 2 == 0]
-    names = {
-        -4: "−π",
-        -3: "−3π/4",
-        -2: "−π/2",
-        -1: "−π/4",
-        0: "0",
-        1: "π/4",
-        2: "π/2",
-        3: "3π/4",
-        4: "π",
-    }
-    axis.set_ticks([q * math.pi / 4 for q in quarters], [names.get(q, f"{q}π/4") for q in quarters])
 
 
 HANDLE: dict[str, Any] = {

@@ -2,74 +2,54 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from origami_nlp.cli.minima import FigureFile, JsonFile, Seed, check_figure, progress_bar
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
+from origami_nlp.cli.search import search
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import read_scene
+from origami_nlp.pattern import examples, read_scene
 
 
 def barriers(
-    scene: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
-        ),
-    ] = None,
-    seed: Seed = 0,
-    json: JsonFile = None,
-    figure: FigureFile = None,
+    scene: o.SceneUnlessPanels = None,
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
     full: Annotated[
         bool, typer.Option("--full", help="Also bound the barriers without the symmetry.")
     ] = False,
     panels: Annotated[
         bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
     ] = False,
-    markdown: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a Markdown table to FILE.")
-    ] = None,
+    markdown: o.MarkdownFile = None,
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it."""
-    check_figure(figure)
-    if panels == (scene is not None):
-        raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
     from origami_nlp.barriers import (
+        barriers_table,
         barriers_to_dict,
         check_freedoms,
         draw_merge_trees,
         find_barriers,
-        markdown_rows,
         print_barriers,
     )
-    from origami_nlp.files import check_outputs, screen, write_json, write_whole
-    from origami_nlp.minima import check_options, find_minima
-    from origami_nlp.pattern import examples
 
-    check_options(seed, 1)
-    check_outputs(("--json", json), ("--figure", figure), ("--markdown", markdown))
+    if panels == (scene is not None):
+        raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
+    out = Output(json=json, figure=figure, markdown=markdown)
     stated = examples.panels() if panels else [read_scene(scene or "-")]
     for one in stated:
         check_freedoms(one)
-    console = screen(json, markdown)
     found = []
     for one in stated:
-        with progress_bar(one.label or str(scene)) as report:
-            result = find_minima(one, seed=seed, full=full, progress=report)
+        result = search(one, scene, seed=seed, full=full)
         with progress(f"{one.label or scene}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
-        print_barriers(found[-1], console)
+        print_barriers(found[-1], out.console)
     documents = [barriers_to_dict(b) for b in found]
-    if json:
-        write_json(documents if panels else documents[0], json)
-    if markdown:
-        head = "| scene | pair | minima [J] | pass [J] | kind | fold angles at the pass [deg] | full space |"
-        table = [head, "|---|---|---|---|---|---|---|"]
-        table += [row for b in found for row in markdown_rows(b)]
-        write_whole(markdown, ("\n".join(table) + "\n").encode())
-    if figure:
-        draw_merge_trees(found, figure)
-        console.print(f"figure written to {figure}")
+    out.write("json", lambda: documents if panels else documents[0])
+    out.write("markdown", lambda: barriers_table(found).markdown())
+    out.save("figure", draw_merge_trees, found)

@@ -1,28 +1,256 @@
-"""`origami-nlp cone`: uniform vertices of any even degree; its commands are registered here."""
+"""`origami-nlp cone`: uniform vertices of any even degree."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Annotated
 
 import typer
 
-from origami_nlp.cli.cone_branch import branch
-from origami_nlp.cli.cone_count import count
-from origami_nlp.cli.cone_draw import draw
-from origami_nlp.cli.cone_foldings import foldings
-from origami_nlp.cli.cone_phase import fractions, full, limits, phase
-from origami_nlp.cli.cone_speed import speed
+from origami_nlp.cli import options as o
+from origami_nlp.cli.group import Group
+from origami_nlp.cli.output import Output
+from origami_nlp.cli.progress import progress
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import parse_angle
+
+MOST_DIGITS = 28_000
+"""Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
+DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
+QUICK = (6, 8, 10, 12, 100, 1000)
 
 
-def first_line(command: Callable[..., None]) -> str:
-    """Return what a list of commands says of one; typer would cut it."""
-    return (command.__doc__ or "").splitlines()[0]
+def count(
+    degree: o.Degree,
+    ratio: o.Ratio,
+    elevation: o.RestElevation,
+    depth: Annotated[
+        float,
+        typer.Option(help="Count wells deeper than this share of U_flat; 0 counts all minima."),
+    ] = 0.0,
+    rest: o.RestRule = "waterbomb",
+    end: o.EndRule = "contract",
+    json: o.JsonFile = None,
+) -> None:
+    """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
+    from origami_nlp.cone import (
+        Cone,
+        count as count_minima,
+        count_to_dict,
+        print_count,
+        write_lines,
+    )
+
+    out = Output(json=json)
+    nu = parse_angle(elevation, "--elevation")
+    found = count_minima(Cone(degree, rest, end), ratio, nu, depth=depth)
+    print_count(found, out.console)
+    out.save("json", write_lines, count_to_dict(found))
 
 
-cone = typer.Typer(
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    help="Cones (uniform vertices of even degree): branches, their minima, different foldings.",
-)
-for command in (count, foldings, branch, draw, phase, fractions, full, limits, speed):
-    cone.command(command.__name__, short_help=first_line(command))(command)
+def foldings(
+    degree: o.Degree,
+    listed: Annotated[
+        bool | None,
+        typer.Option("--list/--no-list", help="List them (up to degree 32; default: up to 16)."),
+    ] = None,
+    json: o.JsonFile = None,
+) -> None:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
+    from origami_nlp.cone import (
+        LARGEST_LISTED,
+        check_degree,
+        foldings_to_dict,
+        print_foldings,
+        write_lines,
+    )
+
+    check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
+    out = Output(json=json)
+    shown = degree <= 16 if listed is None else listed
+    print_foldings(degree, out.console, shown)
+    out.save("json", write_lines, foldings_to_dict(degree, shown))
+
+
+def branch(
+    flaps: Annotated[
+        str, typer.Option(help='Valley and mountain flaps around the ring: "VVM", or "V2M".')
+    ],
+    elevation: Annotated[
+        str, typer.Option(help='Elevation nu, up > 0 and down < 0: 0.3 or "-pi/6".')
+    ],
+    end: o.EndRule = "contract",
+    json: o.JsonFile = None,
+) -> None:
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
+    from origami_nlp.cone import branch as cone_branch, branch_to_dict, print_branch, write_lines
+
+    out = Output(json=json)
+    nu = parse_angle(elevation, "--elevation")
+    state = cone_branch(flaps, -1 if nu < 0 else 1, end=end)
+    data = branch_to_dict(state, nu)  # complains past the end, before anything is written
+    print_branch(state, nu, out.console)
+    out.save("json", write_lines, data)
+
+
+def draw(
+    figure: o.FigureWanted,
+    degree: Annotated[
+        int | None, typer.Option(help="Draw all different foldings of this degree (up to 16).")
+    ] = None,
+    flaps: Annotated[
+        str | None, typer.Option(help='Draw this assignment only: "VVM", or "V2M".')
+    ] = None,
+    elevation: Annotated[
+        list[str] | None,
+        typer.Option(help='Elevation nu, such as 0.3 or "-pi/6"; with --flaps, may be repeated.'),
+    ] = None,
+    end: o.EndRule = "contract",
+) -> None:
+    """Draw all different foldings of a degree, or one assignment at one or more elevations."""
+    from origami_nlp.cone import ConeBranch, check_degree, draw_branch, draw_foldings, parse_flaps
+
+    out = Output(figure=figure)
+    angles = [parse_angle(text, "--elevation") for text in elevation or []]
+    if flaps is not None:
+        word = parse_flaps(flaps, degree)
+        branch = ConeBranch(word, -1 if any(v < 0 for v in angles) else 1, end)
+        steps = [share * branch.end * branch.direction for share in (0.25, 0.5, 0.75, 1.0)]
+        out.save("figure", draw_branch, branch, angles or steps)
+    elif degree is None:
+        raise OptionError("--degree is missing: give a degree, or an assignment with --flaps")
+    elif len(angles) > 1:
+        raise OptionError("--elevation is given twice: all foldings are drawn at one elevation")
+    else:
+        out.save("figure", draw_foldings, check_degree(degree), angles[0] if angles else 0.45)
+
+
+def phase(
+    degree: o.Degree,
+    figure: o.FigureFile = None,
+    csv: o.CsvFile = None,
+    json: o.JsonFile = None,
+    depth: Annotated[
+        float, typer.Option(help="Count minima deeper than this share of U_flat; 0 counts all.")
+    ] = 0.0,
+    rest: o.RestRule = "waterbomb",
+    end: o.EndRule = "contract",
+    size: Annotated[int, typer.Option(help="Points of the map along each coordinate.")] = 200,
+    without_contact: Annotated[
+        bool, typer.Option("--without-contact", help="Do not count minima at the end of a branch.")
+    ] = False,
+) -> None:
+    """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
+    from origami_nlp.cone import (
+        Cone,
+        check_size,
+        diagram_to_dict,
+        draw_phase,
+        map_as_csv,
+        phase_diagram,
+        print_diagram,
+    )
+
+    check_size(size)
+    out = Output(figure=figure, csv=csv, json=json)
+    with progress(f"cone of degree {degree}", size) as report:
+        diagram = phase_diagram(
+            Cone(degree, rest, end),
+            size=size,
+            depth=depth,
+            contact=not without_contact,
+            progress=report,
+        )
+    print_diagram(diagram, out.console)
+    out.write("csv", map_as_csv, diagram)
+    out.write("json", diagram_to_dict, diagram)
+    out.save("figure", draw_phase, diagram)
+
+
+def fractions(
+    size: Annotated[int, typer.Option(help="Points of each region along each coordinate.")] = 40,
+    markdown: o.MarkdownFile = None,
+    json: o.JsonFile = None,
+) -> None:
+    """Go through every number of stable states printed in section 5, under nine readings."""
+    from origami_nlp.cone import check_size
+    from origami_nlp.paper import (
+        STATEMENTS,
+        check_statements,
+        findings_to_dict,
+        section5_table as table,
+    )
+    from origami_nlp.show import folding_table, rows_markdown
+
+    check_size(size)
+    out = Output(markdown=markdown, json=json)
+    with progress("printed numbers", len(STATEMENTS)) as report:
+        findings = check_statements(size, progress=report)
+    title = "numbers printed in section 5; what occurs there (share of the printed one)"
+    short = [table.short_row(f) for f in findings]
+    out.say(folding_table(table.SHORT_HEADS, short, title, (1, 3)))
+    rows = [table.finding_row(f) for f in findings]
+    out.write("markdown", rows_markdown, table.FINDING_HEADS, rows)
+    out.write("json", findings_to_dict, findings)
+
+
+def full(
+    degree: o.Degree,
+    ratio: o.Ratio,
+    elevation: o.RestElevation,
+    rest: o.RestRule = "waterbomb",
+    end: o.EndRule = "contract",
+    json: o.JsonFile = None,
+) -> None:
+    """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
+    from origami_nlp.cone import Cone, full_space, full_space_to_dict, print_full_space
+
+    out = Output(json=json)
+    nu = parse_angle(elevation, "--elevation")
+    with progress("branch minima") as report:
+        found = full_space(Cone(degree, rest, end), ratio, nu, progress=report)
+    print_full_space(found, out.console)
+    out.write("json", full_space_to_dict, found)
+
+
+def limits(
+    elevation: Annotated[str, typer.Option(help="Elevation in (0, pi/4).")] = "0.6",
+    ratio: o.Ratio = 1.0,
+    json: o.JsonFile = None,
+) -> None:
+    """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
+    from origami_nlp.paper import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
+    from origami_nlp.show import folding_table
+
+    out = Output(json=json)
+    found = measure(parse_angle(elevation, "--elevation"), ratio)
+    out.say(folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p"))
+    out.write("json", limits_to_dict, found)
+
+
+def speed(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer degrees, one map.")] = False,
+    points: Annotated[int, typer.Option(min=1, help="Random points a degree.")] = 10,
+    seed: o.Seed = 0,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Measure the time of an exact count against N, beside brute force, each with its error."""
+    from rich.markdown import Markdown
+
+    from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
+    from origami_nlp.files import PAGE
+
+    out = Output(markdown=markdown)
+    with progress("measuring") as report:
+        rows = measure(
+            QUICK if quick else DEGREES,
+            points,
+            seed,
+            maps=(12,) if quick else MAP_DEGREES,
+            progress=lambda degree: report(text=f"degree {degree} done"),
+        )
+    out.say(Markdown(as_markdown(rows)), width=PAGE)
+    out.write("markdown", as_markdown, rows)
+
+
+cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
+cone.add(count, foldings, branch, draw, phase, fractions, full, limits, speed)

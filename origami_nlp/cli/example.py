@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from origami_nlp.cli import options as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import examples, format_scene
 
@@ -14,7 +15,7 @@ FAMILIES = {"degree6": examples.degree6, "degree8": examples.degree8}
 
 
 def example(
-    family: Annotated[str, typer.Argument(help="degree6 or degree8")],
+    family: o.Family,
     alpha: Annotated[
         str, typer.Option(help='Sector angle alpha_1 [rad], a number or e.g. "pi/4".')
     ] = "pi/4",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from origami_nlp.cli.minima import SceneFile
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 from origami_nlp.pattern import read_scene
-from origami_nlp.programme import Model
 
 
-def model(scene: SceneFile) -> None:
+def model(scene: o.SceneFile) -> None:
     """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
-    from origami_nlp.files import screen
+    from origami_nlp.programme import Model
 
     stated = read_scene(scene)
-    screen().print(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)
+    Output().say(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)

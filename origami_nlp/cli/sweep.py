@@ -8,13 +8,14 @@ from typing import Annotated, Any
 
 import typer
 
-from origami_nlp.cli.minima import FigureFile, check_figure
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError, SweepError
 
 
 def sweep(
-    spec: Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOML).")],
+    spec: o.SweepFile,
     out: Annotated[
         Path, typer.Option("--out", metavar="DIR", help="Folder of the store; made if new.")
     ],
@@ -25,19 +26,17 @@ def sweep(
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
     ] = None,
-    figure: FigureFile = None,
+    figure: o.FigureFile = None,
 ) -> None:
     """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
-    from origami_nlp.files import check_writable, make_folder, screen
-    from origami_nlp.sweep import read_sweep, run_sweep
+    from origami_nlp.files import make_folder
+    from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
-    check_figure(figure)
-    check_writable(figure, "--figure")
+    output = Output(figure=figure)
     if workers is not None and workers < 1:
         raise OptionError(f"--workers = {workers} must be at least 1")
     stated = read_sweep(spec)
     make_folder(out, "--out")
-    console = screen()
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         done = run_sweep(
             stated,
@@ -47,19 +46,13 @@ def sweep(
             progress=lambda done, total, states: report(done, total, f"{states} states"),
         )
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
-    console.print(
-        f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s"
-    )
+    output.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
     if done.interrupted:
-        console.print("interrupted: the same command goes on from here")
+        output.say("interrupted: the same command goes on from here")
         raise typer.Exit(130)
-    if figure:
-        from origami_nlp.sweep import draw_sweep
-
-        draw_sweep(out, figure)
-        console.print(f"figure written to {figure}")
+    output.save("figure", draw_sweep, out)
     if done.counts.get("failed"):
-        console.print("failed scenes are tried again by the same command; reasons are in the store")
+        output.say("failed scenes are tried again by the same command; reasons are in the store")
         raise typer.Exit(1)
 
 

@@ -1,19 +1,9 @@
-"""Branches of the cone: where they end, fold angles on them, and what touches at the end.
+"""Branches of the cone: fold angles on them, and what touches where they end.
 
 A branch is an assignment of the flaps and a sign of the elevation (+1 "up", v > 0; -1 "down"; the
 paper's Q(e2, v): v > 0 lowers the rim, so the tip of the vertex stands up).  Up, valley flaps take
 the smaller ("shallow") partial fold angle and mountain flaps the larger ("steep") one; down, the
-other way round.  So a branch is known by its flaps and by which of them are steep.
-
-Ends.  At |v| = pi/2 - 2 pi/N every steep partial fold angle is pi/2: neighbouring steep flaps close
-onto each other, and the even creases of all steep flaps stand on the axis, so that steep flaps meet
-there tip to tip, neighbours or not.  With two or more steep flaps this is contact.  A single steep flap has
-nothing to touch on the axis and can go on: with an even number of flaps to pi/2, where it lies on the
-flap opposite, with an odd number until its even crease meets the odd crease opposite, at
-cos v = tan(pi/N).  Without steep flaps the odd creases meet on the axis at pi/2.  Derived here;
-`tests/test_cone_kinematics.py` compares with the examination of embeddings.  The rule "contract" (the default)
-cuts the branches of a single steep flap at pi/2 - 2 pi/N as well, where nothing touches (`is_cut`); "contact"
-follows them.
+other way round.  So a branch is known by its flaps and by which of them are steep.  Where it ends: `cone.rules`.
 """
 
 from __future__ import annotations
@@ -21,71 +11,32 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.cone.flaps import (
-    Flaps,
-    check_degree,
-    class_of,
-    parse_flaps,
-    symmetry_of,
-    write_flaps,
-)
+from origami_nlp.cone.classes import EnergyClass, direction_name
+from origami_nlp.cone.flaps import Flaps, class_of, parse_flaps, write_flaps
+from origami_nlp.cone.necklaces import symmetry_of
+from origami_nlp.cone.rules import SLACK, Cone
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import Vertex, format_angle
 
 UP, DOWN = 1, -1
-END_RULES = ("contract", "contact")
-SLACK = 4e-15
-"""Elevations this little past an end are taken for the end: pi/6 and pi/2 - pi/3 differ in rounding [rad]."""
-
-
-def steep_end(degree: int) -> float:
-    """|v| where every steep partial fold angle is pi/2: pi/2 - 2 pi/N."""
-    return math.pi * (check_degree(degree) - 4) / (2 * degree)
-
-
-def lone_end(degree: int) -> float:
-    """|v| where a branch with a single steep flap touches."""
-    if check_degree(degree) % 4 == 0:
-        return math.pi / 2
-    return math.acos(math.tan(math.pi / degree))
-
-
-def branch_end(degree: int, steep: Any, end: str = "contract") -> np.ndarray:
-    """|v| at which branches with `steep` steep flaps end, shape of `steep` [rad].
-
-    Raises
-    ------
-    OptionError
-        If `end` is neither "contract" nor "contact".
-    """
-    if not isinstance(end, str) or end not in END_RULES:
-        raise OptionError(f"end = {shown(end)}: write {' or '.join(END_RULES)}")
-    count = np.asarray(steep)
-    lone = lone_end(degree) if end == "contact" else steep_end(degree)
-    return np.select([count == 0, count == 1], [math.pi / 2, lone], steep_end(degree))
-
-
-def is_cut(steep: Any, end: str = "contract") -> np.ndarray:
-    """Whether branches with `steep` steep flaps are cut where nothing touches, shape of `steep`.
-
-    True for a single steep flap under the rule "contract": the branch goes on past `branch_end`.
-    """
-    return (np.asarray(steep) == 1) & (end == "contract")
+LONGEST_WORD = 24
+"""Flaps that are written out where a branch is named."""
 
 
 @dataclass(frozen=True)
 class ConeBranch:
-    """One branch of a cone.
+    """One branch of a cone; `branch` makes it.
 
     flaps: assignment, +1 valley and -1 mountain.
     direction: sign of the elevation, +1 up or -1 down.
-    end_rule: see `branch_end`.
+    end_rule: see `Cone`.
     """
 
     flaps: Flaps
@@ -94,9 +45,19 @@ class ConeBranch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "flaps", parse_flaps(self.flaps))
-        if self.direction not in (UP, DOWN):
-            raise OptionError(f"direction = {self.direction!r}: up is +1, down is -1")
-        branch_end(self.degree, 0, self.end_rule)  # complains about an unknown rule
+        if not isinstance(self.direction, Integral) or self.direction not in (UP, DOWN):
+            raise OptionError(f"direction = {shown(self.direction)}: up is +1, down is -1")
+        _ = self.cone  # complains about an unknown rule
+
+    @property
+    def cone(self) -> Cone:
+        """The cone it is a branch of."""
+        return Cone(self.degree, end=self.end_rule)
+
+    @property
+    def energy_class(self) -> EnergyClass:
+        """The branches that have its energy."""
+        return EnergyClass(self.cone, *class_of(self.flaps), self.direction)
 
     @property
     def degree(self) -> int:
@@ -111,7 +72,7 @@ class ConeBranch:
     @property
     def end(self) -> float:
         """|v| at which the branch ends [rad]."""
-        return float(branch_end(self.degree, self.steep, self.end_rule))
+        return float(self.cone.ends(self.steep))
 
     @property
     def end_text(self) -> str:
@@ -164,28 +125,44 @@ class ConeBranch:
 
     def __repr__(self) -> str:
         word = write_flaps(self.flaps)
-        return f"{word if len(word) <= 24 else word[:21] + '...'} {direction_name(self.direction)}"
+        short = word if len(word) <= LONGEST_WORD else word[: LONGEST_WORD - 3] + "..."
+        return f"{short} {direction_name(self.direction)}"
 
 
-def direction_name(direction: int) -> str:
-    """Word for a sign of the elevation."""
-    return "up" if direction > 0 else "down"
+def branch(
+    flaps: str | Sequence[int], direction: int | str = "up", *, end: str = "contract"
+) -> ConeBranch:
+    """Return a branch of a cone: its fold angles, where it ends, and what touches there.
 
+    Parameters
+    ----------
+    flaps
+        Valleys and mountains around the ring: "VVM", "V2M", or +1 and -1, one a flap; N/2 of them.
+    direction
+        "up" or +1: elevations v > 0; "down" or -1: v < 0.
+    end
+        Where a branch with a single steep flap ends, see `Cone`.
 
-def class_label(valleys: int, changes: int, degree: int, direction: int) -> str:
-    """Name a class of branches in the paper's way: "M2V up", or "M2V2 up (4 changes)".
+    Returns
+    -------
+    ConeBranch
+        ``.fold_angles(elevation)`` are its states.
 
-    The number of changes is added where the valleys could also lie otherwise.
+    Raises
+    ------
+    OptionError
+        If there is no such branch.
+
+    Examples
+    --------
+    >>> from origami_nlp import cone
+    >>> own = cone.branch("VVM", "up")
+    >>> round(own.end, 4), own.end_text
+    (0.5236, 'the even crease of the steep flap stands on the axis (no contact yet)')
+    >>> own.fold_angles(0.3).round(3).tolist()
+    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
     """
-    n = degree // 2
-    parts = [(letter, k) for letter, k in (("M", n - valleys), ("V", valleys)) if k]
-    word = "".join(letter + (str(k) if k > 1 else "") for letter, k in parts)
-    several = min(valleys, n - valleys) > 1
-    more = f" ({changes} changes)" if several else ""
-    return f"{word} {direction_name(direction)}{more}"
-
-
-def branch_label(flaps: Sequence[int], direction: int) -> str:
-    """Name the class of a branch, see `class_label`."""
-    valleys, changes = class_of(flaps)
-    return class_label(valleys, changes, 2 * len(flaps), direction)
+    sign = {"up": UP, "down": DOWN}.get(direction) if isinstance(direction, str) else direction
+    if sign is None:
+        raise OptionError(f"direction = {shown(direction)}: write up or down")
+    return ConeBranch(parse_flaps(flaps), sign, end)

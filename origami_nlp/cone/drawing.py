@@ -9,8 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.cone.branches import ConeBranch, direction_name
-from origami_nlp.cone.flaps import necklaces, write_flaps
+from origami_nlp.cone.branches import ConeBranch
+from origami_nlp.cone.classes import direction_name
+from origami_nlp.cone.flaps import write_flaps
+from origami_nlp.cone.necklaces import foldings
 from origami_nlp.errors import OptionError
 from origami_nlp.files import save_figure
 from origami_nlp.pattern import format_angle
@@ -33,13 +35,13 @@ def draw_foldings(
     OptionError
         If there are more than MOST_DRAWN of them.
     """
-    if degree > 16 or len(necklaces(degree)) > MOST_DRAWN:
+    if degree > 16 or len(foldings(degree)) > MOST_DRAWN:
         raise OptionError(
             f"degree = {degree}: more than {MOST_DRAWN} foldings to draw: give --flaps to draw one"
         )
     direction = 1 if elevation >= 0 else -1
     states = []
-    for f in necklaces(degree):
+    for f in foldings(degree):
         branch = ConeBranch(f.flaps, direction)
         size = min(abs(elevation), branch.end)
         copies = f"{f.copies} cop{'y' if f.copies == 1 else 'ies'}"

@@ -18,226 +18,293 @@ that wells are right to rounding even at elevations of 1e-10.
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
 from origami_nlp.closed_forms import MIXED, SHALLOW, STEEP, cone_roots
-from origami_nlp.cone.branches import SLACK, branch_end, is_cut, steep_end
-from origami_nlp.cone.flaps import ConeClasses, check_degree, cone_classes
-from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.pattern import format_angle
+from origami_nlp.cone.classes import EnergyClass, assignment_classes, odd_crease_numbers
+from origami_nlp.cone.rules import Cone, Rest
 
-REST_RULES = ("waterbomb", "paper")
+SIZES = [SHALLOW, STEEP, MIXED]
 TO_SIZES = np.array([2.0, -2.0, -1.0])
 """(shallow, steep, mixed) at v = s >= 0 times these are P, S, X."""
+SIGNS = np.array([-1.0, 1.0, 1.0])
+"""(P - g, S + g, X + g) = sizes + g * signs: shallow flaps fold towards the rest state's side, steep ones away."""
+
+Pair = tuple[Any, Any]
+"""(A, B): of the odd creases with k_odd = 1, and of the even creases with k_even = 1."""
 
 
 @dataclass(frozen=True)
-class Rest:
-    """Rest angles of a cone.
+class OddCreases:
+    """One odd crease of each size P, S, X at elevations s >= 0, and what it adds to A; [..., 3] each.
 
-    odd, even: of all odd and all even creases [rad].
-    elevation: v_0, signed; rule: "waterbomb" or "paper" (see `rest_state`).
+    size, first, second: the fold angle's size and its derivatives by s.  pull: g * signs, broadcast against size.
     """
 
-    degree: int
-    elevation: float
-    odd: float
-    even: float
-    rule: str = "waterbomb"
+    size: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    pull: np.ndarray
 
-
-def check_rest_rule(rest: object) -> None:
-    """Complain about a rule for the rest state that is none of `REST_RULES`.
-
-    Raises
-    ------
-    OptionError
-        With the rules there are.
-    """
-    if not isinstance(rest, str) or rest not in REST_RULES:
-        raise OptionError(f"rest = {shown(rest)}: write {' or '.join(REST_RULES)}")
-
-
-def rest_state(degree: int, elevation: float, rest: str = "waterbomb") -> Rest:
-    """Return the rest angles of the waterbomb (odd creases valleys) at elevation v_0.
-
-    rest
-        "waterbomb": the state of the all-valley branch at v_0, in the paper's convention Q(e2, v):
-        rho_v is the smaller root for v_0 > 0 and the larger for v_0 < 0, phi_odd = 2 rho_v,
-        phi_even = -2 |v_0|.  v_0 runs from -(pi/2 - 2 pi/N) to pi/2.
-        "paper": as printed in section 5, phi_odd = 2 arccos(|cos v_0 + sin a|/(1 + cos v_0 sin a)),
-        phi_even = -2 v_0, |v_0| <= pi/2.  For v_0 < 0 no state has these angles (errata, s5.rest-state).
-
-    Raises
-    ------
-    OptionError, AngleError
-        For an unknown rule, or an elevation out of range.
-    """
-    check_degree(degree)
-    check_rest_rule(rest)
-    v = check_number("elevation", elevation)
-    low = -steep_end(degree) if rest == "waterbomb" else -math.pi / 2
-    if not low - SLACK <= v <= math.pi / 2 + SLACK:
-        raise AngleError(
-            f"elevation = {v:.9g}: the rest state must lie between {format_angle(low)} and pi/2"
-            + (", where the waterbomb touches itself" if rest == "waterbomb" else "")
+    @classmethod
+    def at(cls, degree: int, s: Any, g: Any) -> OddCreases:
+        """Evaluate at s = |v| [rad] with g = direction * (odd rest angle), broadcast against each other."""
+        roots = cone_roots(degree, np.asarray(s, dtype=float))
+        size, first, second = (
+            part[..., SIZES] * TO_SIZES for part in (roots.value, roots.first, roots.second)
         )
-    v = min(max(v, low), math.pi / 2)
-    steep = v < 0 and rest == "waterbomb"
-    size = cone_roots(degree, abs(v)).value
-    odd = float(-2 * size[STEEP] if steep else 2 * size[SHALLOW])
-    even = -2 * abs(v) if rest == "waterbomb" else -2 * v
-    return Rest(degree, v, odd, even + 0.0, rest)
+        return cls(size, first, second, np.asarray(g)[..., None] * SIGNS)
 
-
-def crease_angles(degree: int, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return sizes (P, S, X) of the odd fold angles at s >= 0 and two derivatives, each S + (3,)."""
-    roots = cone_roots(degree, s)
-    order = [SHALLOW, STEEP, MIXED]
-    return (
-        roots.value[..., order] * TO_SIZES,
-        roots.first[..., order] * TO_SIZES,
-        roots.second[..., order] * TO_SIZES,
-    )
-
-
-@dataclass(frozen=True)
-class DirectionClasses:
-    """All classes of branches of one direction, with one rest state.
-
-    Arrays have one entry a class, in the order of `classes` (see `state.cone.cone_classes`).  In
-    methods, elevations s = |v| >= 0 have shape [k] and answers [m, k]; with `rows` (int array [k]) the
-    k-th elevation belongs to class rows[k] and answers have shape [k].  Stiffness per crease is 1.
-    """
-
-    classes: ConeClasses
-    direction: int
-    rest: Rest
-    end_rule: str = "contract"
+    @cached_property
+    def stretch(self) -> np.ndarray:
+        """Fold angle less rest angle, up to sign."""
+        return self.size + self.pull
 
     @property
-    def degree(self) -> int:
-        """N."""
-        return self.classes.degree
+    def energy(self) -> np.ndarray:
+        """Energy."""
+        return 0.5 * self.stretch**2
+
+    @property
+    def well(self) -> np.ndarray:
+        """Energy of the flat state less that at s, without cancellation."""
+        return -self.size * (self.size / 2 + self.pull)
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Derivative of the energy by s."""
+        return self.stretch * self.first
+
+    @property
+    def curvature(self) -> np.ndarray:
+        """Second derivative of the energy by s."""
+        return self.stretch * self.second + self.first**2
+
+
+@dataclass(frozen=True)
+class SideEnergy:
+    """Energy of classes of branches of one direction, with one rest state.
+
+    cone: degree and rules.  valleys, changes: of the classes, [m].  direction: +1 up, -1 down.
+    rest: rest angles; arrays of them only where `at` takes a single row.
+    """
+
+    cone: Cone
+    valleys: np.ndarray
+    changes: np.ndarray
+    direction: int
+    rest: Rest
+
+    @classmethod
+    def of(cls, cone: Cone | int, direction: int, elevation: float) -> SideEnergy:
+        """Set up all classes of one direction at one rest elevation.
+
+        `at` gives (A', B') of all classes at any elevations, and a class has a stationary point at s exactly
+        for r = -A'(s)/B'(s).
+
+        Parameters
+        ----------
+        cone
+            A `Cone`, or its degree.
+        direction
+            +1 up, -1 down.
+        elevation
+            v_0 of the rest state, signed [rad].
+
+        Raises
+        ------
+        OptionError, AngleError
+            If the degree or the rest elevation is out of range.
+
+        Examples
+        --------
+        >>> from origami_nlp import cone
+        >>> odd, even = cone.SideEnergy.of(6, +1, 0.3).at([0.1, 0.2]).slopes
+        >>> odd.shape, even.shape
+        ((4, 2), (4, 2))
+        """
+        cone = Cone.of(cone)
+        known = assignment_classes(cone.degree)
+        return cls(cone, known.valleys, known.changes, direction, cone.at_rest(elevation))
 
     @property
     def flaps(self) -> int:
         """N / 2."""
-        return self.classes.degree // 2
+        return self.cone.flaps
 
     @property
-    def reach(self) -> float:
-        """g = direction * phi_odd at rest."""
+    def reach(self) -> Any:
+        """g: the odd rest angle, seen along the direction."""
         return self.direction * self.rest.odd
 
     @cached_property
-    def shallow(self) -> np.ndarray:
-        """Number of shallow flaps."""
-        a = self.classes.valleys
-        return a if self.direction > 0 else self.flaps - a
+    def steep(self) -> np.ndarray:
+        """Number of steep flaps, [m]."""
+        return self.flaps - self.valleys if self.direction > 0 else self.valleys
 
     @cached_property
     def end(self) -> np.ndarray:
-        """|v| at the end of the branch [rad]."""
-        return branch_end(self.degree, self.flaps - self.shallow, self.end_rule)
+        """|v| at which the branches end, [m] [rad]."""
+        return self.cone.ends(self.steep)
 
     @cached_property
     def cut(self) -> np.ndarray:
-        """Whether the branch is cut at `end`, where nothing touches."""
-        return is_cut(self.flaps - self.shallow, self.end_rule)
+        """Whether the branches are cut at `end`, where nothing touches, [m]."""
+        return self.cone.is_cut(self.steep)
 
     @cached_property
     def weights(self) -> np.ndarray:
         """Number of odd creases of the sizes P, S, X, [m, 3]."""
-        j = self.classes.changes // 2
-        p = self.shallow
-        return np.stack([p - j, self.flaps - p - j, 2 * j], axis=1).astype(float)
+        return odd_crease_numbers(self.flaps, self.steep, self.changes)
+
+    @cached_property
+    def excess(self) -> np.ndarray:
+        """Valley flaps less mountain flaps, 2a - n, [m]."""
+        return 2 * self.valleys - self.flaps
 
     @cached_property
     def even_vertex(self) -> np.ndarray:
-        """s_e: where B is least (may be negative, or past the end)."""
-        return -(2 * self.classes.valleys - self.flaps) * self.rest.even / (2 * self.flaps)
+        """s_e: where B is least (may be negative, or past the end), [m] [rad]."""
+        return -self.excess * self.rest.even / (2 * self.flaps)
+
+    def only(self, rows: np.ndarray) -> SideEnergy:
+        """Return some of the classes."""
+        return SideEnergy(
+            self.cone, self.valleys[rows], self.changes[rows], self.direction, self.rest
+        )
+
+    def by_end(self) -> Iterator[tuple[float, np.ndarray]]:
+        """Yield every end [rad] with the rows of the classes that end there."""
+        for end in np.unique(self.end):
+            yield float(end), np.nonzero(self.end == end)[0]
+
+    def at(self, s: Any, rows: Any = None) -> EnergyAt:
+        """Evaluate at elevations s = |v| >= 0 [rad].
+
+        s of shape [k] gives answers [m, k]; with `rows` (int array [k]) the k-th elevation belongs to class rows[k]
+        and answers have shape [k]; with one row, s and the rest angles are broadcast.
+        """
+        s = np.asarray(s, dtype=float)
+        return EnergyAt(self, s, rows, OddCreases.at(self.cone.degree, s, self.reach))
+
+
+@dataclass(frozen=True)
+class EnergyAt:
+    """The energies (A, B) of classes at elevations, see `SideEnergy.at`; stiffness per crease is 1."""
+
+    side: SideEnergy
+    s: np.ndarray
+    rows: Any
+    creases: OddCreases
+
+    def _odd(self, each: np.ndarray) -> Any:
+        """Sum over the odd creases: `each` has shape [..., 3]."""
+        if self.rows is None:
+            return self.side.weights @ np.atleast_2d(each).T
+        return np.einsum("...c,...c->...", self.side.weights[self.rows], each)
+
+    def _own(self, values: np.ndarray) -> Any:
+        """One value a class, shaped to go with elevations."""
+        return values[:, None] if self.rows is None else values[self.rows]
 
     @property
-    def signs(self) -> np.ndarray:
-        """(P - g, S + g, X + g) = sizes + g * signs."""
-        return np.array([-1.0, 1.0, 1.0])
+    def _vertex(self) -> Any:
+        """s_e; from the rest angle here, which may be an array."""
+        return -self._own(self.side.excess) * self.side.rest.even / (2 * self.side.flaps)
 
-    # -------------------------------------------------------- values
+    @property
+    def energies(self) -> Pair:
+        """(A, B)."""
+        s, n, rest = self.s, self.side.flaps, self.side.rest.even
+        a = self._own(self.side.valleys)
+        even = 0.5 * (a * (2 * s + rest) ** 2 + (n - a) * (2 * s - rest) ** 2)
+        return self._odd(self.creases.energy), even
 
-    def energies(
-        self, s: np.ndarray, rows: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return (A, B)."""
-        size, _, _ = crease_angles(self.degree, s)
-        odd = self._sum(0.5 * (size + self.reach * self.signs) ** 2, rows)
-        a, rest = self._own(self.classes.valleys, rows), self.rest.even
-        even = 0.5 * (a * (2 * s + rest) ** 2 + (self.flaps - a) * (2 * s - rest) ** 2)
-        return odd, even
-
-    def flat_energies(self) -> tuple[float, float]:
+    @property
+    def flat(self) -> Pair:
         """(A, B) of the flat state, the same for all classes."""
-        return self.flaps * self.rest.odd**2 / 2, self.flaps * self.rest.even**2 / 2
+        n, rest = self.side.flaps, self.side.rest
+        return n * rest.odd**2 / 2, n * rest.even**2 / 2
 
-    def wells(self, s: np.ndarray, rows: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Return (A, B) of the flat state less those at s, without cancellation."""
-        size, _, _ = crease_angles(self.degree, s)
-        odd = self._sum(-size * (size / 2 + self.reach * self.signs), rows)
-        return odd, -2 * self.flaps * s * (s - 2 * self._own(self.even_vertex, rows))
+    @cached_property
+    def wells(self) -> Pair:
+        """(A, B) of the flat state less those at s, without cancellation."""
+        even = -2 * self.side.flaps * self.s * (self.s - 2 * self._vertex)
+        return self._odd(self.creases.well), even
 
-    def slopes(
-        self, s: np.ndarray, rows: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return (A', B'), derivatives by s = |v|."""
-        size, first, _ = crease_angles(self.degree, s)
-        odd = self._sum((size + self.reach * self.signs) * first, rows)
-        return odd, 4 * self.flaps * (s - self._own(self.even_vertex, rows))
+    @cached_property
+    def slopes(self) -> Pair:
+        """(A', B'), derivatives by s = |v|."""
+        return self._odd(self.creases.slope), 4 * self.side.flaps * (self.s - self._vertex)
 
-    def curvatures(
-        self, s: np.ndarray, rows: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return (A'', B'')."""
-        size, first, second = crease_angles(self.degree, s)
-        odd = self._sum((size + self.reach * self.signs) * second + first**2, rows)
-        return odd, np.full(odd.shape, 4.0 * self.flaps)
+    @cached_property
+    def curvatures(self) -> Pair:
+        """(A'', B'')."""
+        odd = self._odd(self.creases.curvature)
+        return odd, np.full(np.shape(odd), 4.0 * self.side.flaps)
 
-    def slope_scale(
-        self, s: np.ndarray, ratio: float, rows: np.ndarray | None = None
-    ) -> np.ndarray:
-        """Return the size of the terms that F = A' + r B' sums: rounding is 1e-16 of it."""
-        size, first, _ = crease_angles(self.degree, s)
-        odd = self._sum((size + abs(self.reach)) * first, rows)
-        return odd + ratio * 4 * self.flaps * (s + np.abs(self._own(self.even_vertex, rows)))
+    def slope(self, ratio: Any) -> Any:
+        """F = A' + r B'."""
+        odd, even = self.slopes
+        return odd + ratio * even
 
-    def _sum(self, kinds: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
-        """Sum over the odd creases: kinds has shape [k, 3]."""
-        if rows is None:
-            return self.weights @ np.atleast_2d(kinds).T
-        return np.einsum("...c,...c->...", self.weights[rows], kinds)
+    def curvature(self, ratio: Any) -> Any:
+        """F' = A'' + r B''."""
+        odd, even = self.curvatures
+        return odd + ratio * even
 
-    def _own(self, values: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
-        """One value a class, shaped to go with elevations."""
-        return values[:, None] if rows is None else values[rows]
+    def slope_scale(self, ratio: float) -> Any:
+        """Size of the terms that F = A' + r B' sums: rounding is eps of it."""
+        c = self.creases
+        odd = self._odd((c.size + np.abs(c.pull)) * c.first)
+        return odd + ratio * 4 * self.side.flaps * (self.s + np.abs(self._vertex))
+
+    @property
+    def ratio(self) -> np.ndarray:
+        """Return r at which s is stationary; nan where no finite r does it."""
+        return finite_quotient(*self.slopes)
+
+    @property
+    def fold(self) -> Any:
+        """A'' B' - A' B'': zero where r(s) is stationary."""
+        (da, db), (dda, ddb) = self.slopes, self.curvatures
+        return dda * db - da * ddb
+
+    def depth(self, ratio: Any) -> Any:
+        """(U_flat - U)/U_flat at a ratio; nan where there is none."""
+        well, flat = self.wells, self.flat
+        return (well[0] + ratio * well[1]) / (flat[0] + ratio * flat[1])
+
+    def over(self, depth: float) -> Pair:
+        """(A, B) of how much deeper than a relative depth the state is."""
+        well, flat = self.wells, self.flat
+        return well[0] - depth * flat[0], well[1] - depth * flat[1]
+
+    def ratio_of_depth(self, depth: float) -> np.ndarray:
+        """Return r at which the state has the relative depth, stationary or not; nan if none."""
+        return finite_quotient(*self.over(depth))
+
+    def depth_gap(self, depth: float) -> Any:
+        """Zero where a stationary point has the relative depth (times -B', so that it is smooth)."""
+        (over_a, over_b), (da, db) = self.over(depth), self.slopes
+        return over_b * da - over_a * db
 
 
-def direction_classes(
-    degree: int,
-    elevation: float,
-    *,
-    direction: int,
-    rest: str = "waterbomb",
-    end: str = "contract",
-) -> DirectionClasses:
-    """Set up the classes of one direction (+1 up, -1 down) with rest elevation v_0.
+def finite_quotient(odd: Any, even: Any) -> np.ndarray:
+    """Return r with odd + r even = 0; nan where no finite r does it."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        r = -odd / even
+    return np.where(np.isfinite(r), r, np.nan)
 
-    The cheap entry point for phase diagrams: `slopes` gives (A', B') of all classes at any
-    elevations, and a class has a stationary point at s exactly for r = -A'(s)/B'(s).
-    """
-    return DirectionClasses(
-        cone_classes(degree), direction, rest_state(degree, elevation, rest), end
-    )
+
+def class_energy(branches: EnergyClass, t: Any, elevation: Any) -> EnergyAt:
+    """Evaluate one class at t = |v| >= 0 and rest elevations v_0, broadcast against each other [rad]."""
+    nu = np.asarray(elevation, dtype=float)
+    own = np.array([branches.valleys]), np.array([branches.changes])
+    rest = Rest(nu, *branches.cone.rest_angles(nu))
+    return SideEnergy(branches.cone, *own, branches.direction, rest).at(t, 0)

@@ -4,7 +4,7 @@ With B' = 4 n (s - s_e) the slope at s is F = A'(s) + r B'(s): linear in r, so f
 cell of elevations the ratios with F < 0 at the left and F >= 0 at the right end make one interval,
 and all ratios of a column of the map are served at once.  A cell is settled when no ratio of the map can have
 a second zero of F there: where F' = A'' + 4 n r may vanish (an enclosure of A'' tells for which r), F itself
-must not (mean value bound).  Other cells are halved, as in `cone_roots`.
+must not (mean value bound).  Other cells are halved, as in `cone.roots`.
 
 Depth thresholds: with h_s(r) = well_A(s) + r well_B(s) - D U_flat(r), linear in r, the minimum of a cell is deep
 enough when max h_s(r) > 0 over the cell.  Any s of the cell bounds this from below.  F rises through 0
@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.cone.energy import DirectionClasses, crease_angles, rest_state
-from origami_nlp.cone.flaps import ConeClasses, cone_classes
-from origami_nlp.cone.minima import check_depth, check_ratio
-from origami_nlp.cone.roots import CELLS, HALVINGS, TIE, curvature_bounds
+from origami_nlp.cone.classes import AssignmentClasses, assignment_classes
+from origami_nlp.cone.energy import SideEnergy
+from origami_nlp.cone.roots import CELLS, FREE, HALVINGS, TIE, curvature_bounds
+from origami_nlp.cone.rules import Cone, check_depth, check_ratio
 from origami_nlp.errors import OptionError
 
 LIMB = 30
@@ -33,25 +33,23 @@ LIMB = 30
 class CountMap:
     """Numbers of branch minima, shape [ratios, elevations] each.
 
-    interior, contact, cut: by kind, see `cone_minima.BranchMinima`; int64 where all numbers fit, else exact
+    cone: degree and rules.
+    interior, contact, cut: by kind, see `ConeMinima`; int64 where all numbers fit, else exact
     Python integers (dtype object).
-    branches: number of all branches, 2^(N/2 + 1).
     """
 
-    degree: int
+    cone: Cone
     ratios: np.ndarray
     elevations: np.ndarray
     interior: np.ndarray
     contact: np.ndarray
     cut: np.ndarray
     depth: float
-    rest_rule: str
-    end_rule: str
 
     @property
     def branches(self) -> int:
         """Number of all branches, 2^(N/2 + 1)."""
-        return 1 << (self.degree // 2 + 1)
+        return self.cone.branches
 
     @property
     def at_end(self) -> np.ndarray:
@@ -65,58 +63,68 @@ class CountMap:
 
 
 def count_map(
-    degree: int,
+    cone: Cone | int,
     ratios: Sequence[float] | np.ndarray,
     elevations: Sequence[float] | np.ndarray,
     *,
     depth: float = 0.0,
-    rest: str = "waterbomb",
-    end: str = "contract",
     progress: Callable[[int], None] | None = None,
 ) -> CountMap:
-    """Count branch minima by kind at every (r_k, v_0): `branch_minima` for a plane.
+    """Count branch minima by kind at every (r_k, v_0): `count` for a plane.
 
     Parameters
     ----------
+    cone
+        A `Cone`, or its degree.
     ratios, elevations
         Values of r_k, and of v_0 [rad], in any order.
-    depth, rest, end
-        As in `cone_minima.branch_minima`.
+    depth
+        As in `count`.
     progress
         Called with the number of columns (elevations) done.
+
+    Returns
+    -------
+    CountMap
+        Numbers [ratios, elevations] of each kind.
 
     Raises
     ------
     OptionError, AngleError
         For values out of range.
+
+    Examples
+    --------
+    >>> from origami_nlp import cone
+    >>> cone.count_map(10, ratios=[0.02, 1.0], elevations=[-0.9, 0.3, 0.8]).total.tolist()
+    [[37, 32, 32], [32, 32, 32]]
     """
+    cone = Cone.of(cone)
     depth = check_depth(depth)
     given = np.array([check_ratio(r, "ratios") for r in np.atleast_1d(ratios)])
     columns = np.atleast_1d(np.asarray(elevations, dtype=float))
     if given.ndim != 1 or columns.ndim != 1 or not given.size or not columns.size:
         raise OptionError("ratios and elevations must be lists of numbers")
     order = np.argsort(given)
-    classes = cone_classes(degree)
+    classes = assignment_classes(cone.degree)
     limbs = _limbs(classes)
     shape = (len(limbs), len(given), len(columns))
     inside, pinned, cut = (np.zeros(shape, np.int64) for _ in range(3))
     for k, elevation in enumerate(columns):
-        state = rest_state(degree, elevation, rest)
         for direction in (1, -1):
-            branches = DirectionClasses(classes, direction, state, end)
-            for own_end in np.unique(branches.end):
-                rows = np.nonzero(branches.end == own_end)[0]
-                column = _Column(branches, rows, float(own_end), given[order], depth)
-                inside[:, order, k] += column.total(column.interior(), limbs)
-                for counts, which in ((pinned, ~branches.cut), (cut, branches.cut)):
-                    counts[:, order, k] += column.total([column.at_end(which[rows])], limbs)
+            side = SideEnergy.of(cone, direction, elevation)
+            for end, rows in side.by_end():
+                column = _Column(side.only(rows), end, given[order], depth)
+                own = limbs[:, rows]
+                inside[:, order, k] += column.total(column.interior(), own)
+                for counts, which in ((pinned, ~side.cut[rows]), (cut, side.cut[rows])):
+                    counts[:, order, k] += column.total([column.at_end(which)], own)
         if progress:
             progress(k + 1)
-    one, two, three = (_whole(limbs) for limbs in (inside, pinned, cut))
-    return CountMap(degree, given, columns, one, two, three, depth, rest, end)
+    return CountMap(cone, given, columns, _whole(inside), _whole(pinned), _whole(cut), depth)
 
 
-def _limbs(classes: ConeClasses) -> np.ndarray:
+def _limbs(classes: AssignmentClasses) -> np.ndarray:
     """Multiplicities as int64 limbs, lowest first, [limbs, m]; one limb where sums stay below 2^63."""
     if classes.degree // 2 + 1 <= 62:
         return np.array([classes.multiplicity], dtype=np.int64)
@@ -141,41 +149,31 @@ Events = tuple[np.ndarray, np.ndarray, np.ndarray]
 """(rows, first, stop): class rows[k] has a minimum at the ratios first[k] to stop[k] - 1."""
 
 
+@dataclass(frozen=True)
 class _Nodes:
-    """What is known at elevations of classes: A', B', and (with a depth) the wells less D U_flat."""
+    """(A', B') and, with a depth, the wells less D U_flat at elevations of classes: values [2 or 4, ...]."""
 
-    def __init__(self, column: _Column, s: np.ndarray, rows: np.ndarray | None = None) -> None:
-        branches, block = column.branches, column.rows
-        size, first, _ = crease_angles(branches.degree, s)
-        kinds = (size + branches.reach * branches.signs) * first
-        weights, vertex = branches.weights[block], branches.even_vertex[block]
-        own = vertex[:, None] if rows is None else vertex[rows]
+    values: np.ndarray
 
-        def total(values: np.ndarray) -> np.ndarray:
-            if rows is None:
-                return weights @ values.T
-            return np.einsum("kc,kc->k", weights[rows], values)
+    @property
+    def odd(self) -> np.ndarray:
+        return self.values[0]
 
-        self.odd = total(kinds)
-        self.even = 4 * branches.flaps * (s - own) + 0 * self.odd
-        self.well_odd = self.well_even = self.odd
-        if column.depth > 0:
-            flat_odd, flat_even = branches.flat_energies()
-            wells = total(-size * (size / 2 + branches.reach * branches.signs))
-            self.well_odd = wells - column.depth * flat_odd
-            self.well_even = -2 * branches.flaps * s * (s - 2 * own) - column.depth * flat_even
+    @property
+    def even(self) -> np.ndarray:
+        return self.values[1]
 
-    def pick(self, index: object) -> _Nodes:
-        other = object.__new__(_Nodes)
-        for name in ("odd", "even", "well_odd", "well_even"):
-            setattr(other, name, getattr(self, name)[index])
-        return other
+    def deeper(self, ratio: np.ndarray, step: float | np.ndarray = 0.0) -> np.ndarray:
+        """h(r), how much deeper than the threshold; `step` [rad] further along at the slope here."""
+        slope_odd, slope_even, well_odd, well_even = self.values
+        return well_odd + step * slope_odd + ratio * (well_even + step * slope_even)
+
+    def pick(self, where: tuple[slice | np.ndarray | int, ...] | np.ndarray) -> _Nodes:
+        own = where if isinstance(where, tuple) else (where,)
+        return _Nodes(self.values[(slice(None), *own)])
 
     def join(self, more: _Nodes) -> _Nodes:
-        other = object.__new__(_Nodes)
-        for name in ("odd", "even", "well_odd", "well_even"):
-            setattr(other, name, np.concatenate([getattr(self, name), getattr(more, name)]))
-        return other
+        return _Nodes(np.concatenate([self.values, more.values], axis=-1))
 
     def ratio(self) -> np.ndarray:
         """r at which the slope is zero; where B' = 0, +inf if F < 0 for all r, else -inf."""
@@ -187,35 +185,31 @@ class _Nodes:
 class _Column:
     """All ratios of a map at one rest state, for the classes of one direction with one end."""
 
-    def __init__(
-        self,
-        branches: DirectionClasses,
-        rows: np.ndarray,
-        end: float,
-        ratios: np.ndarray,
-        depth: float,
-    ) -> None:
-        self.branches, self.rows, self.end = branches, rows, end
-        self.ratios, self.depth = ratios, depth
-        self.stiff = 4.0 * branches.flaps
+    def __init__(self, side: SideEnergy, end: float, ratios: np.ndarray, depth: float) -> None:
+        self.side, self.end, self.ratios, self.depth = side, end, ratios, depth
+        self.stiff = 4.0 * side.flaps
         self.grid = np.linspace(0.0, end, CELLS + 1)
-        self.at_grid = _Nodes(self, self.grid)
-        last = self.at_grid.pick((slice(None), slice(CELLS, None)))
-        scale = branches.slope_scale(np.array([end]), 0.0, rows)
-        vertex = np.abs(branches.even_vertex[rows])
+        self.at_grid = self.nodes(self.grid)
+        last = self.at_grid.pick((slice(None), CELLS))
+        scale = side.at(np.array([end])).slope_scale(0.0)[:, 0]
         # the rest state at the very end of its branch: no slope there, whatever r
-        self.tied = (np.abs(last.odd[:, 0]) <= TIE * scale) & (
-            np.abs(last.even[:, 0]) <= TIE * self.stiff * (end + vertex)
+        tied = (np.abs(last.odd) <= TIE * scale) & (
+            np.abs(last.even) <= TIE * self.stiff * (end + np.abs(side.even_vertex))
         )
-        self.at_grid.odd[self.tied, -1] = -1.0  # "falls to the end": counted there, by at_end()
-        self.at_grid.even[self.tied, -1] = 0.0
+        self.at_grid.odd[tied, -1] = -1.0  # "falls to the end": counted there, by at_end()
+        self.at_grid.even[tied, -1] = 0.0
+
+    def nodes(self, s: np.ndarray, rows: np.ndarray | None = None) -> _Nodes:
+        """Evaluate at elevations, of all classes or of one each."""
+        here = self.side.at(s, rows)
+        wells = here.over(self.depth) if self.depth > 0 else ()
+        return _Nodes(np.stack(np.broadcast_arrays(*here.slopes, *wells)))
 
     def total(self, events: list[Events], limbs: np.ndarray) -> np.ndarray:
         """Sum multiplicities at every ratio, [limbs, ratios]."""
         steps = np.zeros((len(limbs), len(self.ratios) + 1), np.int64)
         for rows, first, stop in events:
-            own = limbs[:, self.rows[rows]]
-            for limb, value in zip(steps, own, strict=True):
+            for limb, value in zip(steps, limbs[:, rows], strict=True):
                 np.add.at(limb, first, value)
                 np.subtract.at(limb, stop, value)
         return np.cumsum(steps[:, :-1], axis=1)
@@ -227,11 +221,12 @@ class _Column:
         up = last.even >= 0
         low, high = np.where(up, -np.inf, level), np.where(up, level, np.inf)
         if self.depth > 0:  # well_odd + r well_even > 0
+            well_odd, well_even = last.values[2:]
             with np.errstate(divide="ignore", invalid="ignore"):
-                least = -last.well_odd / last.well_even
-            flat = last.well_even == 0
-            least = np.where(flat, np.where(last.well_odd > 0, -np.inf, np.inf), least)
-            rising = last.well_even >= 0
+                least = -well_odd / well_even
+            flat = well_even == 0
+            least = np.where(flat, np.where(well_odd > 0, -np.inf, np.inf), least)
+            rising = well_even >= 0
             low = np.maximum(low, np.where(rising, least, -np.inf))
             high = np.minimum(high, np.where(rising, np.inf, least))
         first, stop = self._range(low, high)
@@ -243,9 +238,9 @@ class _Column:
         every = slice(None)
         left = self.at_grid.pick((every, slice(0, CELLS)))
         right = self.at_grid.pick((every, slice(1, CELLS + 1)))
-        middle = _Nodes(self, (self.grid[:-1] + self.grid[1:]) / 2)
-        weights = self.branches.weights[self.rows]
-        low, high = curvature_bounds(self.branches, self.grid[:-1], self.grid[1:])
+        middle = self.nodes((self.grid[:-1] + self.grid[1:]) / 2)
+        weights = self.side.weights
+        low, high = curvature_bounds(self.side, self.grid[:-1], self.grid[1:])
         half = np.diff(self.grid) / 2
         shape = left.odd.shape
         r, c = (x.ravel() for x in np.indices(shape))
@@ -264,8 +259,8 @@ class _Column:
             m = (a + b) / 2
             r, a, b = np.concatenate([r, r]), np.concatenate([a, m]), np.concatenate([m, b])
             left, right = left.join(middle), middle.join(right)
-            middle = _Nodes(self, (a + b) / 2, r)
-            low, high = curvature_bounds(self.branches, a, b)
+            middle = self.nodes((a + b) / 2, r)
+            low, high = curvature_bounds(self.side, a, b)
             slow = np.einsum("kc,kc->k", weights[r], low)
             fast = np.einsum("kc,kc->k", weights[r], high)
             counted, first, stop, open_ = self._settle(left, right, middle, slow, fast, (b - a) / 2)
@@ -300,7 +295,7 @@ class _Column:
         high = np.minimum(np.where(up_left, at_left, inf), np.where(up_right, inf, at_right))
         first, stop = self._range(low, high)
         # ratios for which F may turn on the cell, and those for which it may vanish there too
-        reach = half * (fast - slow) * (1 + 1e-12)
+        reach = half * (fast - slow) * FREE
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             one, two = (-middle.odd - reach) / middle.even, (-middle.odd + reach) / middle.even
         one, two = np.where(np.isnan(one), -inf, one), np.where(np.isnan(two), inf, two)
@@ -329,14 +324,9 @@ class _Column:
         """Whether the minima of a cell are deeper than the threshold at all its ratios, and at none."""
         last = len(self.ratios) - 1
         span = self.ratios[np.minimum(first, last)], self.ratios[np.maximum(stop - 1, 0)]
-        deep = np.zeros(first.shape, bool)
+        deep, shallow = np.zeros(first.shape, bool), np.zeros(first.shape, bool)
         for nodes in (left, right, middle):
-            at_ends = [nodes.well_odd + r * nodes.well_even for r in span]
-            deep |= (at_ends[0] > 0) & (at_ends[1] > 0)
-        shallow = np.zeros(first.shape, bool)
-        for nodes, sign in ((left, -1.0), (right, 1.0)):
-            step = 2 * sign * half
-            odd, even = nodes.well_odd + step * nodes.odd, nodes.well_even + step * nodes.even
-            at_ends = [odd + r * even for r in span]
-            shallow |= (at_ends[0] <= 0) & (at_ends[1] <= 0)
+            deep |= (nodes.deeper(span[0]) > 0) & (nodes.deeper(span[1]) > 0)
+        for nodes, step in ((left, -2 * half), (right, 2 * half)):
+            shallow |= (nodes.deeper(span[0], step) <= 0) & (nodes.deeper(span[1], step) <= 0)
         return deep, shallow & ~deep

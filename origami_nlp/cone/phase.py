@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
-from origami_nlp.cone.flaps import check_degree
 from origami_nlp.cone.map import CountMap, count_map
-from origami_nlp.cone.minima import check_depth, check_ratio
-from origami_nlp.cone.phase_curves import Boundary, phase_boundaries
-from origami_nlp.cone.phase_energy import rest_range
+from origami_nlp.cone.phase_curves import PhaseBoundary, phase_boundaries
+from origami_nlp.cone.rules import Cone, check_depth, check_ratio
 from origami_nlp.errors import OptionError
 
 RATIOS = (1e-2, 1e2)
@@ -35,12 +33,12 @@ class PhaseDiagram:
 
     map: CountMap
     contact: bool
-    boundaries: tuple[Boundary, ...] = field(repr=False)
+    boundaries: tuple[PhaseBoundary, ...] = field(repr=False)
 
     @property
     def degree(self) -> int:
         """N."""
-        return self.map.degree
+        return self.map.cone.degree
 
     @cached_property
     def minima(self) -> np.ndarray:
@@ -54,45 +52,56 @@ class PhaseDiagram:
 
 
 def phase_diagram(
-    degree: int,
+    cone: Cone | int,
     *,
     size: int = 200,
     ratios: tuple[float, float] = RATIOS,
     rest_elevations: tuple[float, float] | None = None,
     depth: float = 0.0,
-    rest: str = "waterbomb",
-    end: str = "contract",
     contact: bool = True,
     progress: Callable[[int], None] | None = None,
 ) -> PhaseDiagram:
-    """Compute a phase diagram.
+    """Compute a phase diagram: numbers of branch minima over (nu_0, r_k), and their exact boundaries.
 
     Parameters
     ----------
+    cone
+        A `Cone`, or its degree: even, 6 to 200.
     size
-        Points of the map along each coordinate, at the centres of its cells.
+        Points of the map along each coordinate, at the centres of its cells: 2 to 2,000.
     ratios
         Smallest and largest r_k; spaced geometrically.
     rest_elevations
         Lowest and highest nu_0 [rad]; default: all before contact (for the printed rest formula, the paper's).
-    depth, rest, end
-        See `cone_minima.branch_minima`.
+    depth
+        Count only minima with (U_flat - U)/U_flat > depth; see `count`.
     contact
         Whether minima at the end of a branch count.
     progress
         Called with the number of columns of the map that are done.
 
+    Returns
+    -------
+    PhaseDiagram
+        Draw it with `draw_phase`.
+
     Raises
     ------
     OptionError, AngleError
         For values out of range.
+
+    Examples
+    --------
+    >>> from origami_nlp import cone
+    >>> cone.phase_diagram(6, size=4).numbers
+    (8,)
     """
-    check_degree(degree, LARGEST_DEGREE)
+    cone = Cone.of(cone, LARGEST_DEGREE)
     check_size(size)
     check_flag("contact", contact)
     check_callback("progress", progress)
     bottom, top = (check_ratio(r, "ratios") for r in _pair("ratios", ratios))
-    low, high = rest_range(degree, rest)
+    low, high = cone.rest_range
     if rest_elevations is not None:
         pair = _pair("rest_elevations", rest_elevations)
         low, high = (check_number("rest_elevations", v, low, high) for v in pair)
@@ -104,10 +113,8 @@ def phase_diagram(
     r = bottom * (top / bottom) ** cells
     nu = low + (high - low) * cells
     nu = nu[nu != 0]  # on that line no branch has a minimum but the flat state
-    counts = count_map(
-        degree, r, nu, depth=check_depth(depth), rest=rest, end=end, progress=progress
-    )
-    curves = phase_boundaries(degree, depth=depth, rest=rest, end=end)
+    counts = count_map(cone, r, nu, depth=check_depth(depth), progress=progress)
+    curves = phase_boundaries(cone, depth=depth)
     inside = [b for b in curves if _within(b, (low, high), (bottom, top))]
     return PhaseDiagram(counts, contact, tuple(inside))
 
@@ -129,7 +136,7 @@ def _pair(name: str, value: object) -> tuple[Any, Any]:
     return value[0], value[1]
 
 
-def _within(curve: Boundary, nu: tuple[float, float], ratio: tuple[float, float]) -> bool:
+def _within(curve: PhaseBoundary, nu: tuple[float, float], ratio: tuple[float, float]) -> bool:
     """Whether a curve runs through the window of a diagram."""
     x, y = curve.rest_elevation, curve.ratio
     return bool(((x >= nu[0]) & (x <= nu[1]) & (y >= ratio[0]) & (y <= ratio[1])).any())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,10 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from origami_nlp.arguments import check_path, check_type
+from origami_nlp.cone.classes import EnergyClass
+from origami_nlp.cone.energy import class_energy
 from origami_nlp.cone.phase import PhaseDiagram
-from origami_nlp.cone.phase_curves import Boundary
-from origami_nlp.cone.phase_energy import BranchClass, class_energy
+from origami_nlp.cone.phase_curves import PhaseBoundary
 from origami_nlp.files import save_figure
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
@@ -111,14 +113,14 @@ def frame(axes: Any, nu: tuple[float, float], ratio: tuple[float, float]) -> Non
     axes.tick_params(labelsize=7)
 
 
-def ink(branches: BranchClass) -> str:
+def ink(branches: EnergyClass) -> str:
     """Colour of a class: by its number of valley flaps."""
-    return INKS[(branches.flaps - branches.valleys) % len(INKS)]
+    return INKS[branches.mountains % len(INKS)]
 
 
 def draw_boundaries(
     axes: Any,
-    boundaries: Sequence[Boundary],
+    boundaries: Sequence[PhaseBoundary],
     nu: tuple[float, float],
     ratio: tuple[float, float],
     *,
@@ -133,7 +135,7 @@ def draw_boundaries(
     """
     sign = -1.0 if mirrored else 1.0
     drawn: set[tuple[object, ...]] = set()
-    texts: list[tuple[Boundary, np.ndarray, np.ndarray]] = []
+    texts: list[tuple[PhaseBoundary, np.ndarray, np.ndarray]] = []
     for curve in boundaries:
         key = _same_curve(curve)
         if key in drawn:
@@ -154,7 +156,7 @@ def draw_boundaries(
         _place_labels(axes, texts, nu, ratio, size)
 
 
-def _same_curve(curve: Boundary) -> tuple[object, ...]:
+def _same_curve(curve: PhaseBoundary) -> tuple[object, ...]:
     """Start curves do not depend on the number of changes: one line stands for all of them."""
     b = curve.branches
     changes = None if curve.kind == "start" else b.changes
@@ -163,16 +165,14 @@ def _same_curve(curve: Boundary) -> tuple[object, ...]:
     return (b.valleys, changes, b.direction, curve.kind, where)
 
 
-def start_label(branches: BranchClass) -> str:
+def start_label(branches: EnergyClass) -> str:
     """Label of a start curve, which all arrangements of the same numbers of flaps share."""
-    return BranchClass(
-        branches.degree, branches.valleys, min(branches.changes, 2), branches.direction, 0, 0.0
-    ).label
+    return replace(branches, changes=min(branches.changes, 2)).label
 
 
 def _place_labels(
     axes: Any,
-    curves: Sequence[tuple[Boundary, np.ndarray, np.ndarray]],
+    curves: Sequence[tuple[PhaseBoundary, np.ndarray, np.ndarray]],
     nu: tuple[float, float],
     ratio: tuple[float, float],
     size: float,
@@ -221,15 +221,15 @@ def _place_labels(
         )
 
 
-def _side_of_minimum(curve: Boundary) -> float:
+def _side_of_minimum(curve: PhaseBoundary) -> float:
     """+1 where the branch has a minimum (at its end: inside) above the curve, else -1."""
     middle = len(curve.ratio) // 2
     nu, t = curve.rest_elevation[middle], curve.elevation[middle]
     energy = class_energy(curve.branches, t, nu)
     if curve.kind in ("start", "end"):
-        falls = float(energy.db) < 0  # with larger r the energy falls more steeply
+        falls = float(energy.slopes[1]) < 0  # with larger r the energy falls more steeply
         return 1.0 if falls == (curve.kind == "start") else -1.0
-    slope_of_well = float(energy.b_well)
+    slope_of_well = float(energy.wells[1])
     return 1.0 if slope_of_well > 0 else -1.0
 
 
@@ -283,14 +283,14 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
             counts.ratios,
             counts.at_end,
             counts.branches,
-            title=end_words(counts.end_rule),
+            title=end_words(counts.cone.end),
         )
     window = (grid[0].get_xlim(), grid[0].get_ylim())
     draw_boundaries(grid[-1], diagram.boundaries, *window)
     grid[-1].set_title("boundaries, labelled where the branch has a minimum", fontsize=9)
     legend(grid[-1])
     figure.suptitle(
-        f"cone of degree {diagram.degree}, {counts.branches} branches, rest state: {counts.rest_rule}",
+        f"cone of degree {diagram.degree}, {counts.branches} branches, rest state: {counts.cone.rest}",
         fontsize=10,
     )
     if path is not None:

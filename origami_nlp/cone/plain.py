@@ -1,4 +1,4 @@
-"""Cones as JSON: counts (schema ``origami-nlp/cone/1``), foldings and branches.
+"""Cones as JSON and CSV: counts (schema ``origami-nlp/cone/1``), foldings, branches, phase diagrams, full space.
 
 A minimum's kind is "interior", "contact", or "cut" (the energy falls where a branch is cut and nothing touches).
 
@@ -9,25 +9,26 @@ Integers beyond 2^53, which JSON readers round, are strings; ``branches`` always
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.cone.branches import ConeBranch, direction_name
-from origami_nlp.cone.flaps import (
-    bracelet_number,
-    bracelets,
-    necklace_number,
-    necklaces,
-    write_flaps,
-)
+from origami_nlp.cone.branches import ConeBranch
+from origami_nlp.cone.classes import direction_name
+from origami_nlp.cone.flaps import write_flaps
 from origami_nlp.cone.minima import ConeCount
+from origami_nlp.cone.necklaces import foldings, number_of_foldings
+from origami_nlp.cone.phase import PhaseDiagram
+from origami_nlp.cone.stability import ConeFullSpace, JudgedMinimum
 from origami_nlp.files import write_whole
 
 COUNT_SCHEMA = "origami-nlp/cone/1"
 FOLDINGS_SCHEMA = "origami-nlp/cone-foldings/1"
 BRANCH_SCHEMA = "origami-nlp/cone-branch/1"
+PHASE_SCHEMA = "origami-nlp/cone-phase/1"
+FULL_SCHEMA = "origami-nlp/cone-full/1"
 SAFE = 2**53
 """Largest integer written as a number."""
 
@@ -37,25 +38,19 @@ def exact(number: int) -> int | str:
     return number if abs(number) <= SAFE else str(number)
 
 
+def _exact_all(values: np.ndarray) -> list[list[int | str]]:
+    return [[exact(v) for v in row] for row in values.tolist()]
+
+
 def count_to_dict(count: ConeCount) -> dict[str, Any]:
     """Return a count as plain JSON data; one entry of ``classes`` for each class and minimum."""
     m = count.minima
-    text: dict[int, int | str] = {}
-    for number in m.multiplicity:  # the same numbers come again and again: write each once
-        if number not in text:
-            text[number] = exact(number)
-    columns = zip(
-        m.valleys.tolist(),
-        m.changes.tolist(),
-        m.direction.tolist(),
-        m.multiplicity,
-        m.elevation.tolist(),
-        m.energy.tolist(),
-        m.depth.tolist(),
-        m.kind.tolist(),
-        m.multiplier.tolist(),
-        strict=True,
-    )
+    # the same numbers come again and again: write each once
+    text = {number: exact(number) for number in dict.fromkeys(m.multiplicity)}
+    columns = {f.name: getattr(m, f.name) for f in fields(m)}
+    columns["direction"] = [direction_name(d) for d in m.direction.tolist()]
+    columns["multiplicity"] = [text[number] for number in m.multiplicity]
+    lists = [c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()]
     return {
         "schema": COUNT_SCHEMA,
         "degree": count.degree,
@@ -63,56 +58,32 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
         "stable_interior": exact(count.stable_interior),
         "stable_contact": exact(count.stable_contact),
         "falling_at_cut": exact(count.falling_at_cut),
-        "classes": [
-            {
-                "valleys": valleys,
-                "changes": changes,
-                "direction": "up" if direction > 0 else "down",
-                "multiplicity": text[number],
-                "elevation": elevation,
-                "energy": energy,
-                "depth": depth,
-                "kind": kind,
-                "multiplier": multiplier,
-            }
-            for (
-                valleys,
-                changes,
-                direction,
-                number,
-                elevation,
-                energy,
-                depth,
-                kind,
-                multiplier,
-            ) in columns
-        ],
+        "classes": [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)],
     }
 
 
 def foldings_to_dict(degree: int, listed: bool) -> dict[str, Any]:
     """Return the numbers of different foldings, and the foldings themselves where `listed`."""
+    kinds = {"necklace": True, "bracelet": False}
     data: dict[str, Any] = {
         "schema": FOLDINGS_SCHEMA,
         "degree": degree,
         "assignments": str(1 << (degree // 2)),
-        "necklaces": exact(necklace_number(degree)),
-        "bracelets": exact(bracelet_number(degree)),
+        **{
+            f"{kind}s": exact(number_of_foldings(degree, mirrors_differ=differ))
+            for kind, differ in kinds.items()
+        },
     }
-    if listed:
-        for name, foldings in (
-            ("necklace_list", necklaces(degree)),
-            ("bracelet_list", bracelets(degree)),
-        ):
-            data[name] = [
-                {
-                    "flaps": write_flaps(f.flaps),
-                    "symmetry": f.symmetry,
-                    "copies": f.copies,
-                    "chiral": f.chiral,
-                }
-                for f in foldings
-            ]
+    for kind, differ in kinds.items() if listed else ():
+        data[f"{kind}_list"] = [
+            {
+                "flaps": write_flaps(f.flaps),
+                "symmetry": f.symmetry,
+                "copies": f.copies,
+                "chiral": f.chiral,
+            }
+            for f in foldings(degree, mirrors_differ=differ)
+        ]
     return data
 
 
@@ -132,6 +103,84 @@ def branch_to_dict(branch: ConeBranch, elevation: float) -> dict[str, Any]:
         "fold_angles": phi.tolist(),
         "edges_foldAngle": np.degrees(phi).tolist(),
         "edges_assignment": ["V" if p > 0 else "M" if p < 0 else "F" for p in phi],
+    }
+
+
+def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
+    """Return a phase diagram as plain data; maps are [ratio][rest elevation]."""
+    m = diagram.map
+    return {
+        "schema": PHASE_SCHEMA,
+        "degree": m.cone.degree,
+        "branches": str(m.branches),
+        "rest": m.cone.rest,
+        "end": m.cone.end,
+        "depth": m.depth,
+        "contact": diagram.contact,
+        "ratios": m.ratios.tolist(),
+        "rest_elevations": m.elevations.tolist(),
+        "interior": _exact_all(m.interior),
+        "contact_pinned": _exact_all(m.contact),
+        "falling_at_cut": _exact_all(m.cut),
+        "boundaries": [
+            {
+                "valleys": b.branches.valleys,
+                "changes": b.branches.changes,
+                "direction": direction_name(b.branches.direction),
+                "multiplicity": exact(b.branches.multiplicity),
+                "kind": b.kind,
+                "rest_elevation": b.rest_elevation.tolist(),
+                "ratio": b.ratio.tolist(),
+                "elevation": b.elevation.tolist(),
+            }
+            for b in diagram.boundaries
+        ],
+    }
+
+
+def map_as_csv(diagram: PhaseDiagram) -> str:
+    """Return the map as comma-separated rows: rest elevation [rad], ratio, and numbers of minima by kind."""
+    m = diagram.map
+    lines = ["rest_elevation,ratio,interior,contact_pinned,falling_at_cut"]
+    for i, nu in enumerate(m.elevations.tolist()):
+        for k, r in enumerate(m.ratios.tolist()):
+            numbers = ",".join(str(int(n[k, i])) for n in (m.interior, m.contact, m.cut))
+            lines.append(f"{nu!r},{r!r},{numbers}")
+    return "\n".join(lines) + "\n"
+
+
+def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
+    """Return full-space verdicts as plain data, descents included."""
+    return {
+        "schema": FULL_SCHEMA,
+        "degree": found.cone.degree,
+        "ratio": found.ratio,
+        "rest_elevation": found.rest.elevation,
+        "rest_angles": [found.rest.odd, found.rest.even],
+        "branch_minima": found.count(),
+        **{v: found.count(v) for v in ("stable", "unstable", "undecided")},
+        "states": [_judged(s) for s in found.states],
+    }
+
+
+def _judged(state: JudgedMinimum) -> dict[str, Any]:
+    own, told = state.branch, state.full_space
+    descent = told.descent
+    return {
+        "flaps": write_flaps(own.flaps),
+        "direction": direction_name(own.direction),
+        "symmetry": own.symmetry,
+        "copies": state.copies,
+        "kind": state.kind,
+        "elevation": own.direction * state.elevation,
+        "energy": state.energy,
+        "depth": state.depth,
+        "fold_angles": list(state.fold_angles),
+        "residual": None if np.isnan(state.residual) else state.residual,
+        "verdict": state.verdict,
+        "certificate": told.certificate,
+        "hessian_eigenvalues": list(told.hessian_eigenvalues),
+        "descent": descent and [{"fold_angles": list(a), "energy": e} for a, e in descent],
     }
 
 

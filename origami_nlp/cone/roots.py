@@ -16,14 +16,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.cone.energy import DirectionClasses, crease_angles
+from origami_nlp.cone.energy import OddCreases, SideEnergy
 
 CELLS = 12
-"""Cells a branch starts with."""
+"""Cells a branch starts with; counts do not depend on it."""
 HALVINGS = 26
-"""A cell is halved at most this often: a double zero is then known to 1e-9 of the branch."""
-TIE = 64 * np.finfo(float).eps
-"""|F| below this share of the terms it sums is taken for 0."""
+"""A cell is halved at most this often: 2^-26 = 1.5e-8 = sqrt(eps) of the branch's twelfth, where the two zeros of a
+fold are one to rounding (F is eps of its terms at sqrt(eps) from a double zero)."""
+EPS = float(np.finfo(float).eps)
+TIE = 64 * EPS
+"""|F| below this share of the terms it sums is taken for 0: three sizes and the even creases, each product of a few
+factors right to 4 eps, add up to less."""
+FREE = 1 + 1e-12
+"""Bounds of |F'| are widened by this factor before F is said to have no zero on a cell: F and its bound are right
+to TIE = 1.4e-14 of their terms, and wider bounds cost a halving only."""
+WIDER = 1e-13
+"""Enclosures of F' are widened by this share for the rounding of the sizes and derivatives at the ends of a cell
+(closed forms right to some 20 eps), products and sums included."""
+CLOSE = EPS
+"""A zero is found when Newton's step is below this share of it (the last bit), or its bracket below twice that."""
+STEPS = 200
+"""Most steps for one zero: bisection alone needs 52 from a bracket as wide as its middle, more near the flat state."""
 BLOCK = 40_000
 """Classes treated at a time (memory)."""
 
@@ -51,53 +64,43 @@ class SlopeSigns:
     undecided: np.ndarray
 
 
-def slope_signs(branches: DirectionClasses, ratio: float) -> SlopeSigns:
+def slope_signs(side: SideEnergy, ratio: float) -> SlopeSigns:
     """Isolate the minima of all classes of one direction at stiffness ratio r = k_even/k_odd."""
-    count = len(branches.classes)
     parts = []
-    for end in np.unique(branches.end):
-        rows = np.nonzero(branches.end == end)[0]
+    for end, rows in side.by_end():
         for block in np.array_split(rows, math.ceil(len(rows) / BLOCK)):
-            parts.append(_isolate(branches, ratio, block, float(end)))
-    start, stop = np.zeros(count), np.zeros(count)
-    for block, at_start, at_end, *_ in parts:
-        start[block], stop[block] = at_start, at_end
-    found, low, high, undecided = (np.concatenate([p[k] for p in parts]) for k in (3, 4, 5, 6))
+            parts.append((block, _isolate(side.only(block), ratio, end)))
+    start, stop = np.zeros(len(side.end)), np.zeros(len(side.end))
+    for block, part in parts:
+        start[block], stop[block] = part.start, part.end
+    found = np.concatenate([block[p.rows] for block, p in parts])
+    low, high = (np.concatenate([getattr(p, k) for _, p in parts]) for k in ("low", "high"))
+    undecided = np.concatenate([block[p.undecided] for block, p in parts])
     order = np.lexsort((low, found))
     return SlopeSigns(found[order], low[order], high[order], start, stop, np.unique(undecided))
 
 
-def _isolate(
-    branches: DirectionClasses, ratio: float, block: np.ndarray, end: float
-) -> tuple[np.ndarray, ...]:
-    """(block, F(0), F(end), bracket rows, low, high, undecided rows) of classes with one end."""
+def _isolate(side: SideEnergy, ratio: float, end: float) -> SlopeSigns:
+    """Isolate the minima of classes with one end; brackets in any order."""
     grid = np.linspace(0.0, end, CELLS + 1)
-    weights, vertex = branches.weights[block], branches.even_vertex[block]
-    even = 4 * branches.flaps * ratio
-
-    def slope(s: np.ndarray) -> np.ndarray:
-        size, first, _ = crease_angles(branches.degree, s)
-        kinds = (size + branches.reach * branches.signs) * first
-        return weights @ kinds.T + even * (s - vertex[:, None])
-
-    at_nodes = slope(grid)
+    even = 4 * side.flaps * ratio
+    at_nodes = side.at(grid).slope(ratio)
     for k in (0, -1):
-        scale = branches.slope_scale(grid[[k]], ratio, block)
-        tied = np.abs(at_nodes[:, k]) <= TIE * scale
-        at_nodes[tied, k] = 0.0
+        scale = side.at(grid[[k]]).slope_scale(ratio)[:, 0]
+        at_nodes[np.abs(at_nodes[:, k]) <= TIE * scale, k] = 0.0
     start, stop = at_nodes[:, 0].copy(), at_nodes[:, -1].copy()
 
-    low, high = curvature_bounds(branches, grid[:-1], grid[1:])
-    slowest, fastest = weights @ low.T + even, weights @ high.T + even
-    middle = slope((grid[:-1] + grid[1:]) / 2)
-    half = np.diff(grid) / 2
+    low, high = curvature_bounds(side, grid[:-1], grid[1:])
+    slowest, fastest = side.weights @ low.T + even, side.weights @ high.T + even
+    middle = side.at((grid[:-1] + grid[1:]) / 2).slope(ratio)
     monotone = (slowest > 0) | (fastest < 0)
-    free = np.abs(middle) > half * np.maximum(np.abs(slowest), np.abs(fastest)) * (1 + 1e-12)
+    steepest = np.maximum(np.abs(slowest), np.abs(fastest))
+    free = np.abs(middle) > np.diff(grid) / 2 * steepest * FREE
     rising = (at_nodes[:, :-1] < 0) & (at_nodes[:, 1:] >= 0)
     # a zero at the very end is not inside the branch; ends are judged on their own
     rising[:, -1] &= stop > 0
     r, c = np.nonzero(rising & monotone)
-    rows, lows, highs = [r], [grid[c]], [grid[c + 1]]
+    brackets = [(r, grid[c], grid[c + 1])]
 
     r, c = np.nonzero(~monotone & ~free)
     a, b, fa, fb = grid[c], grid[c + 1], at_nodes[r, c], at_nodes[r, c + 1]
@@ -105,48 +108,28 @@ def _isolate(
         if not r.size:
             break
         m = (a + b) / 2
-        fm = _own_slope(branches, ratio, block[r], m)
+        fm = side.at(m, r).slope(ratio)
         r, a, b = np.concatenate([r, r]), np.concatenate([a, m]), np.concatenate([m, b])
         fa, fb = np.concatenate([fa, fm]), np.concatenate([fm, fb])
-        low, high = curvature_bounds(branches, a, b)
-        slow = np.einsum("kc,kc->k", weights[r], low) + even
-        fast = np.einsum("kc,kc->k", weights[r], high) + even
+        low, high = curvature_bounds(side, a, b)
+        slow = np.einsum("kc,kc->k", side.weights[r], low) + even
+        fast = np.einsum("kc,kc->k", side.weights[r], high) + even
         monotone = (slow > 0) | (fast < 0)
         rises = monotone & (fa < 0) & (fb >= 0) & ~((b == end) & (fb == 0))
-        rows.append(r[rises])
-        lows.append(a[rises])
-        highs.append(b[rises])
-        at_middle = _own_slope(branches, ratio, block[r], (a + b) / 2)
-        width = (b - a) / 2 * np.maximum(np.abs(slow), np.abs(fast)) * (1 + 1e-12)
+        brackets.append((r[rises], a[rises], b[rises]))
+        at_middle = side.at((a + b) / 2, r).slope(ratio)
+        width = (b - a) / 2 * np.maximum(np.abs(slow), np.abs(fast)) * FREE
         left = ~monotone & ~(np.abs(at_middle) > width)
         r, a, b, fa, fb = r[left], a[left], b[left], fa[left], fb[left]
     # what is left is a double zero to rounding; a change of sign across it is still a minimum
     crossing = (fa < 0) & (fb >= 0)
-    rows.append(r[crossing])
-    lows.append(a[crossing])
-    highs.append(b[crossing])
-    found = np.concatenate(rows)
-    return (
-        block,
-        start,
-        stop,
-        block[found],
-        np.concatenate(lows),
-        np.concatenate(highs),
-        block[np.unique(r)],
-    )
-
-
-def _own_slope(
-    branches: DirectionClasses, ratio: float, rows: np.ndarray, s: np.ndarray
-) -> np.ndarray:
-    """F of class rows[k] at s[k]."""
-    odd, even = branches.slopes(s, rows)
-    return odd + ratio * even
+    brackets.append((r[crossing], a[crossing], b[crossing]))
+    rows, lows, highs = (np.concatenate(part) for part in zip(*brackets, strict=True))
+    return SlopeSigns(rows, lows, highs, start, stop, np.unique(r))
 
 
 def curvature_bounds(
-    branches: DirectionClasses, low: np.ndarray, high: np.ndarray
+    side: SideEnergy, low: np.ndarray, high: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Enclose the contribution of one odd crease of each size to A'' on cells [low, high].
 
@@ -155,19 +138,18 @@ def curvature_bounds(
     slowest, fastest
         Bounds of (Z + c) Z'' + Z'^2 for Z = P, S, X, shape [k, 3].  A'' is within weights times them.
     """
-    size_a, first_a, second_a = crease_angles(branches.degree, low)
-    size_b, first_b, second_b = crease_angles(branches.degree, high)
+    degree = side.cone.degree
+    a, b = (OddCreases.at(degree, s, side.reach) for s in (low, high))
     # Z increases; Z' >= 0 is monotone, so its extremes are at the ends
-    x0 = size_a + branches.reach * branches.signs
-    x1 = size_b + branches.reach * branches.signs
-    g0, g1 = np.minimum(first_a, first_b), np.maximum(first_a, first_b)
+    x0, x1 = a.stretch, b.stretch
+    g0, g1 = np.minimum(a.first, b.first), np.maximum(a.first, b.first)
     # P'' >= 0 increases; -S'' and -X'' are >= 0, rise to one peak and fall
-    bend_a, bend_b = np.abs(second_a), np.abs(second_b)
+    bend_a, bend_b = np.abs(a.second), np.abs(b.second)
     y0, y1 = np.minimum(bend_a, bend_b), np.maximum(bend_a, bend_b)
-    peak = np.array([math.inf, *_peaks(branches.degree)])
+    peak = np.array([math.inf, *_peaks(degree)])
     inside = (low[:, None] < peak) & (peak < high[:, None])
     if inside.any():
-        at_peak = np.abs(crease_angles(branches.degree, np.minimum(peak, math.pi / 2))[2])
+        at_peak = np.abs(OddCreases.at(degree, np.minimum(peak, math.pi / 2), 0.0).second)
         tops = np.array([0.0, at_peak[1, 1], at_peak[2, 2]])
         y1 = np.where(inside, np.maximum(y1, tops), y1)
     product0 = np.minimum(x0 * y0, x0 * y1)
@@ -175,7 +157,7 @@ def curvature_bounds(
     down = np.array([False, True, True])
     slowest = np.where(down, -product1, product0) + g0**2
     fastest = np.where(down, -product0, product1) + g1**2
-    return slowest - 1e-13 * np.abs(slowest), fastest + 1e-13 * np.abs(fastest)
+    return slowest - WIDER * np.abs(slowest), fastest + WIDER * np.abs(fastest)
 
 
 def _peaks(degree: int) -> tuple[float, float]:
@@ -196,32 +178,31 @@ def _peaks(degree: int) -> tuple[float, float]:
     return 2 * math.atan(math.sqrt(t2)), unlike
 
 
-def polish(branches: DirectionClasses, ratio: float, signs: SlopeSigns) -> np.ndarray:
+def polish(side: SideEnergy, ratio: float, signs: SlopeSigns) -> np.ndarray:
     """Close the brackets on the zeros of F to rounding: Newton steps kept inside by bisection."""
     low, high, rows = signs.low.copy(), signs.high.copy(), signs.rows
     s = (low + high) / 2
     active = np.arange(len(s))
     before = high - low
-    for _ in range(200):
+    for _ in range(STEPS):
         if not active.size:
             break
-        at, own = s[active], rows[active]
-        odd, even = branches.slopes(at, own)
-        value = odd + ratio * even
-        bend, even2 = branches.curvatures(at, own)
+        at = s[active]
+        here = side.at(at, rows[active])
+        value = here.slope(ratio)
         below = value < 0
         low[active] = np.where(below, at, low[active])
         high[active] = np.where(below, high[active], at)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = value / (bend + ratio * even2)
+            step = value / here.curvature(ratio)
         new = at - step
         a, b = low[active], high[active]
         # bisect when Newton leaves the bracket or does not halve its last step
         poor = ~((new > a) & (new < b)) | (np.abs(step) > before[active] / 2)
-        small = np.abs(step) <= 2e-16 * at
+        small = np.abs(step) <= CLOSE * at
         new = np.where(poor & ~small, (a + b) / 2, np.where(poor, at, new))
         before[active] = np.abs(new - at)
         s[active] = new
-        done = small | (value == 0) | (b - a <= 4e-16 * b) | (before[active] <= 2e-16 * at)
+        done = small | (value == 0) | (b - a <= 2 * CLOSE * b) | (before[active] <= CLOSE * at)
         active = active[~done]
     return s

@@ -1,6 +1,9 @@
-"""Cones as tables for a terminal: minima of the classes of branches, different foldings, one state."""
+"""Cones as tables for a terminal: counted minima, foldings, one state, phase diagrams, verdicts in the full space."""
 
 from __future__ import annotations
+
+import re
+from collections import Counter
 
 import numpy as np
 from rich import box
@@ -8,18 +11,21 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.cone.branches import ConeBranch, class_label
-from origami_nlp.cone.flaps import (
-    bracelet_number,
-    bracelets,
-    necklace_number,
-    necklaces,
-    write_flaps,
-)
+from origami_nlp.cone.branches import ConeBranch
+from origami_nlp.cone.classes import EnergyClass
+from origami_nlp.cone.flaps import write_flaps
 from origami_nlp.cone.minima import ConeCount
+from origami_nlp.cone.necklaces import foldings, number_of_foldings
+from origami_nlp.cone.phase import PhaseDiagram
+from origami_nlp.cone.stability import ConeFullSpace, JudgedMinimum
 from origami_nlp.pattern import format_angle
+from origami_nlp.show import folding_table
 
-MOST_ROWS = 60
+MOST_ROWS, MOST_TIES = 60, 8
+"""Minima and ties that are printed one by one."""
+SMALL = 1e-3
+"""Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
+FULL_HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 LONGEST_NUMBER = 9
 """Digits of an integer written out in tables."""
 
@@ -43,7 +49,7 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
     rest = count.rest
     console.print(
         f"cone of degree {count.degree}, r_k = {count.ratio:g}, rest elevation "
-        f"{format_angle(rest.elevation)} ({rest.rule}), branches end by the {count.end_rule} rule"
+        f"{format_angle(rest.elevation)} ({count.cone.rest}), branches end by the {count.cone.end} rule"
     )
     for name, number in (
         ("interior minima", count.stable_interior),
@@ -59,11 +65,11 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
         )
     if count.depth > 0:
         console.print(f"  counted: wells deeper than {count.depth:g} of the flat state's energy")
-    for valleys, changes, direction in count.undecided[:8]:
-        label = class_label(valleys, changes, count.degree, direction)
-        console.print(f"  tie to rounding on {label}: slope 0 at an end, or a double zero")
-    if len(count.undecided) > 8:
-        console.print(f"  and ties on {len(count.undecided) - 8} more classes")
+    for tied in count.undecided[:MOST_TIES]:
+        name = EnergyClass(count.cone, *tied).name
+        console.print(f"  tie to rounding on {name}: slope 0 at an end, or a double zero")
+    if len(count.undecided) > MOST_TIES:
+        console.print(f"  and ties on {len(count.undecided) - MOST_TIES} more classes")
     if not len(count.minima):
         return
     console.print(count_table(count, most))
@@ -80,13 +86,12 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
     table.add_column("kind", no_wrap=True)
     m = count.minima
     for k in np.argsort(-m.depth, kind="stable")[:most].tolist():
-        valleys, changes = int(m.valleys[k]), int(m.changes[k])
-        label = class_label(valleys, changes, count.degree, int(m.direction[k]))
+        own = EnergyClass(count.cone, int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
         table.add_row(
-            Text(label.split(" (")[0]),
-            str(changes),
+            Text(own.name.split(" (")[0]),
+            str(own.changes),
             number_words(m.multiplicity[k]),
-            f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > 1e-3 else f"{m.elevation[k]:.3e}",
+            f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > SMALL else f"{m.elevation[k]:.3e}",
             f"{m.energy[k]:.5g}",
             f"{m.depth[k]:.4g}",
             "interior" if m.interior[k] else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
@@ -96,16 +101,17 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
 
 def print_foldings(degree: int, console: Console, listed: bool) -> None:
     """Print how many foldings of a degree differ, and which where `listed`."""
+    turned, mirrored = (number_of_foldings(degree, mirrors_differ=m) for m in (True, False))
     console.print(
         f"cone of degree {degree}: {number_words(1 << (degree // 2))} assignments at an elevation, of which differ\n"
-        f"  by more than a rotation (necklaces): {number_words(necklace_number(degree))}\n"
-        f"  by more than rotation and reflection (bracelets): {number_words(bracelet_number(degree))}\n"
+        f"  by more than a rotation (necklaces): {number_words(turned)}\n"
+        f"  by more than rotation and reflection (bracelets): {number_words(mirrored)}\n"
         "valleys and mountains are not swapped; with both signs of the elevation, turning the sheet over "
         "leaves the same numbers"
     )
     if not listed:
         return
-    kept = {f.flaps for f in bracelets(degree)}
+    kept = {f.flaps for f in foldings(degree, mirrors_differ=False)}
     table = Table(box=box.SIMPLE_HEAD)
     for head, justify in (
         ("#", "right"),
@@ -115,7 +121,7 @@ def print_foldings(degree: int, console: Console, listed: bool) -> None:
         ("mirror image", "left"),
     ):
         table.add_column(head, justify=justify, no_wrap=True)  # type: ignore[arg-type]
-    for number, f in enumerate(necklaces(degree), start=1):
+    for number, f in enumerate(foldings(degree), start=1):
         word = "itself" if not f.chiral else "another" if f.flaps in kept else "listed above"
         table.add_row(str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word)
     console.print(table)
@@ -134,3 +140,48 @@ def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None
     for number, angle in enumerate(phi.tolist(), start=1):
         table.add_row(str(number), f"{angle:.15g}", f"{np.degrees(angle):.12g}")
     console.print(table)
+
+
+def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
+    """Say which numbers occur and how much of the map each takes, and count the boundaries."""
+    numbers, often = np.unique(diagram.minima, return_counts=True)
+    total = diagram.map.branches
+    rows = [
+        [f"{int(n)}/{total}", f"{int(n) / total:.6g}", f"{k / diagram.minima.size:.2%}"]
+        for n, k in zip(numbers, often, strict=True)
+    ]
+    console.print(folding_table(("branch minima", "normalised", "share of the map"), rows, ""))
+    kinds = Counter(b.kind for b in diagram.boundaries)
+    console.print("boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items()))
+
+
+def print_full_space(found: ConeFullSpace, console: Console) -> None:
+    """Print one row for each arrangement, direction and minimum, and the totals over all branches.
+
+    slope: norm of the energy's gradient along closed states (0 for an equilibrium).
+    """
+    reasons = list(dict.fromkeys(_reason(s) for s in found.states))
+    rows = [
+        [
+            repr(s.branch),
+            str(s.copies),
+            s.kind,
+            f"{s.elevation:.4f}",
+            f"{s.depth:.4g}",
+            "singular" if np.isnan(s.residual) else f"{s.residual:.2e}",
+            s.verdict,
+            f"[{reasons.index(_reason(s)) + 1}]",
+        ]
+        for s in found.states
+    ]
+    title = f"cone of degree {found.cone.degree}, r_k = {found.ratio:g}, nu_0 = {found.rest.elevation:g}"
+    console.print(folding_table(FULL_HEADS, rows, title))
+    for k, reason in enumerate(reasons, start=1):
+        console.print(Text(f"[{k}] {reason}"))
+    words = [f"{found.count(v)} {v}" for v in ("stable", "unstable", "undecided")]
+    console.print(f"of {found.count()} branch minima: " + ", ".join(words))
+
+
+def _reason(state: JudgedMinimum) -> str:
+    """Certificate without the number of states of the descent."""
+    return re.sub(r"a descent of \d+", "a descent of", state.full_space.certificate)

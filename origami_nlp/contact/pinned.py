@@ -3,48 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.contact.margin import LoadMargin, load_margin
-from origami_nlp.contact.segments import STIFFNESS, SegmentReport, find_segments
+from origami_nlp.contact.margin import load_margin
+from origami_nlp.contact.report import ContactReport, PinnedState
+from origami_nlp.contact.segments import find_segments
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.minima import MinimaResult, Minimum
-
-SOFT = STIFFNESS
-"""A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
-
-
-@dataclass(frozen=True)
-class PinnedState:
-    """One minimum with closed contacts.
-
-    number: of the minimum (1-based).  stiffness: tangential stiffness [N m/rad], eigenvalues of the Hessian on
-    the space that keeps the loaded contacts closed, per unit length in the space of all N fold
-    angles; empty where that space is a point.  softness: the smallest over the sum of all k; inf where there is none.
-    """
-
-    number: int
-    minimum: Minimum
-    stiffness: tuple[float, ...]
-    softness: float
-    margin: LoadMargin
-
-    @property
-    def soft(self) -> bool:
-        """Whether the state is soft along its contact (scale-free, see `SOFT`)."""
-        return self.softness <= SOFT
-
-
-@dataclass(frozen=True)
-class ContactReport:
-    """The pinned states of a result, and, if asked for, its metastable segments."""
-
-    result: MinimaResult
-    states: tuple[PinnedState, ...]
-    segments: SegmentReport | None
+from origami_nlp.minima import MinimaResult
 
 
 def report_contacts(

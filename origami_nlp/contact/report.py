@@ -1,4 +1,4 @@
-"""The contact report as a terminal table, Markdown, JSON and static HTML.
+"""The contact report: what holds each minimum in contact, as a terminal table, Markdown, JSON and static HTML.
 
 JSON schema ``origami-nlp/contacts/1``: indices 1-based, angles in radians, moments in the scene's units; a number
 that does not exist or never ends is null.
@@ -6,23 +6,18 @@ that does not exist or never ends is null.
 
 from __future__ import annotations
 
-import base64
-import io
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
-from origami_nlp.contact.pinned import SOFT, ContactReport, PinnedState
-from origami_nlp.contact.segments import SegmentReport, segments_to_dict
-from origami_nlp.minima import contact_words
+from origami_nlp.contact.segments import STIFFNESS, SegmentReport
+from origami_nlp.minima import MinimaResult, Minimum, contact_words
 from origami_nlp.pattern import scene_to_dict
+from origami_nlp.show import Piece, Table, Told, Words, inline_image, pick, to_plain
 
 SCHEMA = "origami-nlp/contacts/1"
 HEADS = (
@@ -34,25 +29,204 @@ HEADS = (
     "load margin [N m]",
 )
 CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
+CREASES = "Largest moment on the creases of one orbit alone:"
+STYLE = (
+    "body{font:15px/1.45 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
+    "color:#1c2733;background:#fff}table{border-collapse:collapse}td,th{border-bottom:1px solid #dde3e8}"
+    ".state{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:flex-start}img{max-width:100%}"
+)
+SOFT = STIFFNESS
+"""A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
 
-def headline(report: ContactReport) -> str:
-    """Say in a line which scene it is and how many of its states are in contact."""
-    scene, count = report.result.scene, len(report.states)
-    who = scene.label or repr(scene.vertex)
-    return (
-        f"{who}: {count} of {len(report.result.minima)} minima reported, each with closed "
-        f"contacts; symmetry {scene.group.name}, contact {scene.contact}"
-    )
+@dataclass(frozen=True)
+class PinnedState:
+    """One minimum with closed contacts.
+
+    number: of the minimum (1-based).  stiffness: tangential stiffness [N m/rad], eigenvalues of the Hessian on
+    the space that keeps the loaded contacts closed, per unit length in the space of all N fold
+    angles; empty where that space is a point.  softness: the smallest over the sum of all k; inf where there is none.
+    """
+
+    number: int
+    minimum: Minimum
+    stiffness: tuple[float, ...]
+    softness: float
+    margin: LoadMargin
+
+    @property
+    def soft(self) -> bool:
+        """Whether the state is soft along its contact (scale-free, see `SOFT`)."""
+        return self.softness <= SOFT
+
+    def stiffness_words(self) -> str:
+        """Give the tangential stiffness, and whether it is soft."""
+        if not self.stiffness:
+            return "none: no motion keeps the contacts closed"
+        values = ", ".join(f"{v:.4g}" for v in self.stiffness)
+        flag = f"soft, at most {SOFT:g}" if self.soft else f"not soft, above {SOFT:g}"
+        return f"{values} (smallest / sum k = {self.softness:.3g}: {flag})"
+
+    def creases_table(self) -> Table:
+        """Return the margins under moments on one orbit of creases alone."""
+        return Table(CREASE_HEADS, [crease_cells(c) for c in self.margin.creases], columns="LLL")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        contact = (
+            "type",
+            "creases",
+            "facets",
+            "moment=multiplier",
+            "moment_range=multiplier_range",
+        )
+        return {
+            "state": self.number,
+            **pick(self.minimum, "energy", "kind", "fold_angles"),
+            "contacts": [pick(c, *contact, "text") for c in self.minimum.contacts],
+            **pick(self, "tangential_stiffness=stiffness", "softness", "soft"),
+            "load_margin": to_plain(self.margin),
+        }
 
 
-def stiffness_words(state: PinnedState) -> str:
-    """Give the tangential stiffness, and whether it is soft."""
-    if not state.stiffness:
-        return "none: no motion keeps the contacts closed"
-    values = ", ".join(f"{v:.4g}" for v in state.stiffness)
-    flag = f"soft, at most {SOFT:g}" if state.soft else f"not soft, above {SOFT:g}"
-    return f"{values} (smallest / sum k = {state.softness:.3g}: {flag})"
+@dataclass(frozen=True, repr=False)
+class ContactReport(Told):
+    """The pinned states of a result, and, if asked for, its metastable segments."""
+
+    result: MinimaResult
+    states: tuple[PinnedState, ...]
+    segments: SegmentReport | None
+
+    @property
+    def headline(self) -> str:
+        """Which scene it is, and how many of its states are in contact."""
+        scene, count = self.result.scene, len(self.states)
+        who = scene.label or repr(scene.vertex)
+        return (
+            f"{who}: {count} of {len(self.result.minima)} minima reported, each with closed "
+            f"contacts; symmetry {scene.group.name}, contact {scene.contact}"
+        )
+
+    def table(self) -> Table:
+        """Return one row a state, for the terminal."""
+        rows = [
+            (
+                str(state.number),
+                f"{state.minimum.energy:.6g}",
+                state.minimum.kind,
+                ", ".join(f"{v:.4g}" for v in state.stiffness) or "none",
+                f"{state.softness:.3g}" + (" soft" if state.soft else ""),
+                margin_number(state.margin).replace(" (dependent contacts)", ""),
+            )
+            for state in self.states
+        ]
+        heads = ("#", "energy [J]", "kind", "stiffness [N m/rad]", "/ sum k", "margin [N m]")
+        return Table(heads, rows, self.headline, "lllLll")
+
+    def full_table(self) -> Table:
+        """Return one row a state, with its contacts and in more words."""
+        rows = [
+            (
+                str(state.number),
+                f"{state.minimum.energy:.6g}",
+                state.minimum.kind,
+                "\n".join(contact_words(c) for c in state.minimum.contacts),
+                state.stiffness_words(),
+                margin_number(state.margin),
+            )
+            for state in self.states
+        ]
+        return Table(HEADS, rows, columns="LLLLLL")
+
+    def told(self) -> Iterator[Piece]:
+        """Return the table, what holds each state, and the metastable segments."""
+        yield self.table()
+        for state in self.states:
+            yield Words(f"#{state.number}", "bold")
+            yield from (f"   contact {contact_words(c)}" for c in state.minimum.contacts)
+            yield from (f"   {line}" for line in margin_lines(state.margin))
+            for crease in state.margin.creases:
+                names, up, down = crease_cells(crease)
+                yield f"   moment on creases {names} alone: valley {up}; mountain {down}"
+        if self.segments is not None:
+            yield from self.segments.told()
+
+    def to_markdown(self) -> str:
+        """Return the report as a page of Markdown."""
+        parts = [f"# {self.headline}\n", self.full_table().markdown()]
+        for state in self.states:
+            parts += [f"## State {state.number}\n", _bullets(margin_lines(state.margin))]
+            if state.margin.creases:
+                parts += [f"{CREASES}\n", state.creases_table().markdown()]
+        if self.segments is not None:
+            parts += ["## Metastable segments\n", _bullets(self.segments.told())]
+        return "\n".join(parts)
+
+    def to_html(self) -> str:
+        """Return the report as one static page: no scripts, no links, pictures inline."""
+        from origami_nlp.contact.figure import draw_contacts  # pictures are slow to import
+        from origami_nlp.contact.segments_figure import draw_segments
+
+        title = escape(self.headline)
+        parts = [
+            "<!doctype html>",
+            f"<html lang='en'><head><meta charset='utf-8'><title>{title}</title>",
+            f"<style>{STYLE}</style></head><body><h1 style='font-size:1.3rem'>{title}</h1>",
+            self.full_table().html(),
+        ]
+        for state in self.states:
+            m = state.minimum
+            figure = draw_contacts(self.result.model, m.fold_angles, m.contacts)
+            degrees = ", ".join(f"{a + 0.0:.2f}" for a in np.degrees(m.fold_angles))
+            parts += [
+                f"<h2 style='font-size:1.1rem'>State {state.number}</h2><div class='state'>",
+                inline_image(figure, f"State {state.number} with its contacts", 80, crop=True),
+                f"<div><p>Fold angles [deg]: {degrees}</p>{_items(margin_lines(state.margin))}",
+            ]
+            if state.margin.creases:
+                parts += [f"<p>{CREASES}</p>", state.creases_table().html()]
+            parts.append("</div></div>")
+        if self.states:
+            parts.append(
+                "<p><small>Thick magenta lines are creases in contact, magenta outlines facets in contact, "
+                "images under the symmetry included; grey contacts carry nothing.</small></p>"
+            )
+        if self.segments is not None:
+            parts += [
+                "<h2 style='font-size:1.1rem'>Metastable segments</h2>",
+                _items(self.segments.told()),
+                inline_image(
+                    draw_segments(self.segments),
+                    "Energy along each contact boundary",
+                    80,
+                    crop=True,
+                ),
+            ]
+        return "\n".join([*parts, "</body></html>"]) + "\n"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        data: dict[str, Any] = {
+            "schema": SCHEMA,
+            "scene": scene_to_dict(self.result.scene),
+            "softness_threshold": SOFT,
+            "states": [state.to_dict() for state in self.states],
+        }
+        if self.segments is not None:
+            data["segments"] = self.segments.to_dict()
+        return data
+
+
+print_contacts, contacts_to_dict = ContactReport.tell, ContactReport.to_dict
+as_markdown, as_html = ContactReport.to_markdown, ContactReport.to_html
+
+
+def _bullets(lines: Iterable[str]) -> str:
+    return "".join(f"- {line}\n" for line in lines)
+
+
+def _items(lines: Iterable[str]) -> str:
+    return f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>"
 
 
 def margin_number(margin: LoadMargin) -> str:
@@ -103,229 +277,3 @@ def crease_cells(margin: CreaseMargin) -> tuple[str, str, str]:
         }
         cells.append(why[end])
     return ", ".join(map(str, margin.creases)), cells[0], cells[1]
-
-
-def segment_lines(report: SegmentReport) -> list[str]:
-    """List the metastable segments, or say that there are none."""
-    if not report.curves:
-        return ["no contact boundary to follow"]
-    lines = [
-        f"{len(report.curves)} contact boundaries followed, "
-        f"{sum(c.length for c in report.curves):.2f} rad; metastable: |dU/ds| / (pi sum k) <= "
-        f"{report.slope:g}, |d2U/ds2| / (sum k) <= {report.stiffness:g}, every contact pushes"
-    ]
-    for s in report.segments:
-        where = " and ".join(report.curves[s.curve].contacts)
-        at = f", with state {', '.join(map(str, s.states))}" if s.states else ""
-        lines.append(
-            f"segment of {s.length:.3f} rad (s = {s.start:.3f} to {s.end:.3f}) on {where}{at}: "
-            f"energy changes by {s.energy_change:.3g} J, slope up to {s.slope:.2g}, stiffness up to "
-            f"{s.stiffness:.2g} (springs alone {s.springs:.2g})"
-        )
-    if not report.segments:
-        lines.append("no metastable segment")
-    return lines
-
-
-def print_contacts(report: ContactReport, console: Console) -> None:
-    """Print the report."""
-    table = Table(title=Text(headline(report)), title_justify="left")
-    for head in ("#", "energy [J]", "kind", "stiffness [N m/rad]", "/ sum k", "margin [N m]"):
-        table.add_column(Text(head), no_wrap=head != "stiffness [N m/rad]")
-    for state in report.states:
-        table.add_row(
-            str(state.number),
-            f"{state.minimum.energy:.6g}",
-            state.minimum.kind,
-            ", ".join(f"{v:.4g}" for v in state.stiffness) or "none",
-            f"{state.softness:.3g}" + (" soft" if state.soft else ""),
-            margin_number(state.margin).replace(" (dependent contacts)", ""),
-        )
-    console.print(table)
-    for state in report.states:
-        console.print(f"#{state.number}", style="bold", highlight=False)
-        for contact in state.minimum.contacts:
-            text = f"   contact {contact_words(contact)}"
-            console.print(text, highlight=False, markup=False, soft_wrap=True)
-        for line in margin_lines(state.margin):
-            console.print("   " + line, highlight=False, markup=False, soft_wrap=True)
-        for crease in state.margin.creases:
-            names, up, down = crease_cells(crease)
-            text = f"   moment on creases {names} alone: valley {up}; mountain {down}"
-            console.print(text, highlight=False, markup=False, soft_wrap=True)
-    if report.segments is not None:
-        for line in segment_lines(report.segments):
-            console.print(line, highlight=False, markup=False, soft_wrap=True)
-
-
-def _cells(state: PinnedState) -> tuple[str, ...]:
-    m = state.minimum
-    contacts = "\n".join(contact_words(c) for c in m.contacts)
-    number = margin_number(state.margin)
-    stiffness = stiffness_words(state)
-    return (str(state.number), f"{m.energy:.6g}", m.kind, contacts, stiffness, number)
-
-
-def as_markdown(report: ContactReport) -> str:
-    """Return the report as Markdown."""
-
-    def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-        body = [[c.replace("|", "\\|").replace("\n", "<br>") for c in row] for row in rows]
-        lines = [" | ".join(heads), " | ".join("---" for _ in heads)]
-        return [f"| {line} |" for line in (*lines, *(" | ".join(row) for row in body))]
-
-    lines = [f"# {headline(report)}", ""]
-    lines += table(HEADS, [_cells(state) for state in report.states])
-    for state in report.states:
-        lines += ["", f"## State {state.number}", ""]
-        lines += [f"- {line}" for line in margin_lines(state.margin)]
-        if state.margin.creases:
-            lines += ["", "Largest moment on the creases of one orbit alone:", ""]
-            lines += table(CREASE_HEADS, [crease_cells(c) for c in state.margin.creases])
-    if report.segments is not None:
-        lines += ["", "## Metastable segments", ""]
-        lines += [f"- {line}" for line in segment_lines(report.segments)]
-    return "\n".join(lines) + "\n"
-
-
-def contacts_to_dict(report: ContactReport) -> dict[str, Any]:
-    """Return the report as plain JSON data."""
-    data: dict[str, Any] = {
-        "schema": SCHEMA,
-        "scene": scene_to_dict(report.result.scene),
-        "softness_threshold": SOFT,
-        "states": [_state_to_dict(state) for state in report.states],
-    }
-    if report.segments is not None:
-        data["segments"] = segments_to_dict(report.segments)
-    return data
-
-
-def _state_to_dict(state: PinnedState) -> dict[str, Any]:
-    m, margin = state.minimum, state.margin
-    return {
-        "state": state.number,
-        "energy": m.energy,
-        "kind": m.kind,
-        "fold_angles": list(m.fold_angles),
-        "contacts": [
-            {
-                "type": c.type,
-                "creases": list(c.creases),
-                "facets": list(c.facets),
-                "moment": c.multiplier,
-                "moment_range": [_finite(v) for v in c.multiplier_range],
-                "text": c.text,
-            }
-            for c in m.contacts
-        ],
-        "tangential_stiffness": list(state.stiffness),
-        "softness": _finite(state.softness),
-        "soft": state.soft,
-        "load_margin": {
-            "status": margin.status,
-            "norm": _finite(margin.norm),
-            "first_order": _finite(margin.first_order),
-            "moments": list(margin.moments),
-            "opens": margin.opens,
-            "ends": margin.ends,
-            "symmetry": margin.symmetry,
-            "cap": margin.cap,
-            "creases": [
-                {
-                    "creases": list(c.creases),
-                    "positive": _finite(c.positive),
-                    "negative": _finite(c.negative),
-                    "first_order": [_finite(v) for v in c.first_order],
-                    "ends": list(c.ends),
-                }
-                for c in margin.creases
-            ],
-            "below": _check_to_dict(margin.below),
-            "above": _check_to_dict(margin.above),
-            "checked": margin.checked,
-            "reason": margin.reason,
-        },
-    }
-
-
-def _check_to_dict(check: Check | None) -> dict[str, Any] | None:
-    if check is None:
-        return None
-    return {
-        "factor": check.factor,
-        "by": check.by,
-        "gap": check.gap,
-        "multiplier": check.multiplier,
-        "moved": check.moved,
-        "closed": check.closed,
-    }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-STYLE = (
-    "body{font:15px/1.45 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
-    "color:#1c2733;background:#fff}table{border-collapse:collapse}td,th{text-align:left;"
-    "vertical-align:top;padding:.25rem .8rem .25rem 0;border-bottom:1px solid #dde3e8}"
-    ".state{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:flex-start}img{max-width:100%}"
-)
-
-
-def as_html(report: ContactReport) -> str:
-    """Return the report as one static page: no scripts, no links, pictures inline."""
-    from origami_nlp.contact.figure import draw_contacts
-
-    title = escape(headline(report))
-    parts = [
-        "<!doctype html>",
-        f"<html lang='en'><head><meta charset='utf-8'><title>{title}</title>",
-        f"<style>{STYLE}</style></head><body><h1 style='font-size:1.3rem'>{title}</h1>",
-        _html_table(HEADS, [_cells(state) for state in report.states]),
-    ]
-    model = report.result.model
-    for state in report.states:
-        m = state.minimum
-        figure = draw_contacts(model, m.fold_angles, m.contacts)
-        degrees = ", ".join(f"{a + 0.0:.2f}" for a in np.degrees(m.fold_angles))
-        lines = "".join(f"<li>{escape(line)}</li>" for line in margin_lines(state.margin))
-        parts.append(
-            f"<h2 style='font-size:1.1rem'>State {state.number}</h2><div class='state'>"
-            f"{_image(figure, f'State {state.number} with its contacts')}<div>"
-            f"<p>Fold angles [deg]: {degrees}</p><ul>{lines}</ul>"
-        )
-        if state.margin.creases:
-            rows = [crease_cells(c) for c in state.margin.creases]
-            parts.append("<p>Largest moment on the creases of one orbit alone:</p>")
-            parts.append(_html_table(CREASE_HEADS, rows))
-        parts.append("</div></div>")
-    if report.states:
-        parts.append(
-            "<p><small>Thick magenta lines are creases in contact, magenta outlines facets in contact, "
-            "images under the symmetry included; grey contacts carry nothing.</small></p>"
-        )
-    if report.segments is not None:
-        from origami_nlp.contact.segments_figure import draw_segments
-
-        lines = "".join(f"<li>{escape(line)}</li>" for line in segment_lines(report.segments))
-        parts.append(f"<h2 style='font-size:1.1rem'>Metastable segments</h2><ul>{lines}</ul>")
-        parts.append(_image(draw_segments(report.segments), "Energy along each contact boundary"))
-    return "\n".join([*parts, "</body></html>"]) + "\n"
-
-
-def _html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    head = "".join(f"<th>{escape(h)}</th>" for h in heads)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(c).replace(chr(10), '<br>')}</td>" for c in row) + "</tr>"
-        for row in rows
-    )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _image(figure: Any, text: str) -> str:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=80, bbox_inches="tight")
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
-    return f"<img alt='{escape(text)}' src='data:image/png;base64,{data}'>"

@@ -27,6 +27,7 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Contact, Model
+from origami_nlp.show import Told, pick
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
@@ -63,8 +64,8 @@ class Segment:
         return self.end - self.start
 
 
-@dataclass(frozen=True)
-class SegmentReport:
+@dataclass(frozen=True, repr=False)
+class SegmentReport(Told):
     """Boundary curves of a scene, the stable states on them, and their metastable segments.
 
     curves, states: in the same order; states[i] are the numbers (1-based) of the minima that curve i starts
@@ -83,6 +84,62 @@ class SegmentReport:
     def length(self) -> float:
         """Total length of all metastable segments [rad]."""
         return sum(segment.length for segment in self.segments)
+
+    def told(self) -> Iterator[str]:
+        """Return the metastable segments, or that there are none."""
+        if not self.curves:
+            yield "no contact boundary to follow"
+            return
+        yield (
+            f"{len(self.curves)} contact boundaries followed, "
+            f"{sum(c.length for c in self.curves):.2f} rad; metastable: |dU/ds| / (pi sum k) <= "
+            f"{self.slope:g}, |d2U/ds2| / (sum k) <= {self.stiffness:g}, every contact pushes"
+        )
+        for s in self.segments:
+            where = " and ".join(self.curves[s.curve].contacts)
+            at = f", with state {', '.join(map(str, s.states))}" if s.states else ""
+            yield (
+                f"segment of {s.length:.3f} rad (s = {s.start:.3f} to {s.end:.3f}) on {where}{at}: "
+                f"energy changes by {s.energy_change:.3g} J, slope up to {s.slope:.2g}, stiffness up to "
+                f"{s.stiffness:.2g} (springs alone {s.springs:.2g})"
+            )
+        if not self.segments:
+            yield "no metastable segment"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data; schema ``origami-nlp/segments/1``."""
+        along = ("s", "energy", "slope", "stiffness", "spring_stiffness=springs", "multipliers")
+        curve_keys = ("contacts", "start", "end", "dimension", *along, "pressed", "fold_angles")
+        return {
+            "schema": "origami-nlp/segments/1",
+            "scene": scene_to_dict(self.scene),
+            "thresholds": {
+                "slope_over_pi_sum_k": self.slope,
+                "stiffness_over_sum_k": self.stiffness,
+                "multiplier": "> 0",
+            },
+            "curves": [
+                {"states": list(states), **pick(curve, *curve_keys)}
+                for curve, states in zip(self.curves, self.states, strict=True)
+            ],
+            "segments": [
+                pick(
+                    s,
+                    "curve",
+                    "start",
+                    "end",
+                    "length",
+                    "states",
+                    "energy_change",
+                    "largest_slope_over_pi_sum_k=slope",
+                    "largest_stiffness_over_sum_k=stiffness",
+                    "largest_spring_stiffness_over_sum_k=springs",
+                    "smallest_moment=moment",
+                    curve=s.curve + 1,
+                )
+                for s in self.segments
+            ],
+        }
 
 
 def find_segments(
@@ -272,49 +329,3 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
             if n <= 0 < m:
                 part = min(part, m / (m - n))
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
-
-
-def segments_to_dict(report: SegmentReport) -> dict[str, Any]:
-    """Return the report as plain JSON data; schema ``origami-nlp/segments/1``."""
-    return {
-        "schema": "origami-nlp/segments/1",
-        "scene": scene_to_dict(report.scene),
-        "thresholds": {
-            "slope_over_pi_sum_k": report.slope,
-            "stiffness_over_sum_k": report.stiffness,
-            "multiplier": "> 0",
-        },
-        "curves": [
-            {
-                "contacts": list(curve.contacts),
-                "states": list(states),
-                "start": curve.start,
-                "end": curve.end,
-                "dimension": curve.dimension,
-                "s": curve.s.tolist(),
-                "energy": curve.energy.tolist(),
-                "slope": curve.slope.tolist(),
-                "stiffness": curve.stiffness.tolist(),
-                "spring_stiffness": curve.springs.tolist(),
-                "multipliers": curve.multipliers.tolist(),
-                "pressed": curve.pressed.tolist(),
-                "fold_angles": curve.fold_angles.tolist(),
-            }
-            for curve, states in zip(report.curves, report.states, strict=True)
-        ],
-        "segments": [
-            {
-                "curve": s.curve + 1,
-                "start": s.start,
-                "end": s.end,
-                "length": s.length,
-                "states": list(s.states),
-                "energy_change": s.energy_change,
-                "largest_slope_over_pi_sum_k": s.slope,
-                "largest_stiffness_over_sum_k": s.stiffness,
-                "largest_spring_stiffness_over_sum_k": s.springs,
-                "smallest_moment": s.moment,
-            }
-            for s in report.segments
-        ],
-    }

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from origami_nlp.errors import SceneFileError
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.show import Piece, Table, Told, check_schema, from_plain, pick
 
 SCHEMA = "origami-nlp/critical/1"
 
@@ -53,29 +56,6 @@ class CriticalPoint:
         """Whether the topology of {U <= c} changes at this point."""
         return self.contribution != 0
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return a dictionary of plain values."""
-        return {
-            "fold_angles": list(self.fold_angles),
-            "energy": self.energy,
-            "index": self.index,
-            "contacts": list(self.contacts),
-            "contribution": self.contribution,
-            "stratum": self.stratum,
-            "kind": self.kind,
-            "multipliers": list(self.multipliers),
-            "residual": self.residual,
-            "how": self.how,
-        }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> CriticalPoint:
-        """Read back what `to_dict` returned."""
-        values = {f.name: data[f.name] for f in fields(cls)}
-        for name in ("fold_angles", "multipliers", "contacts"):
-            values[name] = tuple(values[name])
-        return cls(**values)
-
 
 @dataclass(frozen=True)
 class MinimaComparison:
@@ -109,8 +89,8 @@ class MorseVerdict:
     text: str
 
 
-@dataclass(frozen=True)
-class CriticalPoints:
+@dataclass(frozen=True, repr=False)
+class CriticalPoints(Told):
     """All critical points found, in order of energy.
 
     comparison: with a list of minima, where one was given.
@@ -121,6 +101,8 @@ class CriticalPoints:
     points: tuple[CriticalPoint, ...]
     comparison: MinimaComparison | None = None
     doubts: tuple[str, ...] = field(default=())
+
+    WIDTH = 160
 
     @property
     def morse_sum(self) -> int:
@@ -163,22 +145,62 @@ class CriticalPoints:
             )
         return MorseVerdict(total, euler_characteristic, closes, text)
 
+    def table(self, everything: bool = False) -> Table:
+        """Return one row a critical point; those that are not essential only on request."""
+        shown = self._shown(everything)
+        hidden = len(self.points) - len(shown)
+        title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(shown)} critical points"
+        title += f" ({hidden} more are not essential)" if hidden else ""
+        rows = [
+            (
+                str(number),
+                f"{p.energy:.9g}",
+                p.stratum,
+                p.kind,
+                "-" if p.index is None else str(p.index),
+                f"{p.contribution:+d}" if p.contribution else "0",
+                f"{p.residual:.0e}",
+            )
+            for number, p in enumerate(shown, start=1)
+        ]
+        heads = ("#", "energy [J]", "stratum", "kind", "index", "adds", "residual")
+        return Table(heads, rows, title, "rrllrrr")
+
+    def lines(self, everything: bool = False) -> list[str]:
+        """Return two lines a point: where it is, and what touches and decides there."""
+        creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
+        numbers = ", ".join(str(c + 1) for c in creases)
+        lines = [f"fold angles of creases {numbers} [deg], contacts, and what decides:"]
+        for number, p in enumerate(self._shown(everything), start=1):
+            angles = " ".join(f"{math.degrees(p.fold_angles[c]):8.3f}" for c in creases)
+            contacts = "; ".join(p.contacts) if p.contacts else "nothing touches"
+            lines.append(f"#{number}  {angles.replace('-0.000', ' 0.000')}  {contacts}")
+            moments = ", ".join(f"{v:.4g}" for v in p.multipliers)
+            lines.append(f"    {p.how}" + (f"; moment {moments} N m" if moments else ""))
+        return lines
+
+    def _shown(self, everything: bool) -> list[CriticalPoint]:
+        """Return the points that a person wants to see: the essential ones, or all of them."""
+        return [p for p in self.points if everything or p.essential or p.kind == "undecided"]
+
+    def told(self) -> Iterator[Piece]:
+        """Return the table, the points and the Morse sum."""
+        yield self.table()
+        yield from self.lines()
+        yield f"Morse sum {self.morse_sum}"
+        yield from (f"doubt: {doubt}" for doubt in self.doubts)
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data: scene, points, Morse sum, comparison and doubts."""
-        found: dict[str, Any] = {
+        found = {
             "schema": SCHEMA,
             "scene": scene_to_dict(self.scene),
-            "critical_points": [p.to_dict() for p in self.points],
-            "morse_sum": self.morse_sum,
-            "doubts": list(self.doubts),
+            **pick(self, "critical_points=points", "morse_sum", "doubts"),
         }
         if self.comparison is not None:
-            found["minima"] = {
-                "agree": self.comparison.agree,
-                "matched": [list(pair) for pair in self.comparison.matched],
-                "only_critical": list(self.comparison.only_critical),
-                "only_search": list(self.comparison.only_search),
-            }
+            found["minima"] = pick(
+                self.comparison, "agree", "matched", "only_critical", "only_search"
+            )
         return found
 
     @classmethod
@@ -190,19 +212,11 @@ class CriticalPoints:
         SceneFileError
             If the schema is another one, or a field is missing or of the wrong form.
         """
-        if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-            found = data.get("schema") if isinstance(data, dict) else data
-            raise SceneFileError(f"schema = {found!r}: this reads {SCHEMA!r}")
+        check_schema(data, SCHEMA, SceneFileError)
         try:
-            points = tuple(CriticalPoint.from_dict(p) for p in data["critical_points"])
+            points = tuple(from_plain(CriticalPoint, p) for p in data["critical_points"])
             lists = data.get("minima")
-            comparison = None
-            if lists is not None:
-                comparison = MinimaComparison(
-                    tuple((int(a), int(b)) for a, b in lists["matched"]),
-                    tuple(int(k) for k in lists["only_critical"]),
-                    tuple(int(k) for k in lists["only_search"]),
-                )
+            comparison = None if lists is None else from_plain(MinimaComparison, lists)
             scene = scene_from_dict(data["scene"])
             return cls(scene, points, comparison, tuple(data["doubts"]))
         except (KeyError, TypeError, ValueError) as error:
@@ -210,7 +224,5 @@ class CriticalPoints:
                 f"critical points cannot be read: {error!r}; write them anew"
             ) from None
 
-    def __repr__(self) -> str:
-        from origami_nlp.critical.table import as_text  # tables are told, not judged
 
-        return as_text(self)
+points_table, point_lines = CriticalPoints.table, CriticalPoints.lines

@@ -6,3 +6,9 @@ from .embedding import (
 )
 from .flat_fold import folds_flat as folds_flat
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered
+from .vertex_list import (
+    VertexList as VertexList,
+    list_vertices as list_vertices,
+    print_vertices as print_vertices,
+    vertices_to_dict as vertices_to_dict,
+)

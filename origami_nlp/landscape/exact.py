@@ -7,6 +7,7 @@ are and nothing else.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,7 @@ from origami_nlp.chart import (
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
 from origami_nlp.minima import MinimaResult
+from origami_nlp.show import Piece, Table, Told
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -47,18 +49,18 @@ class Stretch:
     hidden: bool
 
 
-@dataclass(frozen=True)
-class ExactLandscape:
+@dataclass(frozen=True, repr=False)
+class ExactLandscape(Told):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
     boundary, regions: None and () where the boundary is not traced (contact other than full).  places: of the
     minima.  metastable: in the order of the boundary's lines.
     """
 
-    result: MinimaResult = field(repr=False)
-    chart: Landscape = field(repr=False)
+    result: MinimaResult
+    chart: Landscape
     boundary: Boundary | None
-    regions: tuple[MultiPolygon, ...] = field(repr=False)
+    regions: tuple[MultiPolygon, ...]
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
@@ -80,6 +82,36 @@ class ExactLandscape:
         return len(self.chart.branches) == 1 or (
             self.chart.scene.contact == "full" and self.chart.scene.group.order == 2
         )
+
+    def table(self) -> Table:
+        """Return one row a minimum: energy, place on the landscape, kind and verdict."""
+        names = [name.split(" (")[0] for name in self.chart.coordinates]
+        rows = []
+        for k, m in enumerate(self.result.minima):
+            point = self.places[k].point[: len(names)] if self.places else ()
+            known = m.full_space.verdict if m.full_space else "-"
+            where = [f"{v:.6f}" for v in point] or ["-"] * len(names)
+            rows.append((str(k + 1), f"{m.energy:.9g}", *where, m.kind, known))
+        heads = ("#", "energy [J]", *names, "kind", "full space")
+        return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
+
+    def told(self) -> Iterator[Piece]:
+        """Return the minima with their places and verdicts, and the boundary."""
+        yield self.table()
+        text = " -> ".join("?" if n is None else str(n) for n in self.counts)
+        yield f"N_sym -> N_not-ruled-out -> N_full: {text}"
+        if self.boundary is None:
+            yield "boundary not traced: contact is not 'full'"
+            return
+        lines = self.boundary.lines
+        handles, missed = sum(line.thin for line in lines), sum(map(len, self.boundary.missed))
+        yield (
+            f"{len(lines)} contact boundaries, {sum(line.length for line in lines):.2f} rad; "
+            f"{handles} of them 1-handles; boundary points of the grid on no line: {missed}"
+        )
+        for part in self.metastable:
+            where = "on one chart point, " if part.hidden else ""
+            yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
 
 
 def exact_landscape(

@@ -13,11 +13,11 @@ from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.arguments import check_type
-from origami_nlp.chart import Chart, angle_ticks, chart_of, chart_points, coordinate_label
+from origami_nlp.chart import Chart, chart_of, chart_points, coordinate_label
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of, write_counts
-from origami_nlp.show import plain
+from origami_nlp.show import angle_ticks, label_text
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers, Pass
@@ -155,7 +155,9 @@ def _title(exact: ExactLandscape) -> str:
     scene = exact.result.scene
     count = len(exact.result.minima)
     who = scene.label or f"degree {scene.degree}"
-    return plain(f"{who}: energy landscape, {count} symmetric minim{'um' if count == 1 else 'a'}")
+    return label_text(
+        f"{who}: energy landscape, {count} symmetric minim{'um' if count == 1 else 'a'}"
+    )
 
 
 def _notes(exact: ExactLandscape, passes: list[Pass]) -> list[str]:
@@ -198,4 +200,4 @@ def _notes(exact: ExactLandscape, passes: list[Pass]) -> list[str]:
         notes.append(
             f"Pass {step.from_state} to {step.to_state}: {step.pass_kind}, U = {step.energy:.6g} J."
         )
-    return [plain(note) for note in notes]
+    return [label_text(note) for note in notes]

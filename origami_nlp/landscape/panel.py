@@ -12,13 +12,13 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.colors import Colormap, ListedColormap, Normalize, PowerNorm
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.chart import Branch, chart_limits, chart_of
+from origami_nlp.chart import Branch, chart_limits, chart_of, energy_image, norm_of
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.minima import Minimum
 
@@ -55,20 +55,12 @@ class PanelStyle:
     numbers: bool = True
 
 
-def energy_norm(exact: ExactLandscape) -> Normalize:
-    """Colour scale over all branches, finer at low energies, where the minima are."""
-    values = np.concatenate([b.energy[np.isfinite(b.energy)] for b in exact.chart.branches])
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
-    low = min([low, *(m.energy for m in exact.result.minima)])
-    return PowerNorm(0.5, vmin=low, vmax=high if high > low else low + 1.0)
-
-
 def draw_panel(axes: Any, exact: ExactLandscape, branches: list[int], style: PanelStyle) -> Any:
     """Draw `branches` into one Axes; returns the image for a colour bar."""
     chart = chart_of(exact.result.scene)
     assert chart is not None
     x0, x1, y0, y1 = chart_limits(chart)
-    norm = energy_norm(exact)
+    norm = norm_of(exact.chart, (m.energy for m in exact.result.minima))
     image = None
     for k in branches:
         image = _draw_energy(axes, exact, k, norm, style)
@@ -147,25 +139,14 @@ def _draw_energy(
 ) -> Any:
     """Draw the colours and contour lines of one branch, cut at its exact boundary."""
     branch = exact.chart.branches[k]
-    x, y = branch.axes
-    dx, dy = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
-    energy = fill_outwards(branch) if exact.regions else branch.energy
-    image = axes.imshow(
-        np.ma.masked_invalid(energy),
-        extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy),
-        origin="lower",
-        cmap=energy_colours(),
-        norm=norm,
-        aspect="auto",
-        interpolation="bilinear" if exact.regions else "nearest",
-        zorder=1,
-    )
+    energy = np.ma.masked_invalid(fill_outwards(branch) if exact.regions else branch.energy)
+    smooth = "bilinear" if exact.regions else "nearest"
+    look = {"cmap": energy_colours(), "interpolation": smooth, "zorder": 1}
+    image = energy_image(axes, branch, energy, norm, **look)
     levels = [norm.inverse(v) for v in np.linspace(0.0, 1.0, 12)[1:-1]]
-    inside = np.ma.masked_invalid(energy)
     lines = axes.contour(
-        x,
-        y,
-        inside,
+        *branch.axes,
+        energy,
         levels=levels,
         colors="white",
         linewidths=0.4 * style.line,

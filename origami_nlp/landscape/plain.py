@@ -6,13 +6,15 @@ path crosses) is null.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.show import check_schema, pick, to_plain
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers
@@ -69,14 +71,9 @@ def landscape_to_dict(
     minima = [
         {
             "number": number,
-            "fold_angles": list(m.fold_angles),
-            "energy": m.energy,
-            "kind": m.kind,
-            "local_dimension": m.local_dimension,
+            **pick(m, "fold_angles", "energy", "kind", "local_dimension"),
             "full_space": m.full_space.verdict if m.full_space else None,
-            "branch": place.branch,
-            "point": [float(v) for v in place.point],
-            "family": place.family,
+            **pick(place, "branch", "point", "family"),
         }
         for number, (m, place) in enumerate(
             zip(exact.result.minima, exact.places, strict=True), start=1
@@ -95,40 +92,24 @@ def landscape_to_dict(
             "doubts": list(critical.doubts),
         },
         "barriers": [step.to_dict() for step in barriers.passes],
-        "merges": [
-            {
-                "energy": join.energy if math.isfinite(join.energy) else None,
-                "pass_kind": join.pass_kind,
-                "first": list(join.first),
-                "second": list(join.second),
-            }
-            for join in barriers.merges
-        ],
+        "merges": to_plain(barriers.merges),
         "counts": dict(zip(("symmetric", "not_ruled_out", "full"), exact.counts, strict=True)),
         "minima": minima,
         "metastable": [
-            {
-                "branch": part.branch,
-                "contacts": list(part.contacts),
-                "length": part.length,
-                "one_chart_point": part.hidden,
-                "from": part.points[0].tolist(),
-                "to": part.points[-1].tolist(),
-            }
+            pick(part, "branch", "contacts", "length", "one_chart_point=hidden")
+            | _ends(part.points)
             for part in exact.metastable
         ],
         "boundary": [
-            {
-                "branch": line.branch,
-                "contacts": list(line.contacts),
-                "length": line.length,
-                "handle": line.thin,
-                "from": line.fold_angles[0].tolist(),
-                "to": line.fold_angles[-1].tolist(),
-            }
+            pick(line, "branch", "contacts", "length", "handle=thin") | _ends(line.fold_angles)
             for line in (exact.boundary.lines if exact.boundary else ())
         ],
     }
+
+
+def _ends(line: np.ndarray) -> dict[str, Any]:
+    """Return where a line starts and ends."""
+    return {"from": line[0].tolist(), "to": line[-1].tolist()}
 
 
 def landscape_from_dict(data: Any) -> LandscapeRecord:
@@ -139,8 +120,7 @@ def landscape_from_dict(data: Any) -> LandscapeRecord:
     OptionError
         If `data` is not of this schema, or an entry is missing or of another type.
     """
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise OptionError(f"not a landscape of schema {SCHEMA}")
+    check_schema(data, SCHEMA, OptionError)
     for name in LISTS:
         found = data.get(name)
         if not isinstance(found, list) or not all(isinstance(e, dict) for e in found):

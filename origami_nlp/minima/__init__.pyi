@@ -2,8 +2,6 @@ from . import find as find, ipopt as ipopt, search as search, table as table
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
-    MinimaResult as MinimaResult,
-    Minimum as Minimum,
     check_options as check_options,
     find_minima as find_minima,
 )
@@ -18,7 +16,13 @@ from .ipopt import (
     TOLERANCE as TOLERANCE,
     build_solver as build_solver,
 )
+from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
 from .plain import result_from_dict as result_from_dict, result_to_dict as result_to_dict
+from .result import (
+    MinimaResult as MinimaResult,
+    minima_table as minima_table,
+    print_result as print_result,
+)
 from .search import (
     FEW_PAIRS as FEW_PAIRS,
     MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
@@ -29,10 +33,5 @@ from .search import (
     solve_without_crossing as solve_without_crossing,
 )
 from .stopping import enough as enough
-from .table import (
-    DEMO_HEADS as DEMO_HEADS,
-    contact_words as contact_words,
-    demo_rows as demo_rows,
-    minima_table as minima_table,
-    print_result as print_result,
-)
+from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
+from .telling import contact_words as contact_words

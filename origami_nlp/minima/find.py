@@ -7,7 +7,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,8 +23,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
-    ContactForce,
-    Kind,
     State,
     classify,
     flat_foldings,
@@ -32,8 +30,10 @@ from origami_nlp.kkt import (
     rest_state,
     rigid_states,
 )
-from origami_nlp.minima.full_space import FullSpace, judge_in_full_space
+from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
+from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
+from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.minima.stopping import enough, expected_undiscovered
 from origami_nlp.numerics import CLOSES
@@ -46,97 +46,6 @@ MOST_STARTS = 1000
 """Default cap on starts; the report says when the search stopped there."""
 Progress = Callable[[int, int, float], None]
 """Called as progress(starts, minima found, expected undiscovered answers)."""
-
-
-@dataclass(frozen=True)
-class Minimum:
-    """A local minimum of the energy among admissible states of the modelled symmetry.
-
-    energy: [the scene's units, J for N m/rad].  fold_angles: all N, [rad].
-    kind, local_dimension, certificate, contacts: see `judge.classify.Classification`.
-    closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the
-    stationarity residual, with the stiffness scaled to one and relative to the torques that
-    balance.
-    polished: True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
-    minimum but undecided.)
-    hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing,
-    not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
-    loaded contacts closed, per unit length in the space of all N fold angles.
-    full_space: verdict in the full contact-admissible space, where it was asked for.
-    """
-
-    energy: float
-    fold_angles: tuple[float, ...]
-    kind: Kind
-    local_dimension: int
-    closure_residual: float
-    kkt_residual: float
-    polished: bool
-    hits: int
-    contacts: tuple[ContactForce, ...]
-    certificate: str
-    hessian_eigenvalues: tuple[float, ...]
-    full_space: FullSpace | None = None
-
-
-@dataclass(frozen=True)
-class SearchReport:
-    """What the search did.
-
-    starts, solves: random starts, and IPOPT solves (a start that makes facets cross is solved again
-    with planes).
-    statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end
-    state is.
-    expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
-    reached.
-    stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
-    reason and hits.  undecided: those that may or may not be one, by name: not polished, or not
-    certified.  iterations: of IPOPT, over all solves.
-    """
-
-    starts: int
-    feasible_starts: int
-    solves: int
-    statuses: dict[str, int]
-    outcomes: dict[str, int]
-    expected_undiscovered: float
-    stopped_by: str
-    seconds: float
-    seed: int
-    rejected: tuple[Rejected, ...] = field(default=(), repr=False)
-    undecided: tuple[Rejected, ...] = field(default=(), repr=False)
-    iterations: int = 0
-
-
-@dataclass(frozen=True)
-class Rejected:
-    """A state that solves ended at and that is not listed: verdict, reason, fold angles, energy, hits."""
-
-    verdict: str
-    reason: str
-    fold_angles: tuple[float, ...]
-    energy: float
-    hits: int
-
-
-@dataclass(frozen=True)
-class MinimaResult:
-    """Scene, model, minima in order of energy, and the record of the search."""
-
-    scene: Scene
-    model: Model = field(repr=False)
-    minima: tuple[Minimum, ...]
-    search: SearchReport
-
-    def __repr__(self) -> str:
-        from origami_nlp.minima.table import as_text  # tables are told, not judged
-
-        return as_text(self)
-
-    def _repr_html_(self) -> str:
-        from origami_nlp.minima.html import as_html
-
-        return as_html(self)
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:

@@ -22,7 +22,8 @@ from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.folding import SNAP, fold_vertex, layer_problem, ordered
-from origami_nlp.minima.find import MinimaResult, Minimum
+from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")

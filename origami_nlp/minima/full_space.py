@@ -9,7 +9,7 @@ strictly falling energy, and end at a lower stable state.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,13 @@ class LandsOn:
     symmetric: int | None
 
 
+class Step(NamedTuple):
+    """A state on the way down: its fold angles, all N [rad], and its energy."""
+
+    fold_angles: tuple[float, ...]
+    energy: float
+
+
 @dataclass(frozen=True)
 class FullSpace:
     """Verdict on one state in the full contact-admissible space.
@@ -56,7 +63,7 @@ class FullSpace:
     hessian_eigenvalues: tuple[float, ...]
     breaking_eigenvalues: tuple[float, ...]
     unstable_mode: str | None
-    descent: tuple[tuple[tuple[float, ...], float], ...] | None
+    descent: tuple[Step, ...] | None
     lands_on: LandsOn | None
 
 
@@ -100,7 +107,7 @@ def judge_in_full_space(
         return _undecided(why, eigenvalues, breaking)
     mode = mode_symmetry(scene, path.states[1] - path.states[0])
     descent = tuple(
-        (tuple(state.tolist()), float(energy))
+        Step(tuple(state.tolist()), float(energy))
         for state, energy in zip(path.states, path.energies, strict=True)
     )
     if path.what.verdict != "minimum":

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.chart import HANDLE, Landscape, Place
-from origami_nlp.minima.find import Minimum
+from origami_nlp.minima.minimum import Minimum
 
 WARNING = "#B00020"
 """Of a minimum that is not stable when the symmetry may break."""

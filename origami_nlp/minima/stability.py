@@ -8,11 +8,10 @@ symmetry breaks (of the 43 in the paper's panels, five are), and `judge.full_spa
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-if TYPE_CHECKING:
-    from origami_nlp.minima.find import MinimaResult, Minimum
-    from origami_nlp.pattern import Scene
+from origami_nlp.minima.minimum import Minimum
+from origami_nlp.pattern import Scene
 
 ORDER = ("stable", "unstable", "undecided")
 NOT_ASKED = "not asked"
@@ -31,15 +30,15 @@ def verdict(scene: Scene, minimum: Minimum) -> str:
     return "stable" if scene.contact == "full" else ""
 
 
-def count_words(result: MinimaResult, none: str = "0") -> str:
+def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str:
     """Say how many minima there are, and how many of them are stable, as far as that is known.
 
     "4 symmetric minima (3 stable, 1 unstable in the full space)", "4 symmetric minima", "2 stable states" or
     "2 minima"; `none` stands for no minimum.
     """
-    scene, count = result.scene, len(result.minima)
+    count = len(minima)
     number = str(count) if count else none
-    known = Counter(verdict(scene, m) for m in result.minima)
+    known = Counter(verdict(scene, m) for m in minima)
     if scene.group.is_trivial and count and known["stable"] == count:
         return f"{number} stable state{'s' * (count != 1)}"
     noun = "minimum" if count == 1 else "minima"
@@ -50,14 +49,14 @@ def count_words(result: MinimaResult, none: str = "0") -> str:
     return f"{words} ({', '.join(parts)} in the full space)"
 
 
-def asked(result: MinimaResult) -> bool:
+def asked(minima: Sequence[Minimum]) -> bool:
     """Whether the full space was asked about the minima of a symmetric scene."""
-    return any(m.full_space is not None for m in result.minima)
+    return any(m.full_space is not None for m in minima)
 
 
-def not_asked_words(result: MinimaResult) -> str:
+def not_asked_words(scene: Scene, minima: Sequence[Minimum]) -> str:
     """Say that stability is open where it is, else nothing."""
-    if not any(verdict(result.scene, m) == NOT_ASKED for m in result.minima):
+    if not any(verdict(scene, m) == NOT_ASKED for m in minima):
         return ""
     return (
         "full space: not asked (--full, full=True): a symmetric minimum may be unstable when the "

@@ -9,6 +9,7 @@ from .baseline import STEPS as STEPS, appendix_a as appendix_a
 from .chart_states import chart_distance as chart_distance
 from .cone_figures import draw_cone_figure as draw_cone_figure
 from .cone_limits import limits as limits
+from .figures import FIGURES as FIGURES, Drawn as Drawn
 from .grid_convergence import (
     GridCount as GridCount,
     GridErrors as GridErrors,
@@ -20,6 +21,7 @@ from .grid_convergence_figure import (
     print_convergence as print_convergence,
 )
 from .grid_minima import follow_grid_minima as follow_grid_minima, grid_points as grid_points
+from .grid_minima_table import grid_minima_table as grid_minima_table
 from .published import read_candidates as read_candidates
 from .section5 import STATEMENTS as STATEMENTS, check_statements as check_statements
 from .section5_plain import findings_to_dict as findings_to_dict, limits_to_dict as limits_to_dict

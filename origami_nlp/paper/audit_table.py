@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
-from rich.table import Table
-
-from origami_nlp.paper.audit import CAUSES, Audited, PanelAudit
+from origami_nlp.paper.audit import CAUSES, PanelAudit
 from origami_nlp.pattern import scene_to_dict
+from origami_nlp.show import Table, Words, pick
 
 SCHEMA = "origami-nlp/audit/1"
 HEADS = ("published", *CAUSES, "exact minima", "represented", "reached", "appendix A strict")
+CANDIDATE = (
+    "number=candidate.number",
+    "fold_angles=candidate.fold_angles",
+    "branch=candidate.branch",
+    "cause",
+    "reason",
+    "closure_residual",
+    "closes_at",
+    "admissible",
+    "admissible_signs=sides",
+    "stationarity",
+    "appendix_a=paper_test",
+    "minimum",
+    "followed_at",
+    "distance",
+    "grid_steps",
+    "energy_drop=drop",
+    "descent_states=steps",
+    "twin",
+)
+"""What is written of a candidate."""
 MEANING = {
     "exact": "nearest candidate, within two grid steps, of an exact minimum",
     "duplicate": "closes, and is the same fold angles, the same sheet with the other sign of +-pi, or the same exact "
@@ -62,32 +81,31 @@ def _with_totals(panels: Sequence[PanelAudit]) -> list[tuple[str, list[str], boo
     return lines
 
 
-def summary_table(panels: Sequence[PanelAudit]) -> Table:
-    """Return one row a panel: published candidates, what they are, exact minima they belong to."""
+def summary_table(panels: Sequence[PanelAudit], *, short: bool = True) -> Table:
+    """Return one row a panel: published candidates, what they are, exact minima they belong to.
+
+    short: without the words that all rows share.
+    """
+    lines = _with_totals(panels)
+    rows = []
+    for title, row, total in lines:
+        name = title.replace("alpha_1 = ", "").replace("r_k = ", "") if short else title
+        rows.append([Words(cell, "bold" if total else "") for cell in (name, *row)])
     count = sum(len(p.audited) for p in panels)
-    table = Table(title=f"{count} published candidates", title_justify="left")
-    table.add_column("panel", no_wrap=True)
-    for head in HEADS:
-        table.add_column(head, justify="right")
-    for title, row, total in _with_totals(panels):
-        short = title.replace("alpha_1 = ", "").replace("r_k = ", "")
-        table.add_row(short, *row, style="bold" if total else None, end_section=total)
-    return table
+    columns = "l" + "R" * len(HEADS)
+    ends = [k for k, (_, _, total) in enumerate(lines) if total]
+    return Table(("panel", *HEADS), rows, f"{count} published candidates", columns, ends=ends)
 
 
 def as_markdown(panels: Sequence[PanelAudit]) -> str:
     """Return the summary as a Markdown table with a legend."""
-    lines = ["| panel | " + " | ".join(HEADS) + " |", "|---|" + "---:|" * len(HEADS)]
-    for title, row, total in _with_totals(panels):
-        mark = "**" if total else ""
-        lines.append("| " + " | ".join(f"{mark}{cell}{mark}" for cell in (title, *row)) + " |")
-    lines += ["", *(f"- **{cause}**: {MEANING[cause]}" for cause in CAUSES)]
-    lines += [
+    lines = [
+        *(f"- **{cause}**: {MEANING[cause]}" for cause in CAUSES),
         "- **exact minima**: of the panel, found by `origami-nlp minima`; **represented**: by an exact candidate; "
         "**reached**: by a candidate or its descent",
         "- **appendix A strict**: candidates with different fold angles that the paper's own test calls strict minima",
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join([summary_table(panels, short=False).markdown(), *lines]) + "\n"
 
 
 def audit_to_dict(panels: Sequence[PanelAudit]) -> dict[str, Any]:
@@ -98,46 +116,12 @@ def audit_to_dict(panels: Sequence[PanelAudit]) -> dict[str, Any]:
         "panels": [
             {
                 "scene": scene_to_dict(p.result.scene),
-                "degree": p.degree,
-                "alpha": p.alpha,
-                "ratio": p.ratio,
-                "grid_step": p.grid_step,
+                **pick(p, "degree", "alpha", "ratio", "grid_step"),
                 "counts": {cause: p.count(cause) for cause in CAUSES},
-                "minima": [
-                    {"energy": m.energy, "fold_angles": list(m.fold_angles), "kind": m.kind}
-                    for m in p.result.minima
-                ],
-                "represented": list(p.represented),
-                "reached": list(p.reached),
-                "candidates": [_candidate(a) for a in p.audited],
+                "minima": [pick(m, "energy", "fold_angles", "kind") for m in p.result.minima],
+                **pick(p, "represented", "reached"),
+                "candidates": [pick(a, *CANDIDATE) for a in p.audited],
             }
             for p in panels
         ],
     }
-
-
-def _candidate(a: Audited) -> dict[str, Any]:
-    return {
-        "number": a.candidate.number,
-        "fold_angles": list(a.candidate.fold_angles),
-        "branch": a.candidate.branch,
-        "cause": a.cause,
-        "reason": a.reason,
-        "closure_residual": a.closure_residual,
-        "closes_at": list(a.closes_at),
-        "admissible": a.admissible,
-        "admissible_signs": None if a.sides is None else list(a.sides),
-        "stationarity": _finite(a.stationarity),
-        "appendix_a": a.paper_test,
-        "minimum": a.minimum,
-        "followed_at": a.followed_at,
-        "distance": _finite(a.distance),
-        "grid_steps": _finite(a.grid_steps),
-        "energy_drop": _finite(a.drop),
-        "descent_states": a.steps,
-        "twin": a.twin,
-    }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -16,18 +16,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.cone import (
-    ConeBranch,
-    Folding,
+    Cone,
     PhaseDiagram,
-    bracelets,
-    class_label,
-    class_of,
-    cone_classes,
+    branch,
     draw_boundaries,
     draw_map,
     legend,
     phase_diagram,
-    rest_range,
 )
 from origami_nlp.paper.section5 import DEPTH
 from origami_nlp.show import draw_state
@@ -42,7 +37,7 @@ ZOOM = {
 """Half width of the zooms in nu_0, and their ratios: printed for N = 8, and used for the others."""
 WIDTH, HEIGHT = 3.5, 3.2
 """Of one panel [in]."""
-SNAPSHOTS = (("VVV", 1), ("VVM", 1), ("VVM", -1), ("VMM", -1))
+SNAPSHOTS = (("VVV", "up"), ("VVM", "up"), ("VVM", "down"), ("VMM", "down"))
 """Branches of degree 6 that are drawn below their map."""
 
 
@@ -76,7 +71,7 @@ def _map(axes: Any, degree: int, what: str, zoom: bool = False) -> None:
 def _curves(axes: Any, degree: int, exact: bool) -> None:
     """Draw boundaries on the paper's axis."""
     diagram = _diagram(degree, exact)
-    low, high = rest_range(degree)
+    low, high = Cone(degree).rest_range
     window = ((-high, -low), (float(diagram.map.ratios[0]), float(diagram.map.ratios[-1])))
     draw_boundaries(axes, diagram.boundaries, *window, mirrored=True)
     name = "exact" if exact else "interior, depth > $10^{-3}$"
@@ -86,19 +81,12 @@ def _curves(axes: Any, degree: int, exact: bool) -> None:
 
 def _snapshots(figure: Any) -> None:
     """Draw folded branches of degree 6 with the number of branches of equal energy."""
-    classes = cone_classes(6)
-    for axes, (word, direction) in zip(figure.subplots(1, len(SNAPSHOTS)), SNAPSHOTS, strict=True):
-        folding = next(f for f in bracelets(6) if _letters(f) == word)
-        branch = ConeBranch(folding.flaps, direction)
-        draw_state(axes, branch.vertex, branch.fold_angles(direction * 0.8 * branch.end))
-        valleys, changes = class_of(folding.flaps)
-        many = classes.multiplicity[classes.index(folding.flaps)]
-        name = class_label(valleys, changes, 6, direction)
-        axes.set_title(f"{name}: {many} branch{'es' if many > 1 else ''}", fontsize=8)
-
-
-def _letters(folding: Folding) -> str:
-    return "".join("V" if f > 0 else "M" for f in folding.flaps)
+    for axes, snapshot in zip(figure.subplots(1, len(SNAPSHOTS)), SNAPSHOTS, strict=True):
+        own = branch(*snapshot)
+        draw_state(axes, own.vertex, own.fold_angles(own.direction * 0.8 * own.end))
+        many = own.energy_class.multiplicity
+        title = f"{own.energy_class.name}: {many} branch{'es' if many > 1 else ''}"
+        axes.set_title(title, fontsize=8)
 
 
 def _cone3(figure: Any) -> None:

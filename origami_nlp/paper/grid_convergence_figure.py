@@ -10,10 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
 from origami_nlp.paper.grid_convergence import REACH, GridCount, GridErrors
+from origami_nlp.show import Table, short_label
 
 LOOK: dict[str, tuple[str, str, str]] = {
     "interior": ("#0072B2", "o", "interior"),
@@ -114,7 +113,6 @@ def print_convergence(
     errors: Iterable[GridErrors], counts: dict[str, tuple[GridCount, ...]], console: Console
 ) -> None:
     """Print orders and finest errors of every minimum, and the counts of grid minima by size."""
-    table = Table(title="order of the largest error over shifted grids", title_justify="left")
     heads = (
         "scene",
         "#",
@@ -125,20 +123,20 @@ def print_convergence(
         "finest dU [J]",
         "finest place [rad]",
     )
-    for head in heads:
-        left = head in ("scene", "sort")
-        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
+    cells = []
     for e in errors:
         orders = [e.order(what) for what in ("energy", "distance", "state")]
         finest = [e.worst(what)[-1] for what in ("energy", "distance")]
-        table.add_row(
-            e.scene.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", ""),
-            str(e.number),
-            e.sort,
-            *("-" if np.isnan(v) else f"{v:.2f}" for v in orders),
-            *("-" if np.isnan(v) or e.sort == "handle" else f"{v:.1e}" for v in finest),
+        cells.append(
+            (
+                short_label(e.scene),
+                str(e.number),
+                e.sort,
+                *("-" if np.isnan(v) else f"{v:.2f}" for v in orders),
+                *("-" if np.isnan(v) or e.sort == "handle" else f"{v:.1e}" for v in finest),
+            )
         )
-    console.print(table)
+    console.print(Table(heads, cells, "order of the largest error over shifted grids", "lrlrrrrr"))
     for name, rows in counts.items():
         for size in sorted({row.size for row in rows}):
             here = [row for row in rows if row.size == size]

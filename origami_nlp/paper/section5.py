@@ -11,19 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.cone import (
-    SIGNS,
-    branch_classes,
-    count_map,
-    crease_angles,
-    rest_angles,
-    rest_range,
-    steep_end,
-)
+from origami_nlp.cone import Cone, class_energy, count_map, energy_classes
 
 DEPTH = 1e-3
 """The paper's threshold (footnote of section 5)."""
@@ -31,6 +23,11 @@ STEPS = 400
 """Elevations of the dense scan on printed roots."""
 ALWAYS = 0.98
 """A statement "everywhere" holds from this share of the grid points of its region on (lines of boundaries remain)."""
+
+
+FLAT = 1e-9
+"""|nu_0| below this is the line nu_0 = 0, which grid points avoid [rad]: at the middle of a symmetric interval they
+meet it to a few eps."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +109,7 @@ PLATEAU = (1e2, 1e4)
 
 def _whole(degree: int) -> tuple[float, float]:
     """Return the paper's interval of nu_0."""
-    return (-_PI / 2, steep_end(degree))
+    return (-_PI / 2, Cone(degree).steep_end)
 
 
 def _below(degree: int) -> tuple[float, float]:
@@ -120,7 +117,7 @@ def _below(degree: int) -> tuple[float, float]:
 
 
 def _above(degree: int) -> tuple[float, float]:
-    return (0.0, steep_end(degree))
+    return (0.0, Cone(degree).steep_end)
 
 
 def _both(degree: int, count: int, where: str) -> list[Statement]:
@@ -244,9 +241,9 @@ def region_counts(statement: Statement, reading: Reading, size: int) -> np.ndarr
     nu = low + (high - low) * cells
     nu = -nu if reading.mirrored else nu
     if reading.rest == "waterbomb":
-        first, last = rest_range(statement.degree)
+        first, last = Cone(statement.degree).rest_range
         nu = nu[(nu > first) & (nu < last)]
-    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > 1e-9]
+    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > FLAT]
     if nu.size == 0:
         return np.zeros((0, size), dtype=int)
     bottom, top = np.log(statement.ratio)
@@ -262,21 +259,19 @@ def scan_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Readin
     "printed" roots: |rho| = arccos |..|, which turns back at pi/2; branches run to |v| = pi/2.
     """
     total = np.zeros((len(nu), len(ratios)), dtype=np.int64)
-    odd, even = rest_angles(degree, nu, reading.rest)
-    n = degree // 2
-    for branches in branch_classes(degree):
-        printed = reading.roots == "printed"
+    printed = reading.roots == "printed"
+    r = ratios[:, None]
+    for branches in energy_classes(Cone(degree, reading.rest)):
         t = np.linspace(0, math.pi / 2 if printed else branches.end, STEPS + 1)
-        size = crease_angles(degree, t)[0].copy()
+        energy = class_energy(branches, t, nu[:, None])
         if printed:
+            size = energy.creases.size.copy()
             size[:, 1] = np.minimum(size[:, 1], 2 * math.pi - size[:, 1])  # S = 2 |rho_steep|
             size[:, 2] = (size[:, 1] - size[:, 0]) / 2
-        reach = branches.direction * odd[:, None, None]
-        w = branches.counts
-        well_a = -(size**2 / 2 @ w) - reach * (size @ (w * SIGNS))
-        well_b = -2 * n * t**2 - 2 * branches.excess * even[:, None, None] * t
-        well = well_a + ratios[:, None] * well_b  # [nu, ratio, t], U_flat - U
-        flat = n * (odd[:, None] ** 2 + ratios * even[:, None] ** 2) / 2
+            energy = replace(energy, creases=replace(energy.creases, size=size))
+        (well_a, well_b), (flat_a, flat_b) = energy.wells, energy.flat
+        well = well_a[:, None] + r * well_b[:, None]  # [nu, ratio, t], U_flat - U
+        flat = flat_a + ratios * flat_b
         minimum = (well[..., 1:-1] > well[..., :-2]) & (well[..., 1:-1] >= well[..., 2:])
         if reading.depth > 0:
             minimum &= well[..., 1:-1] > reading.depth * flat[..., None]
@@ -289,6 +284,6 @@ def scan_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Readin
 
 
 def exact_counts(degree: int, ratios: np.ndarray, nu: np.ndarray, reading: Reading) -> np.ndarray:
-    """Count minima exactly (`cone_map.count_map`), shape [nu, ratios]."""
-    counts = count_map(degree, ratios, nu, depth=reading.depth, rest=reading.rest)
+    """Count minima exactly (`cone.count_map`), shape [nu, ratios]."""
+    counts = count_map(Cone(degree, reading.rest), ratios, nu, depth=reading.depth)
     return (counts.interior + reading.contact * counts.at_end).T

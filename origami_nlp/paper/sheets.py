@@ -14,10 +14,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from rich.table import Table
-from rich.text import Text
 
-from origami_nlp.chart import Boundary, angle_ticks, coordinate_label, trace_boundary
+from origami_nlp.chart import coordinate_label, trace_boundary
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape import (
     ExactLandscape,
@@ -27,8 +25,9 @@ from origami_nlp.landscape import (
     legend_of,
     write_counts,
 )
-from origami_nlp.minima import find_minima, result_from_dict, result_to_dict
+from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, examples
+from origami_nlp.show import Table, angle_ticks, short_label
 from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int], None]
@@ -102,46 +101,32 @@ def find_panels(
             finished()
         panels = []
         for k, scene in enumerate(scenes):
-            data = _search(scene, seed)
+            result = find_minima(scene, seed=seed, full=True)
             finished()
-            panels.append(_panel(data, boundaries[k % columns], size))
+            panels.append(exact_landscape(result, size, boundary=boundaries[k % columns]))
             finished()
         return panels
     with worker_pool(count) as pool:
         # longest first: the boundaries, then the searches; a panel as soon as both are there
         traced = [_submit(pool, finished, trace_boundary, scene) for scene in scenes[:columns]]
-        searched = [_submit(pool, finished, _search, scene, seed) for scene in scenes]
+        searched = [
+            _submit(pool, finished, find_minima, scene, seed=seed, full=True) for scene in scenes
+        ]
         waiting = []
         for k, future in enumerate(searched):
-            parts = (future.result(), traced[k % columns].result(), size)
-            waiting.append(_submit(pool, finished, _panel_data, *parts))
-        return [
-            ExactLandscape(result_from_dict(search.result()), *panel.result())
-            for search, panel in zip(searched, waiting, strict=True)
-        ]
+            result, boundary = future.result(), traced[k % columns].result()
+            waiting.append(
+                _submit(pool, finished, exact_landscape, result, size, boundary=boundary)
+            )
+        return [panel.result() for panel in waiting]
 
 
 def _submit(
-    pool: Executor, finished: Callable[[Any], None], what: Any, *arguments: Any
+    pool: Executor, finished: Callable[[Any], None], what: Any, *arguments: Any, **options: Any
 ) -> Future[Any]:
-    future = pool.submit(what, *arguments)
+    future = pool.submit(what, *arguments, **options)
     future.add_done_callback(finished)
     return future
-
-
-def _search(scene: Scene, seed: int) -> dict[str, Any]:
-    """Minima with verdicts, as plain data that travels between processes."""
-    return result_to_dict(find_minima(scene, seed=seed, full=True))
-
-
-def _panel(data: dict[str, Any], boundary: Boundary, size: int) -> ExactLandscape:
-    return exact_landscape(result_from_dict(data), size, boundary=boundary)
-
-
-def _panel_data(data: dict[str, Any], boundary: Boundary, size: int) -> tuple[Any, ...]:
-    """All of a panel but its result, whose model does not travel."""
-    panel = _panel(data, boundary, size)
-    return panel.chart, panel.boundary, panel.regions, panel.places, panel.metastable
 
 
 def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
@@ -223,21 +208,17 @@ def _bar(axes: Any, image: Any) -> None:
 
 def sheet_table(panels: list[ExactLandscape]) -> Table:
     """Tabulate the panels: minima, those not ruled out (open) and stable in the full space, metastable length."""
-    table = Table(title=f"{len(panels)} panels", title_justify="left")
-    heads = ("scene", "N_sym", "open", "N_full", "metastable [rad]", "1-handles")
-    for head in heads:
-        left = head == "scene"
-        table.add_column(Text(head), justify="left" if left else "right", no_wrap=True)
+    rows = []
     for panel in panels:
         lines = panel.boundary.lines if panel.boundary else ()
         length = sum(part.length for part in panel.metastable)
-        name = panel.result.scene.label
-        for long, short in (("degree ", "N = "), ("alpha_1 = ", ""), ("r_k = ", "")):
-            name = name.replace(long, short)
-        table.add_row(
-            name,
-            *("?" if n is None else str(n) for n in panel.counts),
-            f"{length:.2f}" if panel.metastable else "-",
-            str(sum(line.thin for line in lines)),
+        rows.append(
+            (
+                short_label(panel.result.scene.label),
+                *("?" if n is None else str(n) for n in panel.counts),
+                f"{length:.2f}" if panel.metastable else "-",
+                str(sum(line.thin for line in lines)),
+            )
         )
-    return table
+    heads = ("scene", "N_sym", "open", "N_full", "metastable [rad]", "1-handles")
+    return Table(heads, rows, f"{len(panels)} panels", "lrrrrr")

@@ -92,13 +92,22 @@ class Model(Posed):
             return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
         k = len(x)
         if k == 0:  # CasADi maps over one state at least
-            spare = [np.zeros((1, np.size(m))) if np.ndim(m) < 2 else np.zeros((1, m.shape[-1])) for m in more]
+            spare = [
+                np.zeros((1, np.size(m))) if np.ndim(m) < 2 else np.zeros((1, m.shape[-1]))
+                for m in more
+            ]
             return [out[:0] for out in self._call(name, np.zeros((1, self.size)), *spare)]
-        columns = [x, np.tile(self.parameters.vector, (k, 1)), *(np.reshape(m, (k, -1)) for m in more)]
+        columns = [
+            x,
+            np.tile(self.parameters.vector, (k, 1)),
+            *(np.reshape(m, (k, -1)) for m in more),
+        ]
         out = mapped(self.structure, name, k)(*(c.T for c in columns))
         full = [o.full() for o in (out if isinstance(out, tuple | list) else [out])]
         return [
-            f.reshape(len(f), k, -1).transpose(1, 0, 2) if f.size else np.zeros((k, *f.shape[:1], 0))
+            f.reshape(len(f), k, -1).transpose(1, 0, 2)
+            if f.size
+            else np.zeros((k, *f.shape[:1], 0))
             for f in full
         ]
 
@@ -264,4 +273,3 @@ class Model(Posed):
         good[:] = False
         good[where] = True
         return good
-

@@ -1,4 +1,4 @@
-"""Tables and drawings that every room uses; nothing here knows a result."""
+"""Tables, plain data, styles and drawings that every room uses; nothing here knows a result."""
 
 import lazy_loader
 

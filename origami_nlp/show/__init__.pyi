@@ -5,9 +5,27 @@ from .drawing import (
     draw_state as draw_state,
     pose_state as pose_state,
 )
-from .style import plain as plain
+from .html import inline_image as inline_image
+from .plain import (
+    check_schema as check_schema,
+    from_plain as from_plain,
+    pick as pick,
+    to_plain as to_plain,
+)
+from .style import (
+    angle_ticks as angle_ticks,
+    label_text as label_text,
+    pi_label as pi_label,
+    short_label as short_label,
+)
 from .table import (
+    Cell as Cell,
+    Piece as Piece,
+    Table as Table,
+    Told as Told,
+    Words as Words,
     folding_table as folding_table,
+    pieces_html as pieces_html,
     plain_text as plain_text,
     rows_markdown as rows_markdown,
     rows_table as rows_table,

@@ -1,14 +1,148 @@
-"""Tables of words: on screens, in plain text and as Markdown."""
+"""Tables of words, and results that tell themselves: on screens, in plain text, as Markdown and as HTML.
+
+Nothing here knows a result: rooms make tables of texts, and this writes them down.  A text may carry a style of
+rich for the screen and a colour for HTML (`Words`); both are dropped where they cannot be shown.
+"""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich import table as rich_table
+    from rich.console import Console
+    from rich.text import Text
+
+
+class Words(NamedTuple):
+    """A text with a look.
+
+    style: of rich, such as ``"bold"``.  colour: of a small square before the text in HTML, such as ``"#D55E00"``.
+    """
+
+    text: str
+    style: str = ""
+    colour: str = ""
+
+
+Cell: TypeAlias = str | Words
+
+
+@dataclass(frozen=True)
+class Table:
+    """Heads and rows of texts.
+
+    columns: a letter each, ``l`` left or ``r`` right; a capital where words may wrap when the terminal is narrow.
+    Without: the first column left, the others right.  framed: with lines around (narrow: with less
+    room between columns).  ends: numbers of rows (from 0) below which a line is drawn.
+    """
+
+    heads: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    title: str = ""
+    columns: str = ""
+    framed: bool = True
+    narrow: bool = False
+    ends: Sequence[int] = ()
+
+    def __rich__(self) -> rich_table.Table:
+        """Return the table as a console prints it."""
+        from rich import box, table
+        from rich.text import Text
+
+        look = table.Table(
+            title=Text(self.title) if self.title else None,
+            title_justify="left",
+            box=box.HEAVY_HEAD if self.framed else box.SIMPLE_HEAD,
+            pad_edge=self.framed,
+            padding=(0, 1, 0, 0) if self.narrow else (0, 1),
+        )
+        for head, letter in zip(self.heads, self._letters, strict=True):
+            justify = "left" if letter in "lL" else "right"
+            look.add_column(Text(head), justify=justify, no_wrap=letter.islower())  # type: ignore[arg-type]
+        for number, row in enumerate(self.rows):
+            look.add_row(*map(_rich, row), end_section=number in self.ends)
+        return look
+
+    def markdown(self) -> str:
+        """Return the table in Markdown, without its title; bold cells stay bold."""
+        marks = ["---:" if c in "rR" else "---" for c in self.columns] or ["---"] * len(self.heads)
+        lines = [f"| {' | '.join(map(_markdown, self.heads))} |", f"|{'|'.join(marks)}|"]
+        lines += [f"| {' | '.join(map(_markdown, row))} |" for row in self.rows]
+        return "\n".join(lines) + "\n"
+
+    def html(self) -> str:
+        """Return the table in HTML, without its title; it brings its own style along."""
+        sides = ["left" if c in "lL" else "right" for c in self._letters]
+        look = "vertical-align:top;padding:2px 10px 2px 2px"
+        styles = [f"style='text-align:{side};{look}'" for side in sides]
+
+        def line(tag: str, cells: Sequence[Cell]) -> str:
+            pairs = zip(styles, cells, strict=True)
+            return f"<tr>{''.join(f'<{tag} {s}>{_html(c)}</{tag}>' for s, c in pairs)}</tr>"
+
+        body = "\n".join(line("td", row) for row in self.rows)
+        return (
+            f"<table style='border-collapse:collapse'>\n<thead>{line('th', self.heads)}</thead>"
+            f"<tbody>\n{body}\n</tbody></table>"
+        )
+
+    @property
+    def _letters(self) -> str:
+        return self.columns or "l" + "r" * (len(self.heads) - 1)
+
+
+Piece: TypeAlias = Table | Cell
+
+
+class Told:
+    """A result that tells itself: a class says `told`, and is printed everywhere from that."""
+
+    WIDTH = 110
+    """Columns of the plain text."""
+
+    def told(self) -> Iterable[Piece]:
+        """Return what there is to say: tables and lines, in order."""
+        raise NotImplementedError
+
+    def tell(self, console: Console) -> None:
+        """Print on a console of rich; lines are as long as they are."""
+        for piece in self.told():
+            if isinstance(piece, Table):
+                console.print(piece)
+            else:
+                console.print(_rich(piece), highlight=False, soft_wrap=True)
+
+    def __repr__(self) -> str:
+        return plain_text(self.WIDTH, self.tell).rstrip()
+
+    def _repr_html_(self) -> str:
+        return pieces_html(self.told())
+
+    def to_markdown(self) -> str:
+        """Return tables and lines in Markdown."""
+        return "\n".join(
+            f"{p.title}\n\n{p.markdown()}" if isinstance(p, Table) else f"{_markdown(p)}  "
+            for p in self.told()
+        )
+
+
+def pieces_html(pieces: Iterable[Piece]) -> str:
+    """Return tables and lines as HTML, static and without links."""
+
+    def parts() -> Iterator[str]:
+        for piece in pieces:
+            if not isinstance(piece, Table):
+                yield f"<div style='white-space:pre-wrap'>{_html(piece)}</div>"
+                continue
+            title = escape(piece.title).replace("\n", "<br>")
+            yield f"<p><b>{title}</b></p>\n{piece.html()}" if title else piece.html()
+
+    return "\n".join(["<div>", *parts(), "</div>"])
 
 
 def plain_text(width: int, tell: Callable[[Console], None]) -> str:
@@ -16,6 +150,8 @@ def plain_text(width: int, tell: Callable[[Console], None]) -> str:
 
     In Jupyter a console would display instead of writing to its file.
     """
+    from rich.console import Console
+
     text = io.StringIO()
     tell(Console(file=text, width=width, color_system=None, force_jupyter=False))
     return text.getvalue()
@@ -23,29 +159,38 @@ def plain_text(width: int, tell: Callable[[Console], None]) -> str:
 
 def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
     """Return rows as a table; the first column and long texts to the left, numbers to the right."""
-    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for k, head in enumerate(heads):
-        text = head.startswith(("kinds", "how"))
-        table.add_column(head, justify="left" if k == 0 or text else "right", no_wrap=not text)
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
+    words = ["L" if head.startswith(("kinds", "how")) else "r" for head in heads]
+    if words[0] == "r":
+        words[0] = "l"
+    return Table(heads, rows, title, "".join(words), framed=False)
 
 
 def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return rows as a Markdown table."""
-    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
+    return Table(heads, rows).markdown()
 
 
 def folding_table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
 ) -> Table:
     """Return a table whose columns `wrap` hold words, which wrap where the terminal is narrow."""
-    table = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for k, head in enumerate(heads):
-        words = k in wrap
-        table.add_column(head, justify="left" if words else "right", no_wrap=not words)
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    return table
+    columns = "".join("L" if k in wrap else "r" for k in range(len(heads)))
+    return Table(heads, rows, title, columns, framed=False)
+
+
+def _rich(cell: Cell) -> Text:
+    from rich.text import Text
+
+    return Text(cell) if isinstance(cell, str) else Text(cell.text, cell.style)
+
+
+def _markdown(cell: Cell) -> str:
+    text, style = (cell, "") if isinstance(cell, str) else cell[:2]
+    text = text.replace("|", "\\|").replace("\n", "<br>")
+    return f"**{text}**" if style == "bold" else text
+
+
+def _html(cell: Cell) -> str:
+    text, colour = (cell, "") if isinstance(cell, str) else (cell.text, cell.colour)
+    square = f"<span style='color:{colour}'>&#9632;</span> " if colour else ""
+    return square + escape(text).replace("\n", "<br>")

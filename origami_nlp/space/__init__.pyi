@@ -1,4 +1,5 @@
+from .family import print_transitions as print_transitions
 from .figure import draw_space as draw_space
-from .find import Space as Space, analyse_space as analyse_space
-from .table import print_space as print_space, print_transitions as print_transitions
+from .find import analyse_space as analyse_space
+from .result import Space as Space, print_space as print_space
 from .transitions import find_transitions as find_transitions

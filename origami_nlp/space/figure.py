@@ -15,7 +15,8 @@ from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
 from origami_nlp.files import save_figure
-from origami_nlp.space.find import Space, SpaceMesh
+from origami_nlp.show import pi_label
+from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
 LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
@@ -24,7 +25,7 @@ WALLS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#111111")
 """Lines of the contacts that bound X (Okabe and Ito)."""
 HANDLE = "#b2182b"
 TICKS = (-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi)
-TICK_NAMES = ("−π", "−π/2", "0", "π/2", "π")
+TICK_NAMES = tuple(pi_label(k, 2) for k in range(-2, 3))
 
 
 def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figure:

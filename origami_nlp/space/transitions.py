@@ -16,8 +16,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -26,8 +24,10 @@ from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.events import Event, System, find_events, walls_of
-from origami_nlp.space.find import Space, analyse_space
+from origami_nlp.space.family import Signature, Sweep, Transition, Witness
+from origami_nlp.space.find import analyse_space
 from origami_nlp.space.mesh import MeshError
+from origami_nlp.space.result import Space
 
 FAMILIES: dict[str, Callable[[float], Scene]] = {"degree6": degree6, "degree8": degree8}
 """The paper's families of vertices, by name; sector angle alpha_1 in (0, pi/2)."""
@@ -42,86 +42,6 @@ MARGIN = 0.05
 """The sweep keeps this far from 0 and pi/2 [rad], where facets degenerate."""
 
 Report = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Signature:
-    """What a sweep compares.
-
-    topology: `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
-    picture_holes: loops of the picture in the paper's chart.
-    corners: states where several contacts close, by their contacts, with their number.
-    """
-
-    topology: tuple[int, ...]
-    picture_holes: int
-    corners: tuple[tuple[tuple[str, ...], int], ...]
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Topology and loops of the picture, without corners."""
-        return (*self.topology, self.picture_holes)
-
-
-@dataclass(frozen=True)
-class Witness:
-    """A state that is admissible on one side of a transition only.
-
-    kept: contacts of the event that stay closed.  fold_angles, admissible: at alpha - SIDE, alpha and alpha + SIDE.
-    """
-
-    kept: tuple[str, ...]
-    fold_angles: tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]
-    admissible: tuple[bool, bool, bool]
-
-
-@dataclass(frozen=True)
-class Transition:
-    """A sector angle at which X changes.
-
-    alpha: to rounding.  bracket: where the sweep saw the change; None if only the event itself differs.
-    below, at, above: signatures at alpha - SIDE, alpha, alpha + SIDE.
-    changes: what changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
-    contacts: the sets of contacts that become dependent, of admissible events only.
-    creases: pairs of creases that coincide at the event, and do not beside it.
-    """
-
-    alpha: float
-    bracket: tuple[float, float] | None
-    below: Signature
-    at: Signature
-    above: Signature
-    changes: tuple[str, ...]
-    contacts: tuple[tuple[str, ...], ...]
-    creases: tuple[tuple[int, int], ...]
-    events: tuple[Event, ...]
-    witnesses: tuple[Witness, ...]
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """All transitions of a family.
-
-    samples: sector angles of the sweep with their signatures.
-    unexplained: brackets in which no event lies.  silent: sector angles of events at which nothing changes.
-    """
-
-    family: str
-    samples: tuple[tuple[float, Signature], ...]
-    transitions: tuple[Transition, ...]
-    unexplained: tuple[tuple[float, float], ...]
-    silent: tuple[float, ...]
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-able."""
-        return {
-            "schema": "origami-nlp/transitions/1",
-            "family": self.family,
-            "samples": [{"alpha": a, **_signature_dict(s)} for a, s in self.samples],
-            "transitions": [_transition_dict(t) for t in self.transitions],
-            "unexplained": [list(b) for b in self.unexplained],
-            "silent": list(self.silent),
-        }
 
 
 def signature_of(space: Space) -> Signature:
@@ -321,50 +241,3 @@ def _held(system: System, x: np.ndarray, alpha: float) -> np.ndarray | None:
         return None
     near = np.abs(np.abs(x) - math.pi) < 1e-12
     return np.where(near, np.sign(x) * math.pi, x)
-
-
-def _signature_dict(signature: Signature) -> dict[str, Any]:
-    names = (
-        "components",
-        "holes",
-        "euler_characteristic",
-        "pinch_points",
-        "handle_ends",
-        "handles",
-    )
-    return {
-        **dict(zip(names, signature.topology, strict=True)),
-        "picture_holes": signature.picture_holes,
-        "corners": [{"contacts": list(c), "count": n} for c, n in signature.corners],
-    }
-
-
-def _transition_dict(t: Transition) -> dict[str, Any]:
-    return {
-        "alpha": t.alpha,
-        "bracket": list(t.bracket) if t.bracket else None,
-        "changes": list(t.changes),
-        "contacts": [list(c) for c in t.contacts],
-        "coincident_creases": [list(c) for c in t.creases],
-        "below": _signature_dict(t.below),
-        "at": _signature_dict(t.at),
-        "above": _signature_dict(t.above),
-        "events": [
-            {
-                "alpha": e.alpha,
-                "contacts": list(e.walls),
-                "fold_angles": list(e.fold_angles),
-                "curve": e.curve,
-                "admissible": e.admissible,
-            }
-            for e in t.events
-        ],
-        "witnesses": [
-            {
-                "kept": list(w.kept),
-                "fold_angles": [list(p) for p in w.fold_angles],
-                "admissible": list(w.admissible),
-            }
-            for w in t.witnesses
-        ],
-    }

@@ -3,7 +3,7 @@
 The admissible set is a surface with boundary: a local minimum is a local minimum of the surface, of
 a curve on which one contact is closed, or a point where two are.  On each of these strata, contact
 elsewhere ignored, minimisations (surface, curves) and root searches (points) start from random
-states; states with all fold angles 0 or +-pi, where closure is singular, are listed.  Contact of any
+states; states with all fold angles 0 or +-pi, where closure is singular, are listed.  Row of any
 two facets closes some det(c_j, c_{j+1}, c_k), so these and the fold limits are all the curves.
 
 Fold angles of one orbit are tied; closure is that of the full vertex: the rotation vector of the

@@ -89,7 +89,7 @@ def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
 
 
 def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
-    command = importlib.import_module("origami_nlp.cli.verify")
+    command = importlib.import_module("origami_nlp.cli.paper")
     monkeypatch.setattr("os.access", lambda *_: False)
     monkeypatch.setattr(catalogue, "decide_all", lambda *_: pytest.fail("the work has begun"))
     with pytest.raises(OptionError, match="no permission"):

@@ -1,8 +1,8 @@
 """Are the minima of cone branches stable when the vertex may leave the branch?
 
 A branch is one curve in the space of all closed states.  Every minimum on it is taken, as a state of the
-vertex without symmetry and with full contact, to `judge.full_space`: closure, contact, multipliers, Hessian on
-the tangent space, and for unstable states a descent of admissible states.  Branches of one class have equal
+vertex without symmetry and with full contact, to `minima.judge_in_full_space`: closure, contact, multipliers,
+Hessian on the tangent space, and for unstable states a descent of admissible states.  Branches of one class have equal
 energies but different neighbourhoods, so every arrangement that no rotation or reflection makes equal is judged.
 """
 
@@ -15,10 +15,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_callback
-from origami_nlp.cone.branches import ConeBranch, branch_label
-from origami_nlp.cone.energy import Rest, rest_state
-from origami_nlp.cone.flaps import Folding, bracelets, check_degree, class_of
-from origami_nlp.cone.minima import ConeCount, branch_minima, check_ratio
+from origami_nlp.cone.branches import ConeBranch
+from origami_nlp.cone.flaps import class_of
+from origami_nlp.cone.minima import ConeCount, count
+from origami_nlp.cone.necklaces import Folding, foldings
+from origami_nlp.cone.rules import Cone, Rest, check_ratio
 from origami_nlp.minima import FullSpace, judge_in_full_space
 from origami_nlp.numerics import RANK, null_space
 from origami_nlp.pattern import Scene, Vertex
@@ -31,12 +32,11 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class BranchVerdict:
+class JudgedMinimum:
     """One minimum of a branch, judged in the full contact-admissible space.
 
-    flaps, direction: the branch.  label: of its class.  symmetry: of its states.
-    copies: number of branches that rotations and reflections make of it.
-    kind: "interior", "contact" (at the end of the branch) or "cut" (`cone_minima.BranchMinima`).  elevation: |v| [rad].
+    branch: where it is.  copies: number of branches that rotations and reflections make of it.
+    kind: "interior", "contact" (at the end of the branch) or "cut" (see `ConeMinima`).  elevation: |v| [rad].
     energy: per k_odd.  depth: (U_flat - U)/U_flat.
     fold_angles: all N [rad].
     residual: norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an
@@ -44,10 +44,7 @@ class BranchVerdict:
     full_space: the verdict, with certificate and descent.
     """
 
-    flaps: tuple[int, ...]
-    direction: int
-    label: str
-    symmetry: str
+    branch: ConeBranch
     copies: int
     kind: str
     elevation: float
@@ -67,13 +64,14 @@ class BranchVerdict:
 class ConeFullSpace:
     """All branch minima of a cone in the full space.
 
-    rest: rest angles.  ratio: k_even/k_odd.  states: one for each arrangement, direction and minimum.
+    cone: degree and rules.  ratio: k_even/k_odd.  rest: rest angles.
+    states: one for each arrangement, direction and minimum.
     """
 
-    degree: int
+    cone: Cone
     ratio: float
     rest: Rest
-    states: tuple[BranchVerdict, ...] = field(repr=False)
+    states: tuple[JudgedMinimum, ...] = field(repr=False)
 
     def count(self, verdict: str | None = None, kind: str | None = None) -> int:
         """Count branch minima over all branches (copies included), of one verdict and kind."""
@@ -82,7 +80,7 @@ class ConeFullSpace:
         )
 
 
-def cone_scene(degree: int, ratio: float, rest: Rest, name: str | None = None) -> Scene:
+def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:
     """Make the cone as a scene: k_odd = 1, k_even = r, full contact, no imposed symmetry."""
     flaps = degree // 2
     return Scene(
@@ -91,56 +89,62 @@ def cone_scene(degree: int, ratio: float, rest: Rest, name: str | None = None) -
         (rest.odd, rest.even) * flaps,
         "none",
         "full",
-        name=name or f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
+        name=f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
     )
 
 
-def cone_full_space(
-    degree: int,
-    ratio: float,
-    rest_elevation: float,
-    *,
-    rest: str = "waterbomb",
-    end: str = "contract",
-    progress: Progress | None = None,
+def full_space(
+    cone: Cone | int, ratio: float, elevation: float, *, progress: Progress | None = None
 ) -> ConeFullSpace:
     """Judge every branch minimum of a cone in the full contact-admissible space.
 
     Parameters
     ----------
-    ratio, rest_elevation, rest, end
-        Stiffness ratio, nu_0 [rad] and the rules for the rest state and the end of the branches
-        (`cone_energy.rest_state`, `model.cone.branch_end`).
+    cone
+        A `Cone`, or its degree: even, 6 to 16.
+    ratio
+        r_k = k_even/k_odd.
+    elevation
+        nu_0 of the rest state, signed [rad]; see `Cone.at_rest`.
     progress
         Called after each state.
 
+    Returns
+    -------
+    ConeFullSpace
+        Every minimum with its verdict, certificate and descent.
+
     Raises
     ------
-    OptionError
-        If the degree is above `LARGEST_DEGREE` or the ratio is not positive.
+    OptionError, AngleError
+        For values out of range.
+
+    Examples
+    --------
+    >>> from origami_nlp import cone
+    >>> judged = cone.full_space(6, ratio=1.0, elevation=0.5)
+    >>> judged.count(), judged.count("stable"), judged.count("undecided")
+    (8, 2, 0)
     """
-    check_degree(degree, LARGEST_DEGREE)
+    cone = Cone.of(cone, LARGEST_DEGREE)
     ratio = check_ratio(ratio)
     check_callback("progress", progress)
-    stress_free = rest_state(degree, rest_elevation, rest)
-    scene = cone_scene(degree, ratio, stress_free)
+    rest = cone.at_rest(elevation)
+    scene = cone_scene(cone.degree, ratio, rest)
     model = Model(scene)
-    jobs = _jobs(branch_minima(degree, ratio, rest_elevation, rest=rest, end=end))
-    flat = scene.energy(np.zeros(degree))
+    jobs = _jobs(count(cone, ratio, elevation))
+    flat = scene.energy(np.zeros(cone.degree))
     states = []
-    for done, (folding, direction, kind, elevation) in enumerate(jobs, start=1):
-        branch = ConeBranch(folding.flaps, direction, end)
-        x = branch.fold_angles(direction * elevation)
+    for done, (folding, direction, kind, v) in enumerate(jobs, start=1):
+        own = ConeBranch(folding.flaps, direction, cone.end)
+        x = own.fold_angles(direction * v)
         energy = float(scene.energy(x))
         states.append(
-            BranchVerdict(
-                folding.flaps,
-                direction,
-                branch_label(folding.flaps, direction),
-                folding.symmetry,
+            JudgedMinimum(
+                own,
                 folding.copies,
                 kind,
-                elevation,
+                v,
                 energy,
                 float((flat - energy) / flat) if flat > 0 else math.nan,
                 tuple(x.tolist()),
@@ -150,22 +154,19 @@ def cone_full_space(
         )
         if progress:
             progress(done, len(jobs))
-    return ConeFullSpace(degree, ratio, stress_free, tuple(states))
+    return ConeFullSpace(cone, ratio, rest, tuple(states))
 
 
-def _jobs(count: ConeCount) -> list[tuple[Folding, int, str, float]]:
+def _jobs(found: ConeCount) -> list[tuple[Folding, int, str, float]]:
     """List (arrangement, direction, kind, |v|) of every minimum, for each arrangement that differs."""
-    of_class: dict[tuple[int, int, int], list[tuple[str, float]]] = {}
-    m = count.minima
-    for k in range(len(m)):
-        key = (int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
-        of_class.setdefault(key, []).append((str(m.kind[k]), abs(float(m.elevation[k]))))
-    return [
-        (folding, direction, kind, elevation)
-        for folding in bracelets(count.degree)
-        for direction in (1, -1)
-        for kind, elevation in of_class.get((*class_of(folding.flaps), direction), [])
-    ]
+    m = found.minima
+    jobs = []
+    for folding in foldings(found.degree, mirrors_differ=False):
+        for direction in (1, -1):
+            own = m.of_class(*class_of(folding.flaps), direction)
+            pairs = zip(m.kind[own].tolist(), np.abs(m.elevation[own]).tolist(), strict=True)
+            jobs += [(folding, direction, kind, v) for kind, v in pairs]
+    return jobs
 
 
 def tangent_slope(model: Model, x: np.ndarray) -> float:

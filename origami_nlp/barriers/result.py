@@ -1,0 +1,175 @@
+"""Barriers as they are found, and how they tell themselves: tables, lines, JSON (``origami-nlp/barriers/1``)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.barriers.full import FullPass
+from origami_nlp.barriers.graph import StateGraph
+from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern import Scene
+from origami_nlp.show import Piece, Table, Told, pick, short_label, to_plain
+
+HEADS = (
+    "from",
+    "to",
+    "pass [J]",
+    "rises by [J]",
+    "back by [J]",
+    "kind",
+    "fold angles at the pass [deg]",
+)
+LONG_HEADS = (
+    "scene",
+    "pair",
+    "minima [J]",
+    "pass [J]",
+    "kind",
+    "fold angles at the pass [deg]",
+    "full space",
+)
+
+
+@dataclass(frozen=True)
+class Join:
+    """Two branches of the merge tree meet: at `energy`, states `first` and `second` (1-based) on either side."""
+
+    energy: float
+    pass_kind: PassKind
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Unlisted:
+    """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
+
+    depth: energy up to where it joins a deeper one.  fold_angles: of its bottom [N].
+    lands_on: number (1-based) of the minimum to which the bottom descends, or None.
+    """
+
+    depth: float
+    fold_angles: tuple[float, ...]
+    lands_on: int | None
+
+
+@dataclass(frozen=True, repr=False)
+class Barriers(Told):
+    """Passes for every pair of minima, the merge tree, and the graph that they came from.
+
+    unlisted: the deepest basins of the graph without a listed minimum.
+    full: what is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
+    """
+
+    result: MinimaResult
+    passes: tuple[Pass, ...]
+    merges: tuple[Join, ...]
+    graph: StateGraph
+    unlisted: tuple[Unlisted, ...] = ()
+    full: tuple[FullPass, ...] = ()
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.result.scene
+
+    def matrix(self) -> np.ndarray:
+        """Return the barrier energies [m, m]: an ultrametric; the diagonal holds the minima's own energies."""
+        m = len(self.result.minima)
+        out = np.full((m, m), math.inf)
+        np.fill_diagonal(out, [s.energy for s in self.result.minima])
+        for p in self.passes:
+            out[p.from_state - 1, p.to_state - 1] = out[p.to_state - 1, p.from_state - 1] = p.energy
+        return out
+
+    def table(self) -> Table:
+        """Return one row for each pair of minima; energies in the scene's units."""
+        title = f"lowest passes of '{self.scene.label}'"
+        return Table(HEADS, [self._cells(p) for p in self.passes], title, "rrrrrlL")
+
+    def _energies(self, p: Pass) -> tuple[float, float]:
+        """Return the energies of the minima on either side of a pass."""
+        one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
+        return one, two
+
+    def _cells(self, p: Pass) -> tuple[str, ...]:
+        pair = (f"#{p.from_state}", f"#{p.to_state}")
+        if math.isinf(p.energy):
+            return (*pair, "-", "-", "-", "none", p.why)
+        rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
+        angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
+        angles = "all 0" if p.pass_kind == "flat state" else angles
+        return (*pair, f"{p.energy:.9g}", *rises, p.pass_kind, angles)
+
+    def told(self) -> Iterator[Piece]:
+        """Return the table of passes, what bounds each, and what is known without the symmetry."""
+        yield self.table()
+        for p in self.passes:
+            yield f"#{p.from_state} - #{p.to_state}: {p.why}"
+        for basin in self.unlisted:
+            if basin.lands_on is None:
+                yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
+        for f in self.full:
+            yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        return {
+            "schema": "origami-nlp/barriers/1",
+            "name": self.scene.name,
+            "minima": [
+                {"number": k, **pick(m, "energy", "kind", "fold_angles")}
+                for k, m in enumerate(self.result.minima, start=1)
+            ],
+            "barriers": [p.to_dict() for p in self.passes],
+            "merges": to_plain(self.merges),
+            "paths": [
+                pick(p, "from=from_state", "to=to_state", "fold_angles=path", "energy=path_energy")
+                for p in self.passes
+            ],
+            "unlisted_basins": to_plain(self.unlisted),
+            "full_space": [f.to_dict() for f in self.full],
+        }
+
+
+print_barriers, barriers_to_dict = Barriers.tell, Barriers.to_dict
+
+
+def _full_words(f: FullPass) -> str:
+    """Say what is known of one barrier without the symmetry."""
+    if f.verdict == "same":
+        return f"{f.upper:.9g} J as well: no symmetry-breaking path is lower ({f.why})"
+    if f.verdict == "lower":
+        return (
+            f"the symmetric pass has index {f.index} there: a lower one exists, between "
+            f"{f.lower:.6g} and {f.upper:.6g} J"
+        )
+    index = "" if f.index is None else f", the symmetric pass has index {f.index} there"
+    return f"between {f.lower:.6g} J ({f.why}) and {f.upper:.6g} J (explicit path){index}"
+
+
+def barriers_table(several: Sequence[Barriers]) -> Table:
+    """Return the passes of several scenes, a row a pair: minima, pass, kind, where, full space."""
+    rows = []
+    for barriers in several:
+        name = short_label(barriers.scene.label).replace("*", r"\*")
+        judged = barriers.full or any(m.full_space is not None for m in barriers.result.minima)
+        full = {(f.from_state, f.to_state): f for f in barriers.full}
+        for p in barriers.passes:
+            one, two = barriers._energies(p)
+            f = full.get((p.from_state, p.to_state))
+            said = "an end is unstable there" if judged else "not asked"
+            if f is not None:
+                said = f"same: {f.why}"
+                if f.verdict != "same":
+                    said = f"{f.verdict}: at most {f.drop:.3g} J lower; {f.why}"
+            first, second, energy, _, _, kind, angles = barriers._cells(p)
+            ends = (f"{first} - {second}", f"{one:.6g}, {two:.6g}")
+            rows.append((name, *ends, energy, kind, angles, said))
+    return Table(LONG_HEADS, rows)

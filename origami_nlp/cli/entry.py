@@ -1,0 +1,69 @@
+"""The command `origami-nlp`: what it can do, in the order a new user needs, and how it ends."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from typing import NoReturn
+
+from origami_nlp.cli.barriers import barriers
+from origami_nlp.cli.bench import bench
+from origami_nlp.cli.cone import cone
+from origami_nlp.cli.contacts import contacts
+from origami_nlp.cli.critical import critical
+from origami_nlp.cli.example import example
+from origami_nlp.cli.group import Group
+from origami_nlp.cli.landscape import landscape
+from origami_nlp.cli.minima import minima
+from origami_nlp.cli.model import model
+from origami_nlp.cli.paper import paper
+from origami_nlp.cli.space import space
+from origami_nlp.cli.sweep import sweep
+from origami_nlp.cli.transitions import transitions
+from origami_nlp.cli.vertices import vertices
+from origami_nlp.errors import OrigamiError
+from origami_nlp.files import printable
+
+app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
+app.add(minima, contacts, barriers, critical, space, landscape, transitions)
+app.add(vertices, model, example)
+app.add_group("cone", cone)
+app.add(sweep)
+app.add_group("paper", paper, open=True)  # its commands had no group at first
+app.add(bench)
+
+
+def main() -> None:
+    """Run the command line; bad input, and output that nobody takes, end with one line and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        try:
+            app()
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()  # a full disk shows here, where it can still be said
+    except OrigamiError as error:
+        _stop(str(error))
+    except BrokenPipeError:  # the reader, head say, has had enough
+        _close_stdout()
+        sys.exit(1)
+    except OSError as error:
+        _close_stdout()
+        where = repr(error.filename) if error.filename else "input or output"
+        _stop(f"{where}: {error.strerror or error}")
+
+
+def _stop(line: str) -> NoReturn:
+    print(f"origami-nlp: {printable(line)}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _close_stdout() -> None:
+    """Let Python not try again at its end what cannot be written now."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,88 @@
+"""Where the results of a command go: to the files that it was asked for, and to people."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from origami_nlp.errors import OptionError
+
+if TYPE_CHECKING:
+    from origami_nlp.files import Screen
+
+Target = str | os.PathLike[str]
+ENDINGS = {"figure": (".png", ".pdf", ".svg"), "npz": (".npz",)}
+"""What the names of these files end in."""
+
+
+class Output:
+    """The files of a command, checked before its work, and the console for people.
+
+    People are told on standard error where one of the files is standard output.  Each file is written whole or not
+    at all, and named when it is there.
+
+    Parameters
+    ----------
+    more
+        Pairs of an option and a file that are checked as well; the command writes them itself.
+    targets
+        File of each option by its name (``json`` for ``--json``), or None where it was not given.
+
+    Raises
+    ------
+    OptionError
+        If a file cannot be written, has the wrong ending, or is the file of another option too.
+    """
+
+    def __init__(self, *more: tuple[str, Target], **targets: Target | None) -> None:
+        from origami_nlp.files import check_outputs, screen
+
+        named = [*((f"--{name}", target) for name, target in targets.items()), *more]
+        for option, target in named:
+            endings = ENDINGS.get(option[2:], ())
+            if target is not None and endings and Path(target).suffix.lower() not in endings:
+                raise OptionError(
+                    f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
+                )
+        check_outputs(*named)
+        self._targets = targets
+        self.console: Screen = screen(*targets.values())
+
+    def say(self, *things: Any, **options: Any) -> None:
+        """Print for people, as `rich.console.Console.print` does."""
+        self.console.print(*things, **options)
+
+    def write(self, option: str, make: Callable[..., Any], *arguments: Any) -> None:
+        """Write what ``make(*arguments)`` returns to the file of `option`, if there is one.
+
+        Text and bytes are written as they are, a matplotlib Figure as a picture, anything else as JSON.
+        """
+        self.save(option, _write, lambda: make(*arguments))
+
+    def save(self, option: str, save: Callable[..., Any], *arguments: Any) -> None:
+        """Let ``save(*arguments, file)`` write the file of `option`, if there is one."""
+        target = self._targets[option]
+        if target is not None:
+            save(*arguments, target)
+            self.written(target)
+
+    def written(self, *targets: Target) -> None:
+        """Say which files are there now."""
+        from origami_nlp.files import is_stdout
+
+        if files := [str(target) for target in targets if not is_stdout(target)]:
+            self.say("written: " + ", ".join(files), highlight=False, soft_wrap=True)
+
+
+def _write(make: Callable[[], Any], target: Target) -> None:
+    from origami_nlp.files import save_figure, write_json, write_whole
+
+    content = make()
+    if isinstance(content, str | bytes):
+        write_whole(target, content if isinstance(content, bytes) else content.encode())
+    elif hasattr(content, "savefig"):
+        save_figure(content, target, 200)
+    else:
+        write_json(content, Path(target))

@@ -1,0 +1,111 @@
+"""The interior vertices of a FOLD frame: which fold flat, what can be analysed, and what is odd.
+
+JSON schema ``origami-nlp/vertices/1``: vertices, edges and frames are numbered from 0 as in the file, angles in
+radians; what does not exist is null.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from origami_nlp.folding.flat_fold import folds_flat
+from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
+
+if TYPE_CHECKING:
+    from origami_nlp.files import Screen
+
+SCHEMA = "origami-nlp/vertices/1"
+HEADS = (
+    "vertex",
+    "degree",
+    "assignment",
+    "sector angles [deg]",
+    "Kawasaki [deg]",
+    "Maekawa",
+    "folds flat",
+    "analysis",
+)
+WORDS = ("assignment", "sector angles [deg]", "analysis")
+
+
+@dataclass(frozen=True)
+class VertexList:
+    """The interior vertices of one frame.
+
+    frame: of `read_fold`.  vertices: with creases.  flat: whether each folds flat with its mountains and valleys
+    (None where not all are stated).  notes: what is odd, of the file, the frame and its vertices.
+    """
+
+    frame: Frame
+    vertices: tuple[FoldVertex, ...]
+    flat: tuple[bool | None, ...]
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data: one entry of ``frames`` of the schema."""
+        return {
+            "frame": self.frame.number,
+            "title": self.frame.title,
+            "folded": self.frame.folded,
+            "notes": list(self.notes),
+            "vertices": [
+                {
+                    "vertex": v.number,
+                    "degree": v.degree,
+                    "edges": list(v.edges),
+                    "assignment": v.assignment,
+                    "sector_angles": _finite(v.sector_angles),
+                    "fold_angles": _finite(v.fold_angles),
+                    "file_angles": _finite(v.file_angles),
+                    "kawasaki": None if v.kawasaki is None else _finite([v.kawasaki])[0],
+                    "maekawa": v.maekawa,
+                    "folds_flat": folds,
+                    "can_be_analysed": not v.reason,
+                    "reason": v.reason,
+                    "notes": list(v.notes),
+                }
+                for v, folds in zip(self.vertices, self.flat, strict=True)
+            ],
+        }
+
+
+def list_vertices(frame: Frame) -> VertexList:
+    """Find the interior vertices of a frame, and which of them fold flat."""
+    found, notes = fold_vertices(frame)
+    return VertexList(frame, found, tuple(map(folds_flat, found)), (*frame.notes, *notes))
+
+
+def vertices_to_dict(lists: Sequence[VertexList]) -> dict[str, Any]:
+    """Return the vertices of all frames as plain data of the schema."""
+    return {"schema": SCHEMA, "frames": [one.to_dict() for one in lists]}
+
+
+def print_vertices(lists: Sequence[VertexList], screen: Screen) -> None:
+    """Print a table and the notes of every frame."""
+    for one in lists:
+        frame = one.frame
+        kind = "folded form" if frame.folded else "crease pattern"
+        title = f"frame {frame.number} ({kind}){': ' + frame.title if frame.title else ''}"
+        title += f": {len(one.vertices)} interior vertices with creases"
+        rows = [_row(v, folds) for v, folds in zip(one.vertices, one.flat, strict=True)]
+        screen.print_rows(title, HEADS, rows, left=WORDS, tables=len(lists))
+        said = [f"note: {note}" for note in one.notes]
+        said += [f"vertex {v.number}: {note}" for v in one.vertices for note in v.notes]
+        if said:
+            screen.print("\n".join(said), highlight=False)
+
+
+def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
+    angles = " ".join(f"{math.degrees(a):.5g}" for a in v.sector_angles)
+    kawasaki = "-" if v.kawasaki is None else f"{math.degrees(v.kawasaki):.2g}"
+    maekawa = "-" if v.maekawa is None else f"{v.maekawa:+d}"
+    flat = {True: "yes", False: "no", None: "-"}[folds]
+    first = (str(v.number), str(v.degree), v.assignment, angles)
+    return (*first, kawasaki, maekawa, flat, v.reason or "yes")
+
+
+def _finite(values: Sequence[float]) -> list[float | None]:
+    return [value if math.isfinite(value) else None for value in values]
