@@ -19,9 +19,9 @@ CLOSES = 1e-12
 FOLLOWED = 1e-13
 """Closure of points of a curve or small sphere: at distance d from a singular state any point closes to d^2, so at
 the smallest radii (1e-6) only residuals below this tell."""
-OUTSIDE = 1e-11
-"""A state is beyond a fold limit, a mirror, the axis or another facet: ten times what closing to `CLOSES` may move a
-contact, and less than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere."""
+OUTSIDE = 1e-12
+"""A state is beyond a fold limit, a mirror, the axis or another facet: more than closing to `CLOSES` can do, and less
+than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere around a singular state."""
 STATIONARY = 1e-11
 """Torque without balance, relative to the largest: 1e-16 through a KKT system of condition 1e5."""
 CURVED = 1e-12
