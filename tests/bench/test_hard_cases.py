@@ -12,7 +12,7 @@ from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import exact_state, regular_at_pi
 from origami_nlp.bench.hard_fold_point import beside, exact_fold_point, find_fold_point, ratio_scene
 from origami_nlp.kkt import polish
-from origami_nlp.minima.ipopt import solve
+from origami_nlp.minima import ipopt
 from origami_nlp.programme import Model
 
 QUICK = (
@@ -117,7 +117,7 @@ def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
 def test_a_regular_state_just_off_the_fold_limit_does_not_snap_to_it(distance, sign):
     scene, x = regular_at_pi(sign * (math.pi - distance))
     model = Model(scene)
-    state = polish(model, solve(model, x + 0.01))
+    state = polish(model, ipopt.solve(model, x + 0.01))
     assert state.converged and np.abs(state.x - x).max() <= 1e-14
 
 

@@ -17,7 +17,7 @@ from origami_nlp.bench.methods_closure import FORMS, closure_residual, closures,
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, random_problems
 from origami_nlp.bench.programme import Evaluator, programme
-from origami_nlp.minima.full_space import hessian_spectra
+from origami_nlp.minima import hessian_spectra
 from origami_nlp.programme import Model, crossed_pairs
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)

@@ -24,7 +24,6 @@ from origami_nlp.cone import (
 from origami_nlp.cone.energy import direction_classes
 from origami_nlp.cone.phase_curves import KINDS
 from origami_nlp.cone.phase_energy import class_energy
-from origami_nlp.paper import section5 as printed
 
 SIDE = 1e-9
 SLOW = pytest.mark.slow
@@ -188,19 +187,6 @@ def test_rest_angles_of_many_are_those_of_one(rest):
     assert np.allclose(even, [s.even for s in single], rtol=1e-15, atol=0)
 
 
-@pytest.mark.parametrize("depth, contact", [(0.0, True), (1e-3, False)])
-def test_dense_scan_agrees_with_exact_counts(depth, contact):
-    """The scan that stands in for printed roots, run on exact ones."""
-    reading = printed.Reading("", "", False, depth, contact, "waterbomb", "exact")
-    rng = np.random.default_rng(1)
-    nu = rng.uniform(*rest_range(8), 12)
-    ratios = 10 ** rng.uniform(-2, 2, 12)
-    scanned = printed.scan_counts(8, ratios, nu, reading)
-    exact = count_map(8, ratios, nu, depth=depth)
-    wanted = (exact.interior + contact * exact.at_end).T
-    assert (scanned != wanted).mean() < 0.02  # a scan of 400 points misses minima within its step
-
-
 def test_printed_plateaus_agree_with_the_symbolic_claims():
     """s5.plateau-N counts branches of finite depth as r -> infinity; so do the maps."""
     from symbolic.claims.section5 import stiff_even_minima
@@ -208,16 +194,6 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
     for degree in (6, 8, 10, 12):
         counts = count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
         assert (counts.total == stiff_even_minima(degree // 2)).all()
-
-
-def test_findings_are_consistent_with_what_was_counted():
-    for finding in printed.check_statements(8, degrees=(6, 8)):
-        for reading, share, value, holds in zip(
-            printed.READINGS, finding.shares, finding.values, finding.holds, strict=True
-        ):
-            if holds and finding.statement.kind == "somewhere":
-                assert share > 0 and value[0] <= finding.statement.count <= value[1], reading
-        assert (finding.first is None) == (not any(finding.holds))
 
 
 def test_command_writes_map_and_boundaries(tmp_path):
@@ -260,41 +236,6 @@ def test_diagram_counts_only_inside_when_asked():
     both, inside = (phase_diagram(6, size=9, contact=c) for c in (True, False))
     assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
     assert (inside.minima == both.map.interior).all() and (inside.minima < both.minima).any()
-
-
-@pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])
-def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
-    from origami_nlp.paper import cone_figures
-
-    monkeypatch.setattr(cone_figures, "SIZE", 6)
-    cone_figures._diagram.cache_clear()
-    result = CliRunner().invoke(app, ["reproduce", name, "--out", str(tmp_path)])
-    cone_figures._diagram.cache_clear()
-    assert result.exit_code == 0, result.output
-    assert (tmp_path / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
-    assert (tmp_path / f"{name}.pdf").read_bytes()[:5] == b"%PDF-"
-
-
-def test_figure_axis_is_the_papers(monkeypatch):
-    """Colours of the drawn map, read back, are the counts at minus nu_0."""
-    from origami_nlp.paper import cone_figures
-
-    monkeypatch.setattr(cone_figures, "SIZE", 8)
-    cone_figures._diagram.cache_clear()
-    drawn = cone_figures.draw_cone_figure("cone-4")
-    cone_figures._diagram.cache_clear()
-    axes = drawn.axes[0]
-    mesh = axes.collections[0]
-    shown = mesh.get_array().reshape(8, 8)
-    low, high = axes.get_xlim()
-    assert (low, high) == pytest.approx((-math.pi / 2, math.pi / 4))
-    nu = low + (high - low) * (np.arange(8) + 0.5) / 8
-    ratios = 10 ** (-2 + 4 * (np.arange(8) + 0.5) / 8)
-    wanted = np.array(
-        [[branch_minima(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
-    )
-    numbers = np.unique(wanted)
-    assert (numbers[shown.astype(int)] == wanted).all()
 
 
 M2V_REGIONS = (((math.pi / 8, math.pi / 6), 0.7), ((-math.pi / 2, -math.pi / 36), 7.0))

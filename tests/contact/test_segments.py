@@ -14,8 +14,7 @@ from origami_nlp.chart import trace_boundary
 from origami_nlp.contact.segments import SegmentReport, find_segments, segments_to_dict
 from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.minima import MinimaResult
-from origami_nlp.path import BoundaryCurve, Point, advance, evaluate, follow_boundary
-from origami_nlp.path.curve import CLOSED_TO
+from origami_nlp.path import CLOSED_TO, BoundaryCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
 from tests.computed_once import panel_result
 

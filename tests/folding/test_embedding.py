@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex, examine
-from origami_nlp.kkt.starts import gaps_hold
+from origami_nlp.kkt import starts
 from origami_nlp.programme import Model
 from tests.independent.admissible import admissible
 from tests.independent.arcs import crossing_margin, nearest_touch
@@ -231,7 +231,7 @@ def wedge_agreement(scene, rng, count):
     for state, verdict in zip(phi, own, strict=True):
         y = state[first]
         closed = np.abs(model.closure(y)[0]).max() <= 1e-10 and model.on_sheet(y)
-        holds = closed and bool(np.abs(y).max() <= math.pi) and gaps_hold(model, y)
+        holds = closed and bool(np.abs(y).max() <= math.pi) and starts.gaps_hold(model, y)
         assert holds == verdict, (scene, state)
     return own
 

@@ -158,3 +158,12 @@ def test_descent_from_random_states_ends_at_a_listed_minimum():
             tried += 1
             assert path.what.verdict == "minimum"
             assert min(np.abs(path.end - x).max() for x in listed) <= 1e-6
+
+
+def test_a_search_stopped_by_its_cap_says_so():
+    result = find_minima(examples.degree6("pi/3", 1), max_starts=5)
+    assert result.search.stopped_by == "cap" and result.search.starts == 5
+    assert (
+        math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
+    )
+    assert "cap" in repr(result)

@@ -21,8 +21,7 @@ from origami_nlp import (
 from origami_nlp.cli import app
 from origami_nlp.minima import write_fold, write_mesh
 from origami_nlp.minima.fold_out import face_orders, minima_to_fold
-from origami_nlp.pattern import fold_vertices, scene_at
-from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.fold_files import disc, folded, in_space, miura
 
 RUN = CliRunner()

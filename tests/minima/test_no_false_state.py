@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.cli.vertices import read_fold_scene
-from origami_nlp.pattern import fold_vertices, read_fold
+from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from tests.independent.closing import EXTENDED, PI, close
 from tests.independent.nearly_singular import KINDS, nearly_singular
 from tests.independent.relations import exact_sectors
@@ -310,6 +309,11 @@ def files():
     return FILES
 
 
+def scene_in(path, vertex, frame="first"):
+    (chosen,) = read_fold(path, frame)
+    return scene_at(chosen, vertex)
+
+
 SEEN_FALSE = [
     ("foldforge_miura_9xdeg4.fold", 8),
     ("foldforge_single_vertex_deg4.fold", 0),
@@ -322,14 +326,14 @@ SEEN_FALSE = [
 
 @pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE[:3])
 def test_vertices_of_files_where_false_states_were_seen(files, name, vertex):
-    result = find_minima(read_fold_scene(str(files / name), vertex, None))
+    result = find_minima(scene_in(files / name, vertex))
     assert result.minima and not failures(result, 600)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE)
 def test_three_seeds_find_the_same_energies(files, name, vertex):
-    scene = read_fold_scene(str(files / name), vertex, None)
+    scene = scene_in(files / name, vertex)
     energies = [[m.energy for m in find_minima(scene, seed=s).minima] for s in range(3)]
     assert len({len(e) for e in energies}) == 1
     assert np.ptp(energies, axis=0).max() <= 1e-12 * scene.degree * pi**2
@@ -350,7 +354,7 @@ def test_no_vertex_of_the_files_is_left_out(files):
 @pytest.mark.parametrize("place", places() if FILES.is_dir() else [None], ids=str)
 def test_every_minimum_of_every_vertex_of_the_files_stands(files, place):
     name, frame, vertex = place
-    scene = read_fold_scene(str(files / name), vertex, frame)
+    scene = scene_in(files / name, vertex, frame)
     seen = {}
     for seed in range(3):
         result = find_minima(scene, seed=seed)

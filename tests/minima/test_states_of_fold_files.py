@@ -9,8 +9,7 @@ import pytest
 
 from origami_nlp import find_minima
 from origami_nlp.minima.fold_out import minima_to_fold
-from origami_nlp.pattern import fold_vertices, scene_at
-from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.fold_files import closed_state, disc, folded, in_space, miura
 from tests.independent.neighbours import Problem, look_around
 from tests.independent.rotations import fold, spin_sign

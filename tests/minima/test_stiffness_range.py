@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import OrigamiError, Scene, Vertex, examples, find_minima
+from tests.computed_once import panel_result
 
 VERTICES = {
     "flat-foldable": ("pi/3", "2*pi/3", "2*pi/3", "pi/3"),
@@ -60,3 +61,18 @@ def test_any_unit_will_do(factor):
     for a, b in zip(one.minima, other.minima, strict=True):
         assert b.energy == pytest.approx(a.energy * factor, rel=1e-12)
         assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)
+
+
+def test_scaling_the_stiffness_scales_the_answer_exactly():
+    scene = examples.degree6("pi/3", 1.0)
+    one = panel_result(scene)
+    for power in (-40, 40):  # about 1e-12 and 1e12
+        factor = 2.0**power
+        scaled = Scene(scene.vertex, np.array(scene.stiffness) * factor, scene.rest_angles, "D1")
+        other = find_minima(scaled)
+        # a power of two changes no digit of the scaled programme
+        assert [m.fold_angles for m in other.minima] == [m.fold_angles for m in one.minima]
+        assert [m.energy for m in other.minima] == [m.energy * factor for m in one.minima]
+        assert [c.multiplier for m in other.minima for c in m.contacts] == [
+            c.multiplier * factor for m in one.minima for c in m.contacts
+        ]

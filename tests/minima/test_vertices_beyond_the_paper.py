@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.paper.baseline import crease_matrix
 from origami_nlp.programme import Model
 from tests.independent.rotations import fold, spin_sign
 from tests.minima.test_minima_of_random_vertices import check
@@ -169,13 +168,6 @@ def test_cyclic_states_of_a_vertex_that_is_not_flat():
         assert (
             np.abs(fold(np.array(sectors), np.array(m.fold_angles))[1][0] - np.eye(3)).max() < 1e-13
         )
-
-
-def test_the_crease_matrix_of_the_baseline_closes_too():
-    """Appendix A's rotation vector vanishes at the states that the quaternion closure finds."""
-    scene = Scene(Vertex((1.2, 1.3, 1.1, 1.4), flat=False), (1,) * 4, (0.4,) * 4, "none")
-    for m in find_minima(scene).minima:
-        assert np.abs(crease_matrix(scene, np.array(m.fold_angles))[1]).max() < 1e-13
 
 
 # ---------------------------------------------------------------- what is refused

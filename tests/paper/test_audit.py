@@ -7,10 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
-from typer.testing import CliRunner
 
-from origami_nlp.cli.audit import audit
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.folding import examine
@@ -30,6 +27,7 @@ from origami_nlp.paper.closing import closing_alphas, mean_of_rows
 from origami_nlp.paper.published import Candidate, parse_csv, parse_json
 from origami_nlp.pattern import examples
 from origami_nlp.programme import Model
+from tests.command_line import run
 from tests.computed_once import panel_result
 from tests.independent import rotations
 
@@ -286,15 +284,11 @@ def test_a_row_that_does_not_close_is_no_duplicate(panels: tuple[PanelAudit, ...
 def test_command_writes_json_and_markdown(
     small: tuple[list[dict[str, object]], dict[int, str]], tmp_path: Path
 ) -> None:
-    app = typer.Typer()
-    app.command()(audit)
     source = tmp_path / "states.json"
     source.write_text(json.dumps(small[0][:2]))
     target, table = tmp_path / "out.json", tmp_path / "out.md"
-    run = CliRunner().invoke(
-        app, [str(source), "--json", str(target), "--markdown", str(table)], catch_exceptions=False
-    )
-    assert run.exit_code == 0 and "2 published candidates" in run.output
+    done = run("audit", source, "--json", target, "--markdown", table)
+    assert done.code == 0 and "2 published candidates" in done.out
     data = json.loads(target.read_text())
     assert data["schema"] == "origami-nlp/audit/1"
     assert data["totals"]["exact"] == data["totals"]["duplicate"] == 1
@@ -302,9 +296,9 @@ def test_command_writes_json_and_markdown(
     assert "| degree 6, alpha_1 = pi/4, r_k = 1 | 2 | 1 | 1 |" in table.read_text()
     bad = tmp_path / "bad.json"
     bad.write_text("[]")
-    assert isinstance(CliRunner().invoke(app, [str(bad)]).exception, SceneFileError)
-    lost = CliRunner().invoke(app, [str(source), "--json", str(tmp_path / "no" / "out.json")])
-    assert isinstance(lost.exception, OptionError)
+    for wrong in ([bad], [source, "--json", tmp_path / "no" / "out.json"]):
+        code, _, err = run("audit", *wrong)
+        assert code == 2 and err.count("\n") == 1
 
 
 def test_nothing_to_audit_is_an_error() -> None:

@@ -11,7 +11,7 @@ from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.paper import STEPS, appendix_a
 from origami_nlp.paper.baseline import EPS_GRADIENT, crease_matrix
-from origami_nlp.pattern import Scene, examples
+from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
 from tests.computed_once import panel_result
 
@@ -181,3 +181,10 @@ def test_uses_the_steps_of_the_paper() -> None:
     paper = appendix_a(scene, phi)
     assert tuple(r.step for r in paper.steps) == STEPS == (3e-4, 1e-3, 3e-3)
     assert paper.seconds > 0
+
+
+def test_the_crease_matrix_of_the_baseline_closes_too():
+    """Appendix A's rotation vector vanishes at the states that the quaternion closure finds."""
+    scene = Scene(Vertex((1.2, 1.3, 1.1, 1.4), flat=False), (1,) * 4, (0.4,) * 4, "none")
+    for m in find_minima(scene).minima:
+        assert np.abs(crease_matrix(scene, np.array(m.fold_angles))[1]).max() < 1e-13

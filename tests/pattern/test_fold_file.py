@@ -10,8 +10,14 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError, find_minima
 from origami_nlp.cli import app
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, fold_vertices, read_fold, scene_at
-from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern import (
+    REST_KEY,
+    STIFFNESS_KEY,
+    fold_vertices,
+    parse_fold,
+    read_fold,
+    scene_at,
+)
 from tests.fold_files import closed_state, disc, folded, in_space, miura
 from tests.independent.rotations import fold
 
@@ -218,7 +224,7 @@ def test_vertices_command(tmp_path):
 )
 def test_folds_flat_agrees_with_counting_layers(letters, folds):
     """Degree 4 with a strictly smallest sector: its two creases must differ (Kawasaki-Justin)."""
-    from origami_nlp.cli.vertices import folds_flat
+    from origami_nlp.folding import folds_flat
 
     sectors = [60, 100, 120, 80]
     v = only(disc(sectors, letters))

@@ -9,8 +9,7 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError
 from origami_nlp.cli import app
-from origami_nlp.pattern import REST_KEY, fold_vertices, scene_at
-from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern import REST_KEY, fold_vertices, parse_fold, scene_at
 from tests.fold_files import closed_state, disc, folded
 
 RUN = CliRunner()

@@ -4,18 +4,15 @@ import json
 import math
 import time
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError, Scene, Vertex
 from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
-from origami_nlp.files import reading
-from origami_nlp.folding import examine, folds_flat
-from origami_nlp.folding.flat_fold import crimped
-from origami_nlp.pattern import fold_file, fold_vertices, parse_scene
-from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.files import parse_toml
+from origami_nlp.folding import folds_flat
+from origami_nlp.pattern import fold_file, fold_vertices, parse_fold, parse_scene
 from tests.fold_files import disc, miura
 
 RUN = CliRunner()
@@ -172,7 +169,7 @@ def test_what_looks_like_a_long_key_is_read():
 
     assert parse_scene(format_scene(scene)) == scene
     numbers = ", ".join(["0.25"] * 20_000)
-    assert reading.parse_toml(f"x = [{numbers}]", "scene", SceneFileError)["x"][7] == 0.25
+    assert parse_toml(f"x = [{numbers}]", "scene", SceneFileError)["x"][7] == 0.25
 
 
 @pytest.mark.parametrize(
@@ -205,32 +202,3 @@ def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
     done = RUN.invoke(app, ["model", str(file)])
     assert time.process_time() - start < 5
     assert isinstance(done.exception, OrigamiError) and words in str(done.exception)
-
-
-# ---------------------------------------------------------------- flat-foldability
-
-
-def test_crimping_agrees_with_the_order_of_layers():
-    """Random sector angles of degree 4 to 8 with Kawasaki's and Maekawa's conditions."""
-    rng, seen = np.random.default_rng(0), []
-    for _ in range(400):
-        n = int(rng.choice([4, 6, 8]))
-        halves = rng.dirichlet(np.ones(n // 2), 2) * math.pi
-        sectors = halves.T.ravel()
-        if sectors.max() > math.pi - 1e-3 or sectors.min() < 1e-2:
-            continue
-        letters = "".join(rng.permutation(list("M" * (n // 2 - 1) + "V" * (n // 2 + 1))))
-        phi = np.array([math.pi if a == "V" else -math.pi for a in letters])
-        answer = crimped(tuple(sectors), letters)
-        if answer is not None:
-            assert answer == examine(Vertex(tuple(sectors)), phi, tolerance=1e-4).admissible
-            seen.append(answer)
-    assert 50 < sum(seen) < len(seen) - 50
-    assert crimped((math.pi / 2,) * 4, "MVVV") is None  # no smallest: layers decide
-
-
-@pytest.mark.parametrize("letters", ["MVVV", "MMVV", "VVMV", "MMMV", "MMMM"])
-def test_equal_sectors_and_wrong_counts(letters):
-    (v,) = fold_vertices(parse_fold(json.dumps(disc([90] * 4, letters)))[0])[0]
-    phi = np.array([math.pi if a == "V" else -math.pi for a in v.assignment])
-    assert folds_flat(v) == examine(Vertex((math.pi / 2,) * 4), phi, tolerance=1e-4).admissible

@@ -10,8 +10,8 @@ from nbclient import NotebookClient
 
 SETUP = """
 import origami_nlp
-from origami_nlp.barriers.find import find_barriers
-from origami_nlp.critical.find import find_critical_points
+from origami_nlp.barriers import find_barriers
+from origami_nlp.critical import find_critical_points
 scene = origami_nlp.examples.degree6("pi/4")
 minima = origami_nlp.find_minima(scene, fewest_starts=16, max_starts=16)
 points = find_critical_points(scene, samples=512)

@@ -181,7 +181,7 @@ def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
 
 
 def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
-    import origami_nlp.minima.find as minima
+    from origami_nlp import minima
 
     def fail(*args, **kwargs):
         raise RuntimeError("no luck")
