@@ -21,7 +21,7 @@ from origami_nlp.kkt import StartStream, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model, is_admissible
-from tests.computed_once import panel_result
+from tests.computed_once import once, panel_result
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
 
@@ -42,7 +42,7 @@ def saddle_scene():
 
 @pytest.fixture(scope="module")
 def saddle_barriers(saddle_scene):
-    return find_barriers(saddle_scene, panel_result(saddle_scene))
+    return once("barriers-saddle", lambda: find_barriers(saddle_scene, panel_result(saddle_scene)))
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +53,14 @@ def contact_barriers():
     wedge = (0, 1, 2, 3, 2, 1)
     springs = (tuple(v[k] for k in wedge) for v in (stiffness, rest))
     scene = Scene(Vertex(a), *springs, "D1", "full")
-    return find_barriers(scene, find_minima(scene, max_starts=24))
+    return once("barriers-contact", lambda: find_barriers(scene, find_minima(scene, max_starts=24)))
 
 
 @pytest.fixture(scope="module")
 def handle_barriers():
     scene = examples.degree6("pi/3", 1)
-    return find_barriers(scene, panel_result(scene, full=True), True, spacing=0.18)
+    result = panel_result(scene, full=True)
+    return once("barriers-handle", lambda: find_barriers(scene, result, True, spacing=0.18))
 
 
 def grid_graph(values):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -21,6 +20,7 @@ from origami_nlp.chart import (
     trace_boundary,
 )
 from origami_nlp.folding import examine, fold_vertex
+from tests.computed_once import PANELS, panel_boundary
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),
@@ -29,9 +29,8 @@ SCENES = {
 }
 
 
-@lru_cache
 def boundary(name: str) -> Boundary:
-    return trace_boundary(SCENES[name], 101)
+    return panel_boundary(PANELS.index(SCENES[name]))
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
 import casadi as ca
 import mpmath as mp
@@ -32,7 +31,7 @@ from origami_nlp.programme import (
     row_values,
     row_weight,
 )
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, shared
 
 MULTIPLIER_FD = 1e-6
 """Relative agreement of contact moments with finite differences of the optimal energy."""
@@ -85,7 +84,7 @@ def held(model: Model, x: np.ndarray) -> tuple[Row, ...]:
     return choices[0]
 
 
-@lru_cache
+@shared
 def margin_of(name: str) -> LoadMargin:
     return load_margin(*state_of(name))
 
@@ -293,7 +292,7 @@ def test_panel_margins_are_confirmed_beside_the_critical_load(name: str) -> None
 
 @pytest.mark.parametrize(("n", "symmetry", "seed"), RANDOM)
 def test_random_pinned_scenes_are_confirmed(n: int, symmetry: str, seed: int) -> None:
-    result = o.find_minima(random_scene(n, symmetry, seed), max_starts=64)
+    result = o.find_minima(random_scene(n, symmetry, seed), max_starts=24)
     states = pinned(result)
     assert states
     margin = load_margin(result.model, states[0])
@@ -316,7 +315,8 @@ def test_a_loaded_scene_searched_from_scratch_agrees(name: str) -> None:
             o.Scene(
                 scene.vertex, scene.stiffness, tuple(rest), scene.group.name, scene.contact,
                 mirror=1,
-            )
+            ),
+            max_starts=64,
         )  # fmt: skip
         distances = [np.linalg.norm(np.subtract(m.fold_angles, at)) for m in loaded.minima]
         near = loaded.minima[int(np.argmin(distances))]

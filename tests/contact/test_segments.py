@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.minima import MinimaResult
 from origami_nlp.path import CLOSED_TO, BoundaryCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.programme import Model, Row, closed_contacts, is_admissible, row_values
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, shared
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),
@@ -31,7 +30,7 @@ def search(name: str) -> MinimaResult:
     return panel_result(getattr(o.examples, family)(alpha, ratio))
 
 
-@lru_cache
+@shared
 def segments(name: str) -> SegmentReport:
     return find_segments(search(name))
 

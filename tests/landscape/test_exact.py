@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 import pytest
 
 import origami_nlp as o
 from origami_nlp.chart import (
     Boundary,
-    trace_boundary,
     with_energy,
 )
 from origami_nlp.contact import find_segments
 from origami_nlp.landscape import exact_landscape
 from origami_nlp.landscape.exact import metastable_stretches
 from origami_nlp.landscape.panel import fill_outwards
-from tests.computed_once import panel_result
+from tests.computed_once import PANELS, panel_boundary, panel_result
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),
@@ -26,9 +23,8 @@ SCENES = {
 }
 
 
-@lru_cache
 def boundary(name: str) -> Boundary:
-    return trace_boundary(SCENES[name], 101)
+    return panel_boundary(PANELS.index(SCENES[name]))
 
 
 def test_metastable_stretches_are_those_of_the_segments():

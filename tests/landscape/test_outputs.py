@@ -12,18 +12,26 @@ import origami_nlp as o
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.landscape.plain import LISTS, landscape_from_dict
+from tests import computed_once
 from tests.command_line import run, scene_file
+from tests.computed_once import shared
 
 
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """All files of one run, and what it printed."""
-    folder = tmp_path_factory.mktemp("landscape")
+@shared
+def folder_written():
+    """All files of one run of the command."""
+    folder = computed_once.folder / "landscape"
+    folder.mkdir()
     path = scene_file(folder, o.examples.degree8("pi/6", 100.0))
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
     options = ["--json", files[0], "--npz", files[1], "--figure", files[2], "--size", 101]
     assert run("landscape", path, *options).code == 0
     return folder
+
+
+@pytest.fixture
+def written():
+    return folder_written()
 
 
 def strict(text):

@@ -68,7 +68,7 @@ def compare(piece, begin, minima):
 def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene):
     piece = Piece.of(scene)
     rng = np.random.default_rng(20)
-    begin = np.concatenate([grid_minima(piece, 61), starts(piece, 100, rng)])
+    begin = np.concatenate([grid_minima(piece, 41), starts(piece, 40, rng)])
     compare(piece, begin, listed(scene))
 
 
@@ -116,7 +116,7 @@ def _thin_sets_hold_nothing_else(scene, size):
     ids=lambda s: s.name,  # all of them: slow
 )
 def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene):
-    _thin_sets_hold_nothing_else(scene, 24)
+    _thin_sets_hold_nothing_else(scene, 16)
 
 
 @pytest.mark.slow

@@ -20,9 +20,9 @@ from origami_nlp.minima.figure import MOST_DRAWN
 from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import STYLE
 from origami_nlp.show import draw_state, pose_state
-from tests.computed_once import PANELS, panel_result
+from tests.computed_once import PANELS, panel_result, shared
 
-COARSE = 81  # cells of the landscape: the pictures are not looked at here
+COARSE = 61  # cells of the landscape: the pictures are not looked at here
 
 SCENES = {
     "degree 6, handles and a family": o.examples.degree6("pi/3", 1),
@@ -38,12 +38,14 @@ SCENES = {
 }
 
 
+@shared
+def searched(name):
+    return o.find_minima(SCENES[name], max_starts=64)
+
+
 @pytest.fixture(scope="module")
 def results():
-    return {
-        name: (panel_result if scene in PANELS else o.find_minima)(scene)
-        for name, scene in SCENES.items()
-    }
+    return {name: panel_result(s) if s in PANELS else searched(name) for name, s in SCENES.items()}
 
 
 def texts(figure):

@@ -96,13 +96,18 @@ def test_a_flat_sheet_at_rest_stays_flat():
         Scene(Vertex(("pi/2",) * 4), (1.0,) * 4, (0,) * 4, "none"),
         Scene(Vertex(("pi/4",) * 8), (1.0,) * 8, (0,) * 8, "D2"),
     ):
-        best = find_minima(scene).minima[0]
+        best = find_minima(scene, max_starts=32).minima[0]
         assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
         assert best.kind == "degenerate"  # closure loses rank at the flat state
         assert best.local_dimension == Model(scene).freedom
 
 
-@pytest.mark.parametrize("ratio", [1e-8, 1e-6, 1e-4, 1e4, 1e6])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "ratio", [1e-8, *(pytest.param(r, marks=SLOW) for r in (1e-6, 1e-4, 1e4)), 1e6]
+)
 @pytest.mark.parametrize("make", [examples.degree6, examples.degree8], ids=["6", "8"])
 def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):
     result = find_minima(make("pi/4", ratio))
@@ -141,13 +146,13 @@ def test_descent_from_random_states_ends_at_a_listed_minimum():
     rng = np.random.default_rng(0)
     from origami_nlp.kkt import StartStream
 
-    for scene in examples.panels()[::4]:
+    for scene in examples.panels()[::8]:
         result = panel_result(scene)
         model = result.model
         listed = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
         stream = StartStream(model, int(rng.integers(1 << 30)))
         tried = 0
-        while tried < 12:
+        while tried < 8:
             start = next(stream)
             if not start.feasible:
                 continue

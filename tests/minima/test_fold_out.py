@@ -22,6 +22,7 @@ from origami_nlp.cli import app
 from origami_nlp.minima import write_fold, write_mesh
 from origami_nlp.minima.fold_out import face_orders, minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
+from tests.computed_once import once
 from tests.fold_files import disc, folded, in_space, miura
 
 RUN = CliRunner()
@@ -42,7 +43,8 @@ SCENES = {
 
 @pytest.fixture(scope="module", params=SCENES, ids=str)
 def result(request):
-    return find_minima(SCENES[request.param], max_starts=60)
+    scene = SCENES[request.param]
+    return once(f"fold-out-{request.param}", lambda: find_minima(scene, max_starts=60))
 
 
 def test_states_survive_the_round_trip(result, tmp_path):

@@ -18,13 +18,15 @@ from origami_nlp.minima.html import as_html
 from origami_nlp.minima.marks import WARNING
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from origami_nlp.minima.table import as_text
+from tests.computed_once import once
 
 SCENE = o.examples.degree6("pi/3", 1)
 
 
 @pytest.fixture(scope="module")
 def decided():
-    return o.find_minima(SCENE, fewest_starts=32, max_starts=32, full=True)
+    few = dict(fewest_starts=32, max_starts=32)
+    return once("decided", lambda: o.find_minima(SCENE, **few, full=True))
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +41,7 @@ def free():
     """A vertex without imposed symmetry: what the search finds is a minimum of the whole space."""
     vertex = o.Vertex(("pi/2", "pi/3", "pi/2", "2*pi/3"))
     scene = o.Scene(vertex, (1.0,) * 4, (1.0, -1.0, 1.0, 1.0), "none", "full")
-    return o.find_minima(scene, fewest_starts=16, max_starts=16)
+    return once("free", lambda: o.find_minima(scene, fewest_starts=16, max_starts=16))
 
 
 def words(figure):

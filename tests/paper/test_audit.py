@@ -28,7 +28,7 @@ from origami_nlp.paper.published import Candidate, parse_csv, parse_json
 from origami_nlp.pattern import examples
 from origami_nlp.programme import Model
 from tests.command_line import run
-from tests.computed_once import panel_result
+from tests.computed_once import once, panel_result
 from tests.independent import rotations
 
 ROOT = Path(__file__).parents[2]
@@ -226,7 +226,7 @@ def small() -> tuple[list[dict[str, object]], dict[int, str]]:
 
 @pytest.fixture(scope="module")
 def panels(small: tuple[list[dict[str, object]], dict[int, str]]) -> tuple[PanelAudit, ...]:
-    return audit_candidates(parse_json(json.dumps(small[0])))
+    return once("audit", lambda: audit_candidates(parse_json(json.dumps(small[0]))))
 
 
 def test_every_artefact_is_named(

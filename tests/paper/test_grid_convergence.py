@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from origami_nlp.chart import chart_of
 from origami_nlp.minima import MinimaResult
 from origami_nlp.paper import GridErrors, count_grid_minima, draw_grid_convergence, grid_errors
 from origami_nlp.paper.grid_convergence import SIZES
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, shared
 
 INTERIOR = ("degree8", "pi/4", 1.0)
 WALL = ("degree8", "pi/12", 100.0)
@@ -22,7 +20,7 @@ def search(family: str, alpha: str, ratio: float) -> MinimaResult:
     return panel_result(getattr(o.examples, family)(alpha, ratio))
 
 
-@lru_cache
+@shared
 def errors(family: str, alpha: str, ratio: float) -> tuple[GridErrors, ...]:
     return grid_errors(search(family, alpha, ratio), shifts=10)
 

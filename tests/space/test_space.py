@@ -16,6 +16,7 @@ from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import analyse_space, topology
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.mesh import SEAM, mesh_sheets
+from tests.computed_once import once
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
@@ -32,7 +33,7 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def spaces():
-    return {name: analyse_space(scene, 16) for name, scene in SCENES.items()}
+    return once("spaces", lambda: {k: analyse_space(scene, 16) for k, scene in SCENES.items()})
 
 
 @pytest.mark.parametrize("name", SCENES)

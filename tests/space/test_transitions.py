@@ -13,6 +13,7 @@ from origami_nlp.pattern import degree6, degree8
 from origami_nlp.space import analyse_space, find_transitions
 from origami_nlp.space.events import find_events
 from origami_nlp.space.transitions import signature_of
+from tests.computed_once import once
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
 
@@ -21,12 +22,12 @@ LOW, HIGH = 0.1, math.pi / 2 - 0.1
 
 @pytest.fixture(scope="module")
 def events6():
-    return find_events(degree6, LOW, HIGH, starts=6)
+    return once("events-6", lambda: find_events(degree6, LOW, HIGH, starts=6))
 
 
 @pytest.fixture(scope="module")
 def events8():
-    return find_events(degree8, LOW, HIGH, starts=4)
+    return once("events-8", lambda: find_events(degree8, LOW, HIGH, starts=4))
 
 
 def test_events_of_degree_6(events6):
