@@ -48,7 +48,14 @@ def sample(curve, many, rng):
 
 
 @pytest.mark.parametrize(
-    "degree, depth", [(6, 0.0), (8, 0.0), (10, 0.0), (12, 0.0), (8, 1e-3), (10, 0.05)]
+    "degree, depth",
+    [
+        (6, 0.0),
+        (8, 0.0),
+        *(pytest.param(n, 0.0, marks=SLOW) for n in (10, 12)),
+        (8, 1e-3),
+        (10, 0.05),
+    ],
 )
 def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
     rng = np.random.default_rng(degree)

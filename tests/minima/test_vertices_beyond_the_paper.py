@@ -18,6 +18,11 @@ from tests.minima.test_minima_of_random_vertices import check
 DEG = math.pi / 180
 
 
+def some(first, every):
+    """Seeds, all but the first few behind `-m slow`."""
+    return [pytest.param(k, marks=[pytest.mark.slow] if k >= first else []) for k in range(every)]
+
+
 def triangle_fold_angles(a):
     """Exterior angles of the spherical triangle whose sides are the sector angles (cosine rule).
 
@@ -66,7 +71,7 @@ def kawasaki_branches(a, b, t):
     )
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", some(3, 6))
 def test_degree_four_against_its_closed_form(seed):
     rng = np.random.default_rng(seed)
     while True:
@@ -218,7 +223,7 @@ def test_the_polygon_inequalities_are_sharp(sides):
 # ---------------------------------------------------------------- noisy data
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", some(2, 3))
 def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
     rng = np.random.default_rng(seed)
     clean = np.array([45, 90, 45, 45, 90, 45]) * DEG

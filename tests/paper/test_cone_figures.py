@@ -23,17 +23,17 @@ def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
 
 def test_figure_axis_is_the_papers(monkeypatch):
     """Colours of the drawn map, read back, are the counts at minus nu_0."""
-    monkeypatch.setattr(cone_figures, "SIZE", 8)
+    monkeypatch.setattr(cone_figures, "SIZE", 6)
     cone_figures._diagram.cache_clear()
     drawn = cone_figures.draw_cone_figure("cone-4")
     cone_figures._diagram.cache_clear()
     axes = drawn.axes[0]
     mesh = axes.collections[0]
-    shown = mesh.get_array().reshape(8, 8)
+    shown = mesh.get_array().reshape(6, 6)
     low, high = axes.get_xlim()
     assert (low, high) == pytest.approx((-math.pi / 2, math.pi / 4))
-    nu = low + (high - low) * (np.arange(8) + 0.5) / 8
-    ratios = 10 ** (-2 + 4 * (np.arange(8) + 0.5) / 8)
+    nu = low + (high - low) * (np.arange(6) + 0.5) / 6
+    ratios = 10 ** (-2 + 4 * (np.arange(6) + 0.5) / 6)
     wanted = np.array(
         [[branch_minima(8, r, -v, depth=1e-3).stable_interior for v in nu] for r in ratios]
     )

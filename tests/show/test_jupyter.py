@@ -8,6 +8,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from tests.computed_once import shared
+
 SETUP = """
 import origami_nlp
 from origami_nlp.barriers import find_barriers
@@ -20,12 +22,18 @@ texts = {name: repr(globals()[name]) for name in ("scene", "minima", "points", "
 """
 
 
-@pytest.fixture(scope="module")
-def outputs():
+@shared
+def executed():
     sources = [SETUP, "import json; print(json.dumps(texts))", "minima", "points"]
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(s) for s in sources])
     NotebookClient(book, timeout=300, kernel_name="python3").execute()
+
     return [cell.outputs for cell in book.cells]
+
+
+@pytest.fixture
+def outputs():
+    return executed()
 
 
 # the kernel says as a warning that it talks over local TCP
