@@ -17,7 +17,7 @@ from tests.independent.pockets import look_along_contacts
 
 PANELS = examples.panels()
 FULL_RADII = np.logspace(-1, -5, 9)
-NORMAL, SLOW, SLOW_FULL = 400, 10_000, 20_000
+NORMAL, SLOW, SLOW_FULL = 200, 10_000, 20_000
 
 
 def full_problem(scene):

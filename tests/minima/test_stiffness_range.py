@@ -34,7 +34,7 @@ def test_stiffnesses_that_cannot_be_computed_with_are_refused(stiffness, words):
     assert all(word in str(raised.value) for word in words), raised.value
 
 
-@pytest.mark.parametrize("power", [0, 8])
+@pytest.mark.parametrize("power", [0, pytest.param(8, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("where", ["stiff", "soft"])
 @pytest.mark.parametrize("sectors", VERTICES.values(), ids=VERTICES)
 def test_one_spring_of_a_very_different_stiffness(sectors, where, power):
@@ -43,7 +43,7 @@ def test_one_spring_of_a_very_different_stiffness(sectors, where, power):
     for ratio in (1e4, 1e8):
         unit = 10.0**power
         k = (ratio if where == "stiff" else 1 / ratio) * unit
-        result = find_minima(scene(sectors, (k, unit, unit, unit)))
+        result = find_minima(scene(sectors, (k, unit, unit, unit)), max_starts=64)
         assert all(m.polished and m.closure_residual <= 1e-12 for m in result.minima)
         found.append(result.minima)
     few, many = found
