@@ -293,7 +293,7 @@ def test_bad_options_are_refused_before_any_work(arguments, message, monkeypatch
 def test_the_command_writes_what_is_asked(tiny, monkeypatch, tmp_path):
     from typer.testing import CliRunner
 
-    monkeypatch.setattr("origami_nlp.bench.run.run_bench", lambda **options: tiny)
+    monkeypatch.setattr("origami_nlp.bench.run_bench", lambda **options: tiny)
     names = {"--json": "a.json", "--figure": "f/a.png", "--markdown": "a.md"}
     (tmp_path / "f").mkdir()
     arguments = [v for k, n in names.items() for v in (k, str(tmp_path / n))]
@@ -317,7 +317,7 @@ def test_hard_cases_are_run_shown_and_counted(monkeypatch, tmp_path):
         return lambda progress=None: hard.HardReport((hard.HardResult(case, outcomes),))
 
     for value, code in ((1e-12, 0), (1e-3, 1)):
-        monkeypatch.setattr("origami_nlp.bench.hard.run_hard", of(value))
+        monkeypatch.setattr("origami_nlp.bench.run_hard", of(value))
         names = ["--json", str(tmp_path / "h.json"), "--markdown", str(tmp_path / "h.md")]
         result = CliRunner().invoke(app, ["bench", "--hard", *names])
         assert result.exit_code == code and "one setting" in result.output

@@ -263,9 +263,9 @@ def test_terminals_have_a_bar(monkeypatch):
 @pytest.mark.parametrize(
     ("args", "patched"),
     [
-        (["panels"], "origami_nlp.minima.find.find_minima"),
-        (["transitions", "degree6"], "origami_nlp.space.transitions.find_transitions"),
-        (["audit", "CANDIDATES"], "origami_nlp.paper.audit.audit_candidates"),
+        (["panels"], "origami_nlp.minima.find_minima"),
+        (["transitions", "degree6"], "origami_nlp.space.find_transitions"),
+        (["audit", "CANDIDATES"], "origami_nlp.paper.audit_candidates"),
     ],
 )
 def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):

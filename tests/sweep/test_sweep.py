@@ -184,7 +184,7 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
     def fail(*args, **kwargs):
         raise RuntimeError("no luck")
 
-    monkeypatch.setattr("origami_nlp.minima.find.find_minima", fail)
+    monkeypatch.setattr("origami_nlp.minima.find_minima", fail)
     assert run_scene(small(), 0, ()).reason == "RuntimeError: no luck"
     report = run_sweep(small(), tmp_path, executor=Inline())
     assert report.counts == {"failed": 12}
