@@ -308,12 +308,12 @@ def test_the_command_writes_what_is_asked(tiny, monkeypatch, tmp_path):
 def test_hard_cases_are_run_shown_and_counted(monkeypatch, tmp_path):
     from typer.testing import CliRunner
 
-    from origami_nlp.bench import hard
+    from origami_nlp.bench import hard, hard_case
 
     def of(value):
-        measured = (hard.Measured("angle", value, 1e-10),)
-        outcomes = (hard.Outcome("one setting", measured, "minimum", True),)
-        case = hard.HardCase("a case", "hard", "known", "must", lambda: iter(()))
+        measured = (hard_case.Measured("angle", value, 1e-10),)
+        outcomes = (hard_case.Outcome("one setting", measured, "minimum", True),)
+        case = hard_case.HardCase("a case", "hard", "known", "must", lambda: iter(()))
         return lambda progress=None: hard.HardReport((hard.HardResult(case, outcomes),))
 
     for value, code in ((1e-12, 0), (1e-3, 1)):
