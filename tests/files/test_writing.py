@@ -265,7 +265,7 @@ def test_every_figure_goes_the_same_way():
     """No module saves a figure past `save_figure`, or opens a file to write."""
     for path in sorted((ROOT / "origami_nlp").rglob("*.py")):
         text = path.read_text()
-        if path.name != "files.py":
+        if path.parts[-2:] != ("files", "writing.py"):
             assert "write_bytes" not in text and "write_text" not in text, path
             for line in text.splitlines():
                 assert ".savefig(" not in line or "buffer" in line, path  # to memory, for HTML
