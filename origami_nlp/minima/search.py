@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import (
+    Classification,
     Polished,
     Solve,
     StartStream,
@@ -30,10 +31,16 @@ FEW_PAIRS = 6
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, and how many starts reached it."""
+    """A distinct state that solves ended at: its polish, how many starts reached it, and what it was judged to be."""
 
     polished: Polished
     hits: int = 1
+    what: Classification | None = None
+
+    @property
+    def is_minimum(self) -> bool:
+        """Whether it was judged to be a minimum."""
+        return self.what is not None and self.what.verdict == "minimum"
 
 
 @dataclass
