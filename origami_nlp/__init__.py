@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult, Minimum, draw_minima, find_minima
     from origami_nlp.programme import Model
 
-__version__ = "0.1.0"
 
 _LAZY = {
     "find_minima": "origami_nlp.minima.find",

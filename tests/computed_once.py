@@ -4,24 +4,28 @@ They are of the code under test: the folder belongs to one run of pytest and end
 """
 
 import dataclasses
+import functools
+import io
 import pickle
+import re
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
+from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
 from origami_nlp.programme import Model
 
+T = TypeVar("T")
 PANELS = examples.panels()
 folder: Path | None = None
 """Where the processes of this run share results; set by `conftest.py` before the first test."""
 
 
-def once(name: str, compute: Callable[[], Any]) -> Any:
+def once(name: str, compute: Callable[[], T]) -> T:
     """Return `compute()`, or what another process of this run computed under the same name."""
     assert folder is not None, "results are shared among tests, not at import"
     path = folder / f"{name}.pickle"
@@ -29,24 +33,42 @@ def once(name: str, compute: Callable[[], Any]) -> Any:
         if path.exists():
             return pickle.loads(path.read_bytes())
         value = compute()
-        path.write_bytes(pickle.dumps(value))
+        content = io.BytesIO()
+        pickler = pickle.Pickler(content)
+        # compiled functions are kept by each process for itself
+        pickler.dispatch_table = {Model: lambda model: (Model, (model.scene,))}
+        pickler.dump(value)
+        path.write_bytes(content.getvalue())
     return value
+
+
+def shared(compute: Callable[..., T]) -> Callable[..., T]:
+    """Compute a function of words and numbers once per run; each process reads what it needs once."""
+
+    @functools.wraps(compute)
+    def ask(*arguments: str | float) -> T:
+        words = "-".join((compute.__module__, compute.__name__, *map(str, arguments)))
+        return once(re.sub(r"[^\w.,+-]", "_", words), lambda: compute(*arguments))
+
+    return functools.cache(ask)
 
 
 def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
     """Return `find_minima(scene, full=full)` of one of the paper's 18 panels; all but its seconds are the same."""
-    number = PANELS.index(scene)
-    minima, search = _searched(number)
-    if not full:  # the search in the full space only adds its verdicts
-        minima = tuple(dataclasses.replace(m, full_space=None) for m in minima)
-    # the model holds compiled functions, which each process keeps for itself
-    return MinimaResult(scene, Model(scene), minima, search)
+    result = _searched(PANELS.index(scene))
+    if full:
+        return result
+    # the search in the full space only adds its verdicts
+    minima = tuple(dataclasses.replace(m, full_space=None) for m in result.minima)
+    return dataclasses.replace(result, minima=minima)
 
 
-@cache
-def _searched(number: int) -> tuple[Any, Any]:
-    def search() -> tuple[Any, Any]:
-        result = find_minima(PANELS[number], full=True)
-        return result.minima, result.search
+@shared
+def _searched(number: int) -> MinimaResult:
+    return find_minima(PANELS[number], full=True)
 
-    return once(f"panel-{number}", search)
+
+@shared
+def panel_boundary(number: int) -> Boundary:
+    """Return the boundary of a panel's landscape, traced on 101 x 101 points."""
+    return trace_boundary(PANELS[number], 101)

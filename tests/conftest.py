@@ -11,9 +11,10 @@ import os
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
-import computed_once  # noqa: E402
 import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
+
+from tests import computed_once  # noqa: E402
 
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("random", print_blob=True)

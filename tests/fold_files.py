@@ -8,6 +8,7 @@ import numpy as np
 
 from origami_nlp import Vertex
 from origami_nlp.folding import fold_vertex
+from tests.independent.rotations import project, spin_sign
 
 
 def disc(sectors_deg, letters=None, angles=None, turn=0.0, length=None):
@@ -39,6 +40,17 @@ def folded(sectors_deg, phi, flat=True, letters=None):
     data["faces_vertices"] = [[0, i, i % n + 1] for i in range(1, n + 1)]
     data["frame_classes"] = ["foldedForm"]
     return data
+
+
+def closed_state(sectors, flat, seed):
+    """A random closed embedded state, by the independent Gauss-Newton projection."""
+    rng = np.random.default_rng(seed)
+    a = np.radians(sectors)
+    while True:
+        x, r = project(a, np.arange(len(a)), rng.uniform(-1.5, 1.5, (20, len(a))))
+        for phi in x[(r < 1e-13) & (np.abs(x).max(axis=1) < 2.5) & (np.abs(x).min(axis=1) > 0.05)]:
+            if spin_sign(a, phi)[0] > 0:
+                return phi
 
 
 def in_space(data, seed, noise=0.0):

@@ -19,8 +19,14 @@ from origami_nlp.minima import write_fold
 from origami_nlp.paper import count_grid_minima, limits
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.space import analyse_space
-from origami_nlp.sweep import draw_sweep, load_states, parse_sweep, read_sweep, run_sweep
-from origami_nlp.sweep.load import load_sweep
+from origami_nlp.sweep import (
+    draw_sweep,
+    load_states,
+    load_sweep,
+    parse_sweep,
+    read_sweep,
+    run_sweep,
+)
 
 SCENE = o.examples.degree6("pi/4")
 N = SCENE.degree

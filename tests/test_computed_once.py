@@ -3,11 +3,11 @@
 import multiprocessing
 from pathlib import Path
 
-import computed_once
 import pytest
-from computed_once import PANELS, once, panel_result
 
 from origami_nlp import examples, find_minima
+from tests import computed_once
+from tests.computed_once import PANELS, once, panel_result
 
 
 def test_a_shared_panel_is_that_of_a_search():

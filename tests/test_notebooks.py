@@ -11,7 +11,6 @@ FOLDER = Path(__file__).parent.parent / "notebooks"
 NAMES = (
     "01_stable_states.ipynb",
     "03_contact.ipynb",
-    "04_landscapes.ipynb",
     "05_cones.ipynb",
     "06_speed_error.ipynb",
     "07_from_a_fold_file.ipynb",
@@ -22,7 +21,10 @@ VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succe
 """Rounding errors, times and counts of the search: they may differ between machines."""
 
 
-@pytest.fixture(params=NAMES)
+LONG = "04_landscapes.ipynb"  # run with the long studies: what it calls has tests of its own
+
+
+@pytest.fixture
 def stored(request):
     assert (FOLDER / request.param).stat().st_size < LARGEST
     return nbformat.read(FOLDER / request.param, as_version=4)
@@ -34,6 +36,7 @@ def printed(cell):
     return VARIES.sub("~", text)
 
 
+@pytest.mark.parametrize("stored", [*NAMES, LONG], indirect=True)
 def test_notebook_is_stored_with_outputs(stored):
     nbformat.validate(stored)
     code = [cell for cell in stored.cells if cell.cell_type == "code"]
@@ -42,6 +45,9 @@ def test_notebook_is_stored_with_outputs(stored):
     assert any("text/html" in out.get("data", {}) for cell in code for out in cell.outputs)
 
 
+@pytest.mark.parametrize(
+    "stored", [*NAMES, pytest.param(LONG, marks=pytest.mark.slow)], indirect=True
+)
 # the kernel says on stderr and as a warning that it talks over local TCP
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_notebook_runs_and_prints_what_is_stored(stored):

@@ -18,7 +18,7 @@ def test_the_profile_follows_the_marker(request):
 
 def test_long_studies_repeat_the_property_tests_with_random_examples():
     command = [sys.executable, "-m", "pytest", "-q", "--collect-only"]
-    file = HERE / "hard" / "test_multiplier_sets.py"
+    file = HERE / "kkt" / "test_multiplier_sets.py"
     chosen = subprocess.run([*command, "-m", "slow", file], capture_output=True, text=True)
     assert PROPERTY in chosen.stdout
     assert "test_one_contact_described_many_times" not in chosen.stdout

@@ -17,7 +17,7 @@ three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.
 4. *The bound.*  On the set the energy is a convex quadratic, on the segment a parabola of one angle: its smallest
    value bounds every path out from below.
 
-`tests/test_barriers_flaps.py` gets all four steps a second way.
+`tests/barriers/test_flaps.py` gets all four steps a second way.
 """
 
 from __future__ import annotations

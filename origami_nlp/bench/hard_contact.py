@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.bench.hard import HardCase, Measured, Outcome
+from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import ROUNDING, nearest, regular_at_pi
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing

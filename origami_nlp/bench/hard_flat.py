@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.bench.hard import HardCase, Measured, Outcome
+from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.kkt import BATCH, State, classify, polish, project
 from origami_nlp.minima import (

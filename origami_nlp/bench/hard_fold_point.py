@@ -21,7 +21,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from origami_nlp.bench.hard import HardCase, Measured, Outcome
+from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.kkt import State, classify, newton
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model

@@ -10,7 +10,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
-from origami_nlp.bench.hard import HardCase, Measured, Outcome
+from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_springs import against_50_digits
 from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.minima import find_minima

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.bench.hard import HardCase, Measured, Outcome
+from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.hard_flat import EPS, ROUNDING, exact_state, known_state
 from origami_nlp.errors import SceneError
 from origami_nlp.kkt import StartStream

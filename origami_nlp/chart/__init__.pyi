@@ -31,5 +31,5 @@ from .energy_map import (
     Place as Place,
     landscape as landscape,
 )
-from .grid import allowed as allowed, chart_limits as chart_limits
+from .grid import allowed as allowed, chart_limits as chart_limits, distance_from as distance_from
 from .region import admissible_region as admissible_region

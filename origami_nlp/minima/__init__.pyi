@@ -9,6 +9,7 @@ from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
+    hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
 )
 from .ipopt import (

@@ -3,7 +3,7 @@
 Every quantity is computed from the closed forms at a ladder of degrees; its distance from the limit
 gives an observed order p and coefficient c (error ~ c (2 pi/N)^p), beside the values that a series in
 alpha = 2 pi/N predicts (paper section 4 "Infinite creases", appendix B; claims ``s4.limit``,
-``b.half-angle-limit`` and ``b.correspondence`` hold the limits, `tests/test_cone_limits.py` the series).
+``b.half-angle-limit`` and ``b.correspondence`` hold the limits, `tests/paper/test_cone_limits.py` the series).
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
 from .curve import (
+    CLOSED_TO as CLOSED_TO,
     BoundaryCurve as BoundaryCurve,
     Point as Point,
     advance as advance,

@@ -15,6 +15,7 @@ from .fold_file import (
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
     Frame as Frame,
+    parse_fold as parse_fold,
     read_fold as read_fold,
 )
 from .fold_scene import read_fold_scene as read_fold_scene

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from independent.arcs import crossing_margin, nearest_touch
-from independent.layering import combinatorics, stackable
-from independent.rotations import fold, spin_sign
+from tests.independent.arcs import crossing_margin, nearest_touch
+from tests.independent.layering import combinatorics, stackable
+from tests.independent.rotations import fold, spin_sign
 
 TOUCH = 1e-9
 """Distance [rad] below which features are taken to touch; states are closed to 1e-14."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from independent.rotations import fold, rotation_vector
+from tests.independent.rotations import fold, rotation_vector
 
 LONG = np.longdouble
 PI = LONG(4) * np.arctan(LONG(1))

@@ -9,8 +9,8 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 
-from independent.arcs import crossing_margin, nearest_touch
-from independent.layering import stackable, stackable_with
+from tests.independent.arcs import crossing_margin, nearest_touch
+from tests.independent.layering import stackable, stackable_with
 
 DIGITS = 40
 TOUCH = 1e-22

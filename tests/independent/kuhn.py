@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from independent.search_manifold import Piece
+from tests.independent.search_manifold import Piece
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from independent.admissible import admissible
-from independent.exact import lower_after_all
-from independent.rotations import fold, project
 from origami_nlp import Scene
+from tests.independent.admissible import admissible
+from tests.independent.exact import lower_after_all
+from tests.independent.rotations import fold, project
 
 RADII = np.logspace(-1, -6, 11)
 EPS = np.finfo(float).eps

@@ -12,11 +12,11 @@ import itertools
 
 import numpy as np
 
-from independent.admissible import admissible
-from independent.arcs import corner_determinants
-from independent.neighbours import WAY, Problem, strata
-from independent.rotations import fold
-from independent.stationary import Stratum, retract
+from tests.independent.admissible import admissible
+from tests.independent.arcs import corner_determinants
+from tests.independent.neighbours import WAY, Problem, strata
+from tests.independent.rotations import fold
+from tests.independent.stationary import Stratum, retract
 
 SLACK = 1e-4
 MOST_STRATA = 24

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from independent.search_manifold import Piece
+from tests.independent.search_manifold import Piece
 
 FLIP = np.array([1.0, -1.0, 1.0])
 

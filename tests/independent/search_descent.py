@@ -13,8 +13,8 @@ import itertools
 
 import numpy as np
 
-from independent.search_charts import closed, pairs, sheets
-from independent.search_manifold import Piece
+from tests.independent.search_charts import closed, pairs, sheets
+from tests.independent.search_manifold import Piece
 
 LONGEST = 0.06
 """Longest step [rad, in the largest fold angle]."""

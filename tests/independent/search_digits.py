@@ -12,8 +12,8 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 
-from independent.search_manifold import Piece
-from independent.search_stationary import Contact
+from tests.independent.search_manifold import Piece
+from tests.independent.search_stationary import Contact
 
 DIGITS = 50
 

@@ -11,10 +11,10 @@ import math
 
 import numpy as np
 
-from independent.arcs import crossing_margin, nearest_touch
-from independent.layering import Map, combinatorics, stackable_with
-from independent.rotations import fold, spin_sign
-from independent.search_manifold import Piece
+from tests.independent.arcs import crossing_margin, nearest_touch
+from tests.independent.layering import Map, combinatorics, stackable_with
+from tests.independent.rotations import fold, spin_sign
+from tests.independent.search_manifold import Piece
 
 TOUCH = 2e-6
 """Features this close touch; refined states are known to about 1e-7."""

@@ -17,8 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
-from independent.admissible import admissible
 from origami_nlp import Scene
+from tests.independent.admissible import admissible
 
 E2 = np.array([0.0, 1.0, 0.0])
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from independent.search_manifold import E2, Piece
+from tests.independent.search_manifold import E2, Piece
 
 Contact = tuple[str, int, int]
 """("limit", variable, side), ("tips", 0, side) or ("axis", variable, 1); or, the same touch as "tips" in

@@ -12,11 +12,11 @@ import math
 
 import numpy as np
 
-from independent.neighbours import Problem, look_around
-from independent.search_charts import closed, sheets
-from independent.search_descent import descend
-from independent.search_layers import symmetrically_admissible
-from independent.search_manifold import Piece
+from tests.independent.neighbours import Problem, look_around
+from tests.independent.search_charts import closed, sheets
+from tests.independent.search_descent import descend
+from tests.independent.search_layers import symmetrically_admissible
+from tests.independent.search_manifold import Piece
 
 SNAP = 1e-7
 """A fold angle this close to +-pi is exactly there (double roots are known to half the digits)."""

@@ -25,12 +25,12 @@ from functools import cached_property
 import mpmath as mp
 import numpy as np
 
-from independent.arcs import crossing_margin, nearest_touch
-from independent.closing import LONG, PI, close, fold_long
-from independent.exact import embedded, fold_exactly
-from independent.layering import Map, combinatorics, stackable, stackable_with
-from independent.relations import DIGITS, exact_sectors
-from independent.rotations import spin_sign
+from tests.independent.arcs import crossing_margin, nearest_touch
+from tests.independent.closing import LONG, PI, close, fold_long
+from tests.independent.exact import embedded, fold_exactly
+from tests.independent.layering import Map, combinatorics, stackable, stackable_with
+from tests.independent.relations import DIGITS, exact_sectors
+from tests.independent.rotations import spin_sign
 
 RADII = (1e-6, 1e-4, 1e-2)
 SHUT = 1e-9

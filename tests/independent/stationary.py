@@ -19,10 +19,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from independent.admissible import admissible
-from independent.arcs import corner_determinants
-from independent.neighbours import Problem, look_around
-from independent.rotations import fold, project, rotation_vector
+from tests.independent.admissible import admissible
+from tests.independent.arcs import corner_determinants
+from tests.independent.neighbours import Problem, look_around
+from tests.independent.rotations import fold, project, rotation_vector
 
 STEP = 1e-6
 

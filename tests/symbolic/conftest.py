@@ -4,10 +4,10 @@ import time
 from dataclasses import dataclass
 
 import pytest
-from computed_once import once
 
 from symbolic.catalogue import Result, claims, decide_all
 from symbolic.claim import Verdict
+from tests.computed_once import once
 
 
 @dataclass(frozen=True)

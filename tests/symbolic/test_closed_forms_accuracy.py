@@ -2,12 +2,6 @@
 
 import numpy as np
 import pytest
-from closed_forms_reference import (
-    DIGITS,
-    cone_reference,
-    reflection_reference,
-    wedge3_reference,
-)
 from mpmath import diff, mp, mpf, sin
 
 from origami_nlp.closed_forms import (
@@ -17,6 +11,12 @@ from origami_nlp.closed_forms import (
     cone_roots,
     degree6,
     wedge3,
+)
+from tests.symbolic.closed_forms_reference import (
+    DIGITS,
+    cone_reference,
+    reflection_reference,
+    wedge3_reference,
 )
 
 REGULAR = 1e-14  # relative, at condition number below 10

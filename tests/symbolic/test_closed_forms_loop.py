@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from closed_forms_reference import loop_quaternion
 
 from origami_nlp.closed_forms import Reason, cone_fold_angles, degree6, wedge3
+from tests.symbolic.closed_forms_reference import loop_quaternion
 
 POINTS = 10_000
 CLOSURE = 1e-13

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from closed_forms_reference import loop_quaternion
 from sympy.utilities.iterables import bracelets, necklaces
 
 from origami_nlp.closed_forms import cone_contact_elevation, cone_fold_angles, cone_partial_angles
 from symbolic.claims import section4_combinatorics
+from tests.symbolic.closed_forms_reference import loop_quaternion
 
 
 def _printed_valley(v, alpha):

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import sympy as sp
-from computed_once import panel_result
 
 from origami_nlp import Vertex, examine, examples
 from origami_nlp.folding import fold_vertex
@@ -21,6 +20,7 @@ from symbolic.tips import (
     tip_velocity,
     touching_facets,
 )
+from tests.computed_once import panel_result
 
 
 def floats(values):

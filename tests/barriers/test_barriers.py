@@ -1,0 +1,390 @@
+"""Barriers: merge trees against brute force, exact passes against closed forms and a flood fill."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from typer.testing import CliRunner
+
+from origami_nlp.barriers import find_barriers
+from origami_nlp.barriers.graph import parabola_top, side_of_flat
+from origami_nlp.barriers.merge_tree import merge_tree
+from origami_nlp.barriers.thin import thin_curves
+from origami_nlp.closed_forms import degree6
+from origami_nlp.critical import find_critical_points
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import StartStream, follow, project
+from origami_nlp.minima import find_minima
+from origami_nlp.pattern import Scene, Vertex, examples
+from origami_nlp.programme import Model
+from tests.computed_once import once, panel_result
+from tests.independent.flood import ChartGrid
+from tests.independent.search_manifold import Piece
+
+
+def is_ultrametric(barrier: np.ndarray) -> bool:
+    """Tell whether a matrix of barriers obeys b(i, k) <= max(b(i, j), b(j, k)) for all i, j, k."""
+    return all(
+        barrier[i, k] <= max(barrier[i, j], barrier[j, k])
+        for i, j, k in itertools.permutations(range(len(barrier)), 3)
+    )
+
+
+@pytest.fixture(scope="module")
+def saddle_scene():
+    """The panel with an interior saddle between two minima below the flat state."""
+    return examples.degree6("5*pi/12", 100)
+
+
+@pytest.fixture(scope="module")
+def saddle_barriers(saddle_scene):
+    return once("barriers-saddle", lambda: find_barriers(saddle_scene, panel_result(saddle_scene)))
+
+
+@pytest.fixture(scope="module")
+def contact_barriers():
+    """The first of seven random springs in 69 on two other D1 vertices with a pass on a contact."""
+    a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
+    stiffness, rest = (0.0032, 0.0097, 0.0226, 0.6611), (2.34, -0.12, -0.27, 1.0)
+    wedge = (0, 1, 2, 3, 2, 1)
+    springs = (tuple(v[k] for k in wedge) for v in (stiffness, rest))
+    scene = Scene(Vertex(a), *springs, "D1", "full")
+    return once("barriers-contact", lambda: find_barriers(scene, find_minima(scene, max_starts=24)))
+
+
+@pytest.fixture(scope="module")
+def handle_barriers():
+    scene = examples.degree6("pi/3", 1)
+    result = panel_result(scene, full=True)
+    return once("barriers-handle", lambda: find_barriers(scene, result, True, spacing=0.18))
+
+
+def grid_graph(values):
+    """Four-neighbour graph of a grid of values."""
+    number = np.arange(values.size).reshape(values.shape)
+    edges = np.vstack(
+        [
+            np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
+            np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
+        ]
+    )
+    flat = values.ravel()
+    return flat, edges, flat[edges].max(axis=1)
+
+
+def test_double_well_by_hand():
+    # (x^2 - 1)^2 + y^2 + x/10: the saddle is the middle root of 4 x^3 - 4 x + 1/10
+    x, y = np.linspace(-1.6, 1.6, 321), np.linspace(-0.8, 0.8, 161)
+    u = (x[:, None] ** 2 - 1) ** 2 + y[None, :] ** 2 + 0.1 * x[:, None]
+    energy, edges, height = grid_graph(u)
+    left = np.ravel_multi_index(np.unravel_index(u[:160].argmin(), u[:160].shape), u.shape)
+    right = int(np.where(np.arange(321)[:, None] > 160, u, np.inf).argmin())
+    tree = merge_tree(energy, edges, height, [int(left), right])
+    root = sorted(np.roots([4, 0, -4, 0.1]).real)[1]
+    exact = (root**2 - 1) ** 2 + 0.1 * root
+    assert len(tree.merges) == 1
+    assert 0 <= exact - tree.merges[0].height < 1e-3 or tree.merges[0].height >= exact
+    assert abs(tree.merges[0].height - exact) < 1e-3
+    vertices, used = tree.path(int(left), right)
+    assert max(height[e] for e in used) == tree.merges[0].height
+    assert len(vertices) == len(used) + 1
+
+
+def test_apart_components_have_no_barrier():
+    tree = merge_tree(np.zeros(4), np.array([[0, 1], [2, 3]]), np.ones(2), [0, 2])
+    assert tree.barrier(0, 1) is None and tree.path(0, 2) is None
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 10_000))
+def test_merge_tree_is_the_min_max_of_all_paths(seed):
+    rng = np.random.default_rng(seed)
+    n = 9
+    energy = rng.uniform(size=n)
+    pairs = [p for p in itertools.combinations(range(n), 2) if rng.uniform() < 0.3]
+    if not pairs:
+        return
+    edges = np.array(pairs)
+    height = energy[edges].max(axis=1) + rng.uniform(0, 0.5, len(edges))
+    best = np.full((n, n), np.inf)
+    np.fill_diagonal(best, energy)
+    for (a, b), h in zip(pairs, height, strict=True):
+        best[a, b] = best[b, a] = h
+    for k, i, j in itertools.product(range(n), repeat=3):
+        best[i, j] = min(best[i, j], max(best[i, k], best[k, j]))
+    leaves = [int(v) for v in rng.permutation(n)[:4]]
+    tree = merge_tree(energy, edges, height, leaves)
+    found = np.full((4, 4), np.inf)
+    for i, j in itertools.permutations(range(4), 2):
+        merge = tree.barrier(i, j)
+        found[i, j] = np.inf if merge is None else merge.height
+        assert found[i, j] == best[leaves[i], leaves[j]]
+    assert is_ultrametric(found)
+
+
+@given(*[st.floats(-10, 10)] * 3)
+def test_parabola_top_is_the_largest_sample(a, m, b):
+    t = np.linspace(0, 1, 2001)
+    values = a * (1 - t) * (1 - 2 * t) + 4 * m * t * (1 - t) + b * t * (2 * t - 1)
+    top = float(parabola_top(np.array([a]), np.array([m]), np.array([b]))[0])
+    assert top == pytest.approx(values.max(), abs=1e-5)
+    assert top >= values.max() - 1e-12
+
+
+@pytest.mark.parametrize("make, alpha", [(examples.degree6, "pi/3"), (examples.degree8, "pi/6")])
+def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
+    # area to the left 2 pi - sum phi, length 2 pi: equal areas only on the great circle
+    model = Model(make(alpha, 1, symmetry="none"))
+    seen = {1: 0, -1: 0}
+    for start in itertools.islice(StartStream(model, 0), 150):
+        if start.feasible and not model.refuses(start.x):
+            phi = model.expand(start.x)
+            area = 2 * math.pi - phi.sum()
+            assert -1e-9 <= area <= 4 * math.pi + 1e-9
+            assert abs(phi.sum()) > 1e-3 * np.abs(phi).max()
+            seen[int(side_of_flat(phi))] += 1
+    assert min(seen.values()) > 5
+    assert side_of_flat(np.zeros(6)) == 0
+
+
+def reached_from_flat(found, many=14):
+    """Numbers (1-based) of minima that explicit paths from the flat state reach without rising above it."""
+    model = Model(found.scene)
+    minima = [model.reduce(np.array(m.fold_angles)) for m in found.result.minima]
+    flat, rng, out = model.energy(np.zeros(model.size)), np.random.default_rng(0), set()
+    for _ in range(many):
+        way = rng.normal(size=model.size)
+        way *= 0.2 / np.linalg.norm(way)
+        steps = [project(model, t * way, ()) for t in np.geomspace(1e-3, 1, 25)]
+        states = np.array([x for x, residual in steps if residual < 1e-11])
+        if len(states) < len(steps) or np.abs(np.diff(states, axis=0)).max() > 0.2:
+            continue  # not one curve from the flat state
+        if not all(model.energy(x) < flat and not model.refuses(x) for x in states):
+            continue
+        path = follow(model, states[-1])
+        assert (np.diff(path.energies) < 0).all()
+        near = [np.abs(path.end - y).max() for y in minima]
+        out |= {int(np.argmin(near)) + 1} if min(near) < 1e-6 else set()
+    return out
+
+
+@pytest.mark.parametrize(
+    "which", [pytest.param("saddle_barriers", marks=pytest.mark.slow), "handle_barriers"]
+)
+def test_the_flat_state_is_the_least_barrier_between_its_sides(which, request):
+    """Never below U(flat); U(flat) where both minima can be reached from it without rising: not the handles."""
+    found = request.getfixturevalue(which)
+    minima = found.result.minima
+    flat = found.scene.energy(np.zeros(6))
+    reached = reached_from_flat(found)
+    handles = {k + 1 for k, m in enumerate(minima) if m.local_dimension == 1}
+    sides = side_of_flat(np.array([m.fold_angles for m in minima]))
+    across = [p for p in found.passes if sides[p.from_state - 1] * sides[p.to_state - 1] < 0]
+    assert len(reached) >= 2 and not reached & handles
+    equal = above = 0
+    for p in across:
+        assert p.energy >= flat * (1 - 1e-14)
+        if {p.from_state, p.to_state} <= reached:
+            assert p.energy == pytest.approx(flat, rel=1e-14)
+            equal += 1
+        elif {p.from_state, p.to_state} & handles:
+            assert p.energy > 1.5 * flat
+            above += 1
+    assert equal and bool(above) == (which == "handle_barriers")
+
+
+def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers):
+    passes = {(p.from_state, p.to_state): p for p in saddle_barriers.passes}
+    p = passes[2, 3]
+    assert p.pass_kind == "saddle" and p.residual < 1e-12 and not p.contacts
+    a = saddle_scene.vertex.sector_angles
+    point = degree6(a[0], a[1], p.fold_angles[1], p.fold_angles[2])
+    assert np.allclose(point.value, [p.fold_angles[0], p.fold_angles[3]], atol=1e-10)
+    k = np.array(saddle_scene.stiffness)[:4] * [1, 2, 2, 1]
+    pull = k * (np.array(p.fold_angles)[:4] - np.array(saddle_scene.rest_angles)[:4])
+    jac = np.vstack([point.first[0], np.eye(2), point.first[1]])
+    assert np.abs(jac.T @ pull).max() < 1e-9 * np.abs(pull).max() * np.abs(jac).max()
+    hessian = jac.T @ np.diag(k) @ jac + pull[0] * point.second[0] + pull[3] * point.second[1]
+    assert (np.linalg.eigvalsh(hessian) < 0).sum() == 1
+
+
+def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
+    (p, other) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
+    assert p.fold_angles == other.fold_angles and p.contacts == ("phi = +pi at crease 1",)
+    assert p.residual < 1e-12 and p.fold_angles[0] == math.pi
+    piece = Piece.of(
+        contact_barriers.scene
+    )  # closure and energy that share no code with the package
+
+    def energy_at(phi_1, phi_3):
+        x = np.array(p.fold_angles[:4])
+        x[[0, 2]] = phi_1, phi_3
+        for _ in range(60):
+            g, jac = piece.closure(x[None])
+            x[[1, 3]] -= np.linalg.lstsq(jac[0][:, [1, 3]], g[0], rcond=1e-9)[0]
+        assert np.abs(piece.closure(x[None])[0]).max() < 1e-13
+        return piece.energy(x)
+
+    phi_3 = p.fold_angles[2]
+    wall = [energy_at(math.pi, phi_3 + d) for d in np.linspace(-0.02, 0.02, 21)]
+    assert int(np.argmax(wall)) == 10 and wall[10] == pytest.approx(p.energy, rel=1e-9)
+    # off the wall the energy is higher: the contact pushes
+    assert energy_at(math.pi - 1e-3, phi_3) > p.energy
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers", "contact_barriers"])
+def test_paths_can_be_replayed(which, request):
+    found = request.getfixturevalue(which)
+    model = Model(found.scene)
+    for p in found.passes:
+        ends = [found.result.minima[k - 1].fold_angles for k in (p.from_state, p.to_state)]
+        assert np.allclose(p.path[[0, -1]], ends, atol=1e-6)
+        assert np.abs(np.diff(p.path, axis=0)).max() < 0.5
+        assert p.path_energy.max() <= p.energy * (1 + 1e-12)
+        x = model.reduce(p.path)
+        assert max(float(np.abs(model.closure(y)[0]).max()) for y in x) < 1e-10
+        assert all(not model.refuses(y) for y in x[:: max(1, len(x) // 40)])
+    assert is_ultrametric(found.matrix())
+    assert len(found.merges) == len(found.result.minima) - 1
+    for basin in found.unlisted:  # ripples of the graph, not minima that the list lacks
+        assert basin.lands_on is not None
+
+
+def test_handles_are_left_through_their_ends(handle_barriers):
+    # (-pi, pi/2, -pi, 0): crease 1 at rest, 2 and 6 at rest, 3 and 5 off by 3 pi/2, 4 off by pi
+    end = 0.5 * 0.025 * (2 * (1.5 * math.pi) ** 2 + math.pi**2)
+    minima = handle_barriers.result.minima
+    handles = [k + 1 for k, m in enumerate(minima) if m.local_dimension == 1]
+    assert len(handles) == 2
+    for p in handle_barriers.passes:
+        if {p.from_state, p.to_state} & set(handles):
+            assert p.pass_kind == "singular" and p.energy == pytest.approx(end, rel=1e-12)
+            assert "left only here" in p.why
+        else:
+            assert p.pass_kind == "flat state" and np.abs(p.fold_angles).max() == 0
+
+
+@pytest.mark.slow
+def test_contact_saddle_is_a_saddle_of_the_morse_count(contact_barriers):
+    # its lower link, looked at without Newton or descents, is two arcs: contribution -1
+    points = find_critical_points(contact_barriers.scene, None).points
+    saddles = [c for c in points if c.contribution == -1 and c.contacts and any(c.fold_angles)]
+    (p, _) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
+    assert [np.abs(np.subtract(c.fold_angles, p.fold_angles)).max() < 1e-9 for c in saddles] == [
+        True
+    ]
+
+
+@pytest.mark.slow
+def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
+    flooded(contact_barriers, (129, 257, 513), 0.35)
+
+
+@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+def test_flood_fill_agrees_from_above(which, request):
+    found = request.getfixturevalue(which)
+    flooded(found, (65, 129, 257), 0.6)
+
+
+def flooded(found, sizes, share, grids=None):
+    """Compare each merge with flood fills: never lower, and at the last size within `share` of the first excess."""
+    over = np.array([excesses(found, g) for g in grids or grids_of(found.scene, sizes)])
+    tiny = 1e-10 * max(p.energy for p in found.passes)
+    assert over.min() >= -tiny
+    assert (over[-1] <= share * over[0] + tiny).all()
+    return over[-1]
+
+
+def grids_of(scene, sizes):
+    """Grids of a scene's chart with its thin sets; scenes that differ in springs only share them."""
+    model = Model(scene)
+    chains = [model.expand(c.states) for c in thin_curves(model)]
+    return [ChartGrid(scene, size, chains) for size in sizes]
+
+
+def excesses(found, grid):
+    """How much higher than each merge a flood fill finds the way between its two sides."""
+    out = []
+    for join in found.merges:
+        ends = [
+            np.array(found.result.minima[side[0] - 1].fold_angles)
+            for side in (join.first, join.second)
+        ]
+        flood = grid.flood(found.scene, *ends)
+        assert flood is not None and flood.height >= flood.level
+        out.append(flood.height - join.energy)
+    return out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("column", range(6))
+def test_all_panels_against_2049(column):
+    # panels of one column differ in springs only
+    panels = examples.panels()[column // 3 * 9 + column % 3 :][:7:3]
+    assert len({scene.vertex.sector_angles for scene in panels}) == 1
+    grids = grids_of(panels[0], (257, 2049))
+    for scene in panels:
+        found = find_barriers(scene, panel_result(scene))
+        over = flooded(found, None, 0.5, grids)
+        highest = max(p.energy for p in found.passes)
+        lowest = min(m.energy for m in found.result.minima)
+        assert over.max() <= 0.02 * (highest - lowest)
+
+
+def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are(handle_barriers):
+    """The lower bound is proved (see test_barriers_flaps.py), and the report says so."""
+    assert len(handle_barriers.full) == 3  # of four minima one is unstable there
+    for f in handle_barriers.full:
+        assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-12)
+        assert "(proved: phi_" in f.why and "sampled" not in f.why
+    told = [line for line in handle_barriers.told() if "in the full space" in str(line)]
+    assert len(told) == len(handle_barriers.full)
+    assert all("(proved: phi_" in str(line) for line in told)
+
+
+def test_wrong_scenes_are_named(saddle_scene):
+    with pytest.raises(OptionError, match="degrees of freedom"):
+        find_barriers(examples.degree6("pi/4", 1, symmetry="none"))
+    with pytest.raises(OptionError, match="spacing"):
+        find_barriers(saddle_scene, spacing=3.0)
+    with pytest.raises(OptionError, match="odd"):
+        ChartGrid(saddle_scene, 128)
+
+
+def test_command(tmp_path):
+    from origami_nlp.cli import app
+
+    run = CliRunner().invoke
+    scene = tmp_path / "scene.toml"
+    scene.write_text(run(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "1"]).stdout)
+    out = [tmp_path / name for name in ("b.json", "b.svg", "b.md")]
+    asked = ["--json", str(out[0]), "--figure", str(out[1]), "--markdown", str(out[2])]
+    result = run(app, ["barriers", str(scene), *asked])
+    assert result.exit_code == 0, result.output
+    found = json.loads(out[0].read_text())
+    assert found["schema"] == "origami-nlp/barriers/1"
+    (barrier,) = found["barriers"]
+    assert (barrier["from"], barrier["to"], barrier["pass_kind"]) == (1, 2, "flat state")
+    # all creases pi/2 from rest with unit ratio
+    assert barrier["energy"] == pytest.approx(8 * 0.5 * 0.025 * (math.pi / 2) ** 2, rel=1e-12)
+    assert out[1].stat().st_size > 1000 and out[2].read_text().count("\n") == 3
+    wrong = run(app, ["barriers", str(scene), "--panels"])
+    assert wrong.exit_code != 0 and "--panels" in str(wrong.exception)
+
+
+def test_other_vertices_work_as_well():
+    # an asymmetric assignment of springs on another degree-6 vertex with one mirror
+    a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
+    rest = (-2.0, 1.0, 1.3, 0.7, 1.3, 1.0)
+    scene = Scene(Vertex(a), (0.02, 0.03, 0.01, 0.05, 0.01, 0.03), rest, "D1", "full")
+    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=0.2)
+    sides = side_of_flat(np.array([m.fold_angles for m in found.result.minima]))
+    flat = found.result.model.energy(np.zeros(4))
+    for p in found.passes:
+        if sides[p.from_state - 1] * sides[p.to_state - 1] < 0:
+            assert p.energy >= flat
+        top = max(found.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
+        assert p.energy >= top

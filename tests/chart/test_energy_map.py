@@ -1,0 +1,271 @@
+"""Energy landscapes against direct evaluation, closure, an independent search, and contact."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings, strategies as st
+
+import origami_nlp as o
+from origami_nlp.chart import chart_of, landscape, wedge_elevation
+from origami_nlp.closed_forms import wedge3
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.kkt import StartStream
+from origami_nlp.programme import Model
+from tests.computed_once import panel_result
+
+CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
+SIZE = 61
+
+
+def degree6_scene(a1, a2, ratio, contact="full"):
+    a3 = math.pi - a1 - a2
+    k = (1.0, ratio, 0.5, 2.0, 0.5, ratio)
+    rest = (-1.0, 0.7, 1.3, -2.0, 1.3, 0.7)
+    return o.Scene(o.Vertex((a1, a2, a3, a3, a2, a1)), k, rest, "D1", contact)
+
+
+def wedge_scene(n, share, contact="full"):
+    a1 = share * math.pi / n
+    a2 = math.pi / n - a1
+    vertex = o.Vertex((a1, a2, a2, a1) * n)
+    k, rest = (1.0, 2.0, 0.5, 2.0) * n, (-1.0, 0.7, -0.5, 0.7) * n
+    return o.Scene(vertex, k, rest, f"D{n}", contact, mirror=1)
+
+
+def check_cells(chart, rng, count=40):
+    """Random admissible cells close, are admissible, sit where they say, and have the energy they say."""
+    scene = chart.scene
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    checked = 0
+    for b, branch in enumerate(chart.branches):
+        rows, columns = np.nonzero(np.isfinite(branch.energy))
+        if not len(rows):
+            continue
+        for pick in rng.integers(len(rows), size=count):
+            r, c = rows[pick], columns[pick]
+            phi = branch.fold_angles[r, c]
+            _, q = fold_vertex(scene.vertex, phi)
+            assert np.linalg.norm(q[1:]) < CLOSURE and q[0] > 0
+            assert branch.energy[r, c] == pytest.approx(0.5 * k @ (phi - rest) ** 2, rel=1e-13)
+            if scene.contact == "full":
+                assert examine(scene.vertex, phi).admissible
+            place = chart.place(phi)
+            if not phi.any():  # the flat state lies on every branch
+                there = chart_of(scene).fold_angles(place.branch, *map(np.array, place.point))
+                assert np.abs(there).max() < CLOSURE
+            else:
+                assert place.branch == b
+            assert not place.family
+            assert place.point == pytest.approx((branch.axes[0][c], branch.axes[1][r]), abs=1e-9)
+            checked += 1
+    return checked
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    a1=st.floats(0.3, 1.3),
+    a2=st.floats(0.3, 1.3),
+    ratio=st.floats(0.1, 10),
+    seed=st.integers(0, 2**31),
+)
+def test_degree6_cells(a1, a2, ratio, seed):
+    chart = landscape(degree6_scene(a1, a2, ratio), SIZE)
+    assert chart.coordinates == ("phi_2", "phi_3")
+    assert check_cells(chart, np.random.default_rng(seed)) > 0
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    n=st.sampled_from([2, 3, 4]),
+    share=st.floats(0.15, 0.85),
+    contact=st.sampled_from(["full", "fold-limits"]),
+    seed=st.integers(0, 2**31),
+)
+@example(n=3, share=0.765625, contact="full", seed=8)  # a cell is the flat state itself
+def test_wedge_cells(n, share, contact, seed):
+    chart = landscape(wedge_scene(n, share, contact), SIZE)
+    assert len(chart.branches) == 2
+    assert check_cells(chart, np.random.default_rng(seed)) > 0
+
+
+def near_finite(branch, x, y):
+    """Whether the cell of (x, y) or one within two cells of it is admissible."""
+    i = int(np.argmin(np.abs(branch.axes[1] - y)))
+    j = int(np.argmin(np.abs(branch.axes[0] - x)))
+    return bool(np.isfinite(branch.energy[max(i - 2, 0) : i + 3, max(j - 2, 0) : j + 3]).any())
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        o.examples.degree6("pi/4", 1),
+        o.examples.degree6("pi/3", 1),
+        o.examples.degree6("5*pi/12", 1),
+        o.examples.degree8("pi/12", 1),
+        o.examples.degree8("pi/4", 1),
+        wedge_scene(3, 0.4),
+    ],
+    ids=lambda s: s.name or s.group.name,
+)
+def test_no_admissible_state_is_left_white(scene):
+    """States found without the chart (random angles projected onto closure) lie on it, on its area."""
+    chart, model = landscape(scene, 201), Model(scene)
+    stream = StartStream(model, 7)
+    seen = 0
+    while seen < 60:
+        start = next(stream)
+        phi = model.expand(start.x)
+        # states at +-pi exactly may lie on handles, which take no area
+        if not start.feasible or np.abs(phi).max() > math.pi - 1e-9:
+            continue
+        if not examine(scene.vertex, phi).admissible:
+            continue
+        seen += 1
+        place = chart.place(phi)
+        branch = chart.branches[place.branch]
+        assert near_finite(branch, *place.point), (phi, place)
+
+
+def test_white_cells_have_no_admissible_state():
+    """Newton from many completions of an excluded cell finds only crossing or overfolded states."""
+    rng = np.random.default_rng(3)
+    for scene in (o.examples.degree6("pi/4", 1), o.examples.degree6("pi/3", 1)):
+        chart, model = landscape(scene, 41), Model(scene)
+        branch = chart.branches[0]
+        rows, columns = np.nonzero(np.isnan(branch.energy))
+        for pick in rng.integers(len(rows), size=12):
+            x, y = branch.axes[0][columns[pick]], branch.axes[1][rows[pick]]
+            if math.hypot(x, y) < 1e-9:
+                continue  # the chart point of the book-fold family
+            for first in np.linspace(-2.8, 2.8, 7):
+                for last in np.linspace(-2.8, 2.8, 7):
+                    phi = np.array([first, x, y, last])
+                    for _ in range(30):
+                        g, jac = model.closure(phi)
+                        step = np.linalg.lstsq(jac[:, [0, 3]], -g, rcond=None)[0]
+                        phi[[0, 3]] += np.clip(step, -0.5, 0.5)
+                    if np.abs(model.closure(phi)[0]).max() > 1e-12:
+                        continue
+                    if np.abs(phi).max() > math.pi:
+                        continue
+                    assert not examine(scene.vertex, model.expand(phi)).admissible
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    n=st.sampled_from([2, 3, 5]),
+    share=st.floats(0.2, 0.8),
+    elevation=st.floats(-1.5, 1.5),
+    phi2=st.floats(-3.0, 3.0),
+    branch=st.sampled_from([-1, 1]),
+)
+def test_elevation_is_read_back(n, share, elevation, phi2, branch):
+    scene = wedge_scene(n, share)
+    point = wedge3(n, share * math.pi / n, elevation, phi2, branch)
+    if not point.ok or point.existence < 1e-3:
+        return
+    wedge = [point.value[0], phi2, point.value[1]]
+    phi = np.array(wedge)[list(scene.group.orbit)]
+    assert wedge_elevation(scene, phi) == pytest.approx(elevation, abs=1e-9)
+
+
+def test_minima_lie_in_the_wells():
+    """No cell of the landscape around a regular minimum is lower than it."""
+    for scene in (o.examples.degree6("5*pi/12", 1), o.examples.degree8("pi/6", 100)):
+        result, chart = panel_result(scene), landscape(scene, 101)
+        for m in result.minima:
+            place = chart.place(m.fold_angles)
+            branch = chart.branches[place.branch]
+            x, y = np.meshgrid(*branch.axes)
+            close = np.hypot(x - place.point[0], y - place.point[1]) < 0.15
+            assert np.isfinite(branch.energy[close]).any()
+            assert np.nanmin(branch.energy[close]) >= m.energy * (1 - 1e-9)
+
+
+def test_families_and_handles():
+    scene = o.examples.degree6("pi/3", 1)
+    chart = landscape(scene, SIZE)
+    closed_book = chart.place([-math.pi, 0, 0, -math.pi, 0, 0])
+    assert closed_book.point == (0.0, 0.0) and "straight line" in closed_book.family
+    assert not chart.place([0.3, 0.2, 0.4, 0.1, 0.4, 0.2]).family
+    # paper, section 3.1: {-pi} x (~pi/2, pi] and [-pi, ~-pi/2) x {pi}, and their mirror images
+    assert chart.handles
+    for line in chart.handles:
+        assert (np.abs(np.abs(line).max(axis=1) - math.pi) < 1e-12).all()
+        assert (line[:, 0] * line[:, 1] < 0).all()
+        assert np.abs(line).min() == pytest.approx(math.pi / 2, abs=0.15)
+    # the paper sees none for pi/4, and open regions in their place for 5 pi/12
+    assert not landscape(o.examples.degree6("pi/4", 1), SIZE).handles
+    assert not landscape(o.examples.degree6("5*pi/12", 1), SIZE).handles
+
+
+def test_contact_only_removes():
+    areas = {}
+    for contact in ("full", "fold-limits", "none"):
+        energy = landscape(degree6_scene(1.0, 0.8, 1.0, contact), SIZE).branches[0].energy
+        areas[contact] = np.isfinite(energy)
+    assert (areas["full"] <= areas["fold-limits"]).all()
+    assert areas["full"].sum() < areas["fold-limits"].sum()
+    assert (areas["fold-limits"] == areas["none"]).all()  # |phi| <= pi is all that the chart holds
+
+
+CURVE_SCENES = {
+    "degree 4, D1": o.Scene(
+        o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (1, 1, -1, 1), "D1"
+    ),
+    "degree 4, none": o.Scene(
+        o.Vertex(("pi/3", "2*pi/3", "pi/2", "pi/2")), (1,) * 4, (1, 1, -1, 1), "none"
+    ),
+    "degree 5, D1": o.Scene(
+        o.Vertex(("pi/3", "pi/3", "2*pi/3", "pi/3", "pi/3")), (1,) * 5, (1, -1, 1, 1, -1), "D1"
+    ),
+    "degree 6, D3": o.Scene(o.Vertex(("pi/3",) * 6), (1,) * 6, (1, -1) * 3, "D3"),
+}
+
+
+@pytest.mark.parametrize("scene", CURVE_SCENES.values(), ids=CURVE_SCENES)
+def test_curves(scene):
+    """Traced states close, and states found otherwise lie on a curve."""
+    chart = landscape(scene, 201)
+    assert chart.kind == "curve"
+    every = np.concatenate([b.fold_angles for b in chart.branches])
+    every = every[np.isfinite(every).all(axis=1)]
+    _, q = fold_vertex(scene.vertex, every)
+    assert np.linalg.norm(q[:, 1:], axis=1).max() < 1e-11
+    assert all(examine(scene.vertex, phi).admissible for phi in every[::25])
+    for b in chart.branches:
+        np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
+    model = Model(scene)
+    stream = StartStream(model, 11)
+    starts = [next(stream) for _ in range(100)]
+    free = [model.expand(s.x) for s in starts if s.feasible and np.abs(s.x).max() < 3.1]
+    inside = [phi for phi in free if examine(scene.vertex, phi).admissible]
+    assert inside
+    for phi in inside:
+        # states of one orbit count once: sqrt(N) is the most by which the distance grows
+        reach = 4 * math.pi / 201 * math.sqrt(scene.degree)
+        assert np.linalg.norm(every - phi, axis=1).min() < reach
+    for m in o.find_minima(scene).minima:
+        assert chart.place(m.fold_angles).point[1] == pytest.approx(m.energy, rel=1e-12)
+
+
+def test_scenes_without_a_chart_say_why():
+    many = o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1")
+    chart = landscape(many)
+    assert chart.kind == "none" and not chart.branches and "4 degrees of freedom" in chart.reason
+    with pytest.raises(o.OrigamiError, match="no landscape"):
+        chart.place([0.0] * 10)
+    free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
+    assert "no closed-form chart" in landscape(free).reason
+
+
+@pytest.mark.parametrize("size", [7, 0, -3, 10.0, True, "big"])
+def test_bad_size(size):
+    with pytest.raises(o.OrigamiError, match="size"):
+        landscape(o.examples.degree6(), size)
+
+
+def test_place_wants_all_fold_angles():
+    with pytest.raises(o.OrigamiError, match="all 6"):
+        landscape(o.examples.degree6(), 8).place([0.0, 0.1])

@@ -1,0 +1,176 @@
+"""Bad input gets one clear line that names the field, and exit code 2; nothing is written."""
+
+import pytest
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.pattern import parse_scene
+from tests.command_line import run
+
+GOOD = {
+    "sector_angles": '["pi/4", "pi/2", "pi/4", "pi/4", "pi/2", "pi/4"]',
+    "stiffness": "[0.025, 0.025, 0.025, 0.025, 0.025, 0.025]",
+    "rest_angles": '["-pi", "pi/2", "pi/2", "-pi", "pi/2", "pi/2"]',
+    "symmetry": '"D1"',
+    "contact": '"full"',
+}
+
+
+def text(extra: str = "", **changes: str) -> str:
+    value = {**GOOD, **changes}
+    return (
+        f"[vertex]\nsector_angles = {value['sector_angles']}\n"
+        f"[creases]\nstiffness = {value['stiffness']}\nrest_angles = {value['rest_angles']}\n"
+        f"[model]\nsymmetry = {value['symmetry']}\ncontact = {value['contact']}\n{extra}"
+    )
+
+
+# name: (scene text, words the one-line message must contain)
+BAD = {
+    "empty file": ("", ["[vertex]", "exactly one of"]),
+    "not TOML": ("[vertex\nx", ["TOML"]),
+    "unknown table": (text("[vertx]\na = 1"), ["vertx", "vertex"]),
+    "table is a number": ("vertex = 3", ["vertex", "table"]),
+    "unknown key": (text("colour = 1"), ["colour", "symmetry"]),
+    "angles given twice": (
+        text().replace("[creases]", "sector_angles_deg = [45, 90, 45, 45, 90, 45]\n[creases]"),
+        ["sector_angles_deg", "exactly one"],
+    ),
+    "no stiffness": (text().replace("stiffness =", "rest_angles_deg ="), ["exactly one"]),
+    "stiffness missing": (
+        "[vertex]\nsector_angles_deg=[90,90,90,90]\n[creases]\nrest_angles_deg=[0,0,0,0]",
+        ["stiffness", "missing"],
+    ),
+    "sum too small": (
+        text(sector_angles='["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'),
+        ["sector_angles", "2 pi"],
+    ),
+    "sum rounded to 6 digits": (
+        text(sector_angles="[1.0472, 1.0472, 1.0472, 1.0472, 1.0472, 1.0472]"),
+        ["sector_angles", "pi/3"],
+    ),
+    "two creases": (
+        text(sector_angles='["pi", "pi"]'),
+        ["sector_angles", "at least 3"],
+    ),
+    "negative sector": (
+        text(sector_angles='["-pi/4", "pi", "pi/4", "pi/4", "pi/2", "pi/4"]'),
+        ["sector_angles[1]", "positive"],
+    ),
+    "sector of pi": (
+        text(sector_angles='["pi", "pi/4", "pi/4", "pi/4", "pi/8", "pi/8"]'),
+        ["sector_angles[1]", "below pi"],
+    ),
+    "hostile angle": (
+        text(sector_angles='["__import__(\'os\')", "pi/2", "pi/4", "pi/4", "pi/2", "pi/4"]'),
+        ["sector_angles[1]", "not an angle"],
+    ),
+    "misspelt pi": (
+        text(rest_angles='["-pie", "pi/2", "pi/2", "-pi", "pi/2", "pi/2"]'),
+        ["rest_angles[1]", "-pie"],
+    ),
+    "division by zero": (
+        text(rest_angles='["pi/0", "pi/2", "pi/2", "-pi", "pi/2", "pi/2"]'),
+        ["rest_angles[1]", "zero"],
+    ),
+    "nan rest angle": (text(rest_angles="[nan, 0, 0, 0, 0, 0]"), ["rest_angles[1]", "finite"]),
+    "infinite rest angle": (text(rest_angles="[0, inf, 0, 0, 0, 0]"), ["rest_angles[2]", "finite"]),
+    "true is no angle": (text(rest_angles="[true, 0, 0, 0, 0, 0]"), ["rest_angles[1]"]),
+    "rest angle beyond pi": (text(rest_angles="[4, 0, 0, 0, 0, 0]"), ["rest_angles[1]", "radians"]),
+    "too few rest angles": (text(rest_angles="[0, 0, 0]"), ["rest_angles", "3 entries", "6"]),
+    "degrees as text": (
+        text().replace(f"rest_angles = {GOOD['rest_angles']}", 'rest_angles_deg = ["90"]'),
+        ["rest_angles_deg[1]", "degrees"],
+    ),
+    "zero stiffness": (text(stiffness="[0, 1, 1, 1, 1, 1]"), ["stiffness[1]", "positive"]),
+    "negative stiffness": (text(stiffness="[1, 1, -1, 1, 1, 1]"), ["stiffness[3]", "positive"]),
+    "nan stiffness": (text(stiffness="[1, nan, 1, 1, 1, 1]"), ["stiffness[2]", "finite"]),
+    "infinite stiffness": (text(stiffness="[1, 1, 1, 1, 1, inf]"), ["stiffness[6]", "finite"]),
+    "text stiffness": (text(stiffness='["soft", 1, 1, 1, 1, 1]'), ["stiffness[1]", "number"]),
+    "nested stiffness": (text(stiffness="[[1], 1, 1, 1, 1, 1]"), ["stiffness[1]"]),
+    "one stiffness for all": (text(stiffness="0.025"), ["stiffness", "list"]),
+    "too many stiffnesses": (text(stiffness="[1, 1, 1, 1, 1, 1, 1]"), ["stiffness", "7 entries"]),
+    "unknown symmetry": (text(symmetry='"mirror"'), ["symmetry", "mirror"]),
+    "symmetry not shared": (text(symmetry='"D3"'), ["symmetry", "largest common group"]),
+    "mechanics break the mirror": (
+        text(stiffness="[1, 2, 1, 1, 1, 1]"),
+        ["symmetry", "not shared"],
+    ),
+    "unknown contact": (text(contact='"soft"'), ["contact", "fold-limits"]),
+    "mirror out of range": (text("mirror = 9"), ["mirror", "1 to 6"]),
+    "no mirror there": (text("mirror = 2"), ["mirror = 2"]),
+    "name is a number": (text("name = 3"), ["name"]),
+    "directions not ccw": (
+        text().replace(
+            f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,-1],[-1,0],[0,1]]"
+        ),
+        ["directions", "counter-clockwise"],
+    ),
+    "zero direction": (
+        text().replace(
+            f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,0],[-1,0],[0,-1]]"
+        ),
+        ["directions[2]"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_scene_is_one_line_and_exit_code_2(name, tmp_path):
+    scene, words = BAD[name]
+    path = tmp_path / "scene.toml"
+    path.write_text(scene)
+    out = tmp_path / "out.json"
+    code, _, err = run("minima", path, "--json", out)
+    assert code == 2 and err.count("\n") == 1 and len(err) < 300
+    for word in words:
+        assert word in err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_scene_raises_our_error_in_python(name):
+    with pytest.raises(OrigamiError):
+        parse_scene(BAD[name][0])
+
+
+BAD_CALLS = {
+    "no such file": (["minima", "nowhere.toml"], "nowhere.toml"),
+    "folder as scene": (["minima", "."], "cannot read"),
+    "unknown family": (["example", "degree7"], "degree7"),
+    "alpha out of range": (["example", "degree6", "--alpha", "2"], "alpha"),
+    "alpha no angle": (["example", "degree6", "--alpha", "os.system"], "alpha"),
+    "ratio negative": (["example", "degree8", "--ratio", "-1"], "ratio"),
+    "ratio nan": (["example", "degree8", "--ratio", "nan"], "ratio"),
+    "contact unknown": (["example", "degree8", "--contact", "some"], "contact"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_CALLS)
+def test_bad_call_is_one_line_and_exit_code_2(name, tmp_path, monkeypatch):
+    arguments, word = BAD_CALLS[name]
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(*arguments)
+    assert code == 2 and err.count("\n") == 1 and word in err
+
+
+def test_bad_outputs_are_refused_before_the_search(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(text())
+    for arguments, word in (
+        (["--json", str(tmp_path / "no" / "x.json")], "does not exist"),
+        (["--json", str(tmp_path)], "folder"),
+        (["--figure", str(tmp_path / "x.gif")], ".svg"),
+        (["--seed", "-1"], "seed"),
+        (["--max-starts", "0"], "max_starts"),
+    ):
+        code, _, err = run("minima", path, *arguments)
+        assert code == 2 and err.count("\n") == 1 and word in err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_binary_and_huge_files_are_refused(tmp_path):
+    for content, word in ((b"\xff\xfe\x00", "UTF-8"), (b"#" * 2_000_000, "1 MB")):
+        path = tmp_path / "scene.toml"
+        path.write_bytes(content)
+        code, _, err = run("minima", path)
+        assert code == 2 and word in err

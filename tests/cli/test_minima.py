@@ -1,0 +1,81 @@
+"""The command line does what the README and the contract say."""
+
+import json
+
+import pytest
+
+import origami_nlp
+from origami_nlp.minima import result_from_dict, result_to_dict
+from tests.command_line import run, scene_file
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return scene_file(tmp_path, origami_nlp.examples.degree6("pi/3", 1))
+
+
+def test_minima_writes_the_contract(scene, tmp_path):
+    out = tmp_path / "out.json"
+    code, table, _ = run("minima", scene, "--json", out)
+    assert code == 0 and "4 symmetric minima," in table and "IPOPT" in table
+    assert "stable state" not in table and "full space: not asked" in table
+    data = json.loads(out.read_text())
+    assert data["schema"] == "origami-nlp/minima/1"
+    assert set(data) == {"schema", "scene", "model", "search", "minima"}
+    assert set(data["model"]) == {
+        "variables",
+        "equalities",
+        "inequalities",
+        "contact_pairs",
+        "geometry",
+        "left_out",
+    }
+    assert data["model"]["contact_pairs"] == [[1, 3]]
+    assert {"starts", "solves", "statuses", "expected_undiscovered", "seconds", "seed"} <= set(
+        data["search"]
+    )
+    assert sum(data["search"]["statuses"].values()) == data["search"]["solves"]
+    for m in data["minima"]:
+        assert len(m["fold_angles"]) == 6
+        assert m["kind"] in ("interior", "contact-pinned", "contact-touching", "degenerate")
+        assert m["local_dimension"] in (0, 1, 2)
+        assert m["closure_residual"] <= 1e-14 and m["kkt_residual"] <= 1e-12
+        for c in m["contacts"]:
+            assert c["type"] in ("fold-limit", "facet-pair", "mirror", "axis")
+            assert ("creases" in c) != ("facets" in c)
+            low, high = c["multiplier_range"]
+            assert low <= c["multiplier"] + 1e-12 and (
+                high is None or c["multiplier"] <= high + 1e-12
+            )
+    result = result_from_dict(data)
+    assert result_to_dict(result) == data
+    assert "phi = -pi at creases 2, 6" in repr(result)
+
+
+def test_json_to_stdout_is_only_json(scene):
+    few = ("--max-starts", 16)
+    code, out, err = run("minima", scene, "--json", "-", *few)
+    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/1"
+    assert "symmetric minima" in err
+
+
+def test_the_same_seed_gives_the_same_answer(scene, tmp_path):
+    answers = []
+    for name in ("a", "b"):
+        out = tmp_path / name
+        run("minima", scene, "--json", out, "--seed", 3, "--max-starts", 24)
+        data = json.loads(out.read_text())
+        data["search"].pop("seconds")
+        answers.append(data)
+    assert answers[0] == answers[1]
+
+
+def test_example_prints_a_scene_that_reads_back():
+    code, out, _ = run("example", "degree8", "--alpha", "pi/6", "--ratio", "100")
+    assert code == 0
+    assert origami_nlp.parse_scene(out) == origami_nlp.examples.degree8("pi/6", 100.0)
+
+
+def test_model_prints_what_is_in_and_out(scene):
+    code, out, _ = run("model", scene)
+    assert code == 0 and "variables     4" in out and "left out" in out

@@ -1,0 +1,285 @@
+"""What people see: no letter of it lost to markup, a narrow terminal or a pipe, and a job that lives says so."""
+
+import io
+import json
+import re
+import sys
+import threading
+import time
+
+import pytest
+from rich.table import Table
+from rich.text import Text
+from typer.main import get_command
+from typer.testing import CliRunner
+
+import origami_nlp
+from origami_nlp.cli import app, main, progress
+from origami_nlp.files import Screen, printable
+from tests.fold_files import disc
+
+RUN = CliRunner()
+HOSTILE = "a\x1b[31mred\x07\x9b1m\r\u202e[bold]b[/x]\ttail"
+
+
+def bare(text):
+    """Text without spaces and the lines of tables: what must not be lost."""
+    return re.sub(r"[\s\u2500-\u257f]", "", text)
+
+
+# ---------------------------------------------------------------- help
+
+
+def commands(command=None, path=()):
+    """Every command with the words that call it."""
+    command = command or get_command(app)
+    yield path, command
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from commands(inner, (*path, name))
+
+
+@pytest.mark.parametrize(
+    ("path", "command"), [pytest.param(p, c, id=" ".join(p)) for p, c in commands()]
+)
+def test_help_loses_nothing(path, command):
+    done = RUN.invoke(app, [*path, "--help"], terminal_width=80)
+    assert done.exit_code == 0
+    shown = bare(done.output)
+    for one in (command, *command.params):
+        stated = one.help or ""
+        assert bare(stated.replace("\b", "")) in shown, (path, stated)
+    for inner in getattr(command, "commands", {}).values():  # whole sentences, not their beginning
+        assert bare(inner.help.splitlines()[0]) in shown
+    assert "..." not in done.output.replace("[ARGS]...", "").replace("[OPTIONS]...", "")
+
+
+def test_units_are_in_the_help():
+    assert "[N m/rad]" in RUN.invoke(app, ["minima", "--help"]).output
+    assert "[deg]" in RUN.invoke(app, ["minima", "--help"]).output
+    assert "[rad]" in RUN.invoke(app, ["example", "--help"]).output
+
+
+# ---------------------------------------------------------------- tables
+
+
+def show(table, **options):
+    console = Screen(file=io.StringIO(), **options)
+    console.print(table)
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("width", [None, 200, 80, 40, 25])
+def test_tables_are_folded_not_cut(width):
+    table = Table("number", "word")
+    table.columns[0].no_wrap = True
+    table.add_row("3.14159265358979", "M" * 150 + "V" * 90)
+    out = (
+        show(table)
+        if width is None
+        else show(table, width=width, force_terminal=True, color_system=None)
+    )
+    assert out.count("M") == 150 and out.count("V") == 90 and "\u2026" not in out
+    rows = [re.split("\u2502", line)[1].strip() for line in out.splitlines() if "\u2502" in line]
+    assert "".join(rows).endswith("3.14159265358979")
+    if width is None:
+        assert "M" * 150 + "V" * 90 in out  # a pipe has no edge
+
+
+def test_numbers_keep_their_line_while_words_can_fold():
+    table = Table("number", "words")
+    table.columns[0].no_wrap = True
+    table.add_row("3.14159265358979", "several words that can fold " * 5)
+    out = show(table, width=40, force_terminal=True, color_system=None)
+    assert "3.14159265358979" in out and out.count("several") == 5
+
+
+@pytest.mark.parametrize("width", [None, 40, 80])
+def test_vertices_in_a_pipe_and_a_narrow_terminal(tmp_path, monkeypatch, width):
+    n = 60
+    file = tmp_path / "a.fold"
+    file.write_text(json.dumps(disc([360 / n] * n, "MMV" * (n // 3))))
+    if width:
+        monkeypatch.setenv("COLUMNS", str(width))
+        monkeypatch.setenv("FORCE_COLOR", "1")  # rich: a terminal
+        monkeypatch.setenv("NO_COLOR", "1")
+    out = RUN.invoke(app, ["vertices", str(file)]).output
+    letters = "".join(
+        re.split("[\u2502\u2503]", line)[3].strip() for line in out.splitlines() if "\u2502" in line
+    )
+    turned = [("MMV" * n)[k : k + n] for k in range(3)]
+    assert any(t in letters for t in turned), out
+    assert "\u2026" not in out
+
+
+# ---------------------------------------------------------------- names
+
+
+def test_printable_text():
+    assert (
+        printable("\x1b\x00\x7f\x9b\ud800\u202e\n") == "\u241b\u2400\u2421\ufffd\ufffd\ufffd\u240a"
+    )
+    assert printable("a\n\tb\r", lines=True) == "a\n\tb\u240d"
+    assert printable("\u03c0 [rad] \u00e9 \U0001f600") == "\u03c0 [rad] \u00e9 \U0001f600"
+
+
+def cell(content, title=None):
+    table = Table("head", title=title)
+    table.add_row(content)
+    return table
+
+
+@pytest.mark.parametrize(
+    "make", [str, Text, cell, lambda t: cell("wide" * 9, t), lambda t: cell(Text(t))]
+)
+def test_the_screen_shows_names_as_they_are(make):
+    out = show(make(HOSTILE))
+    assert not set(out) & set("\x1b\x07\x9b\r\u202e") and "[bold]b[/x]" in bare(out)
+
+
+def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
+    """A title of a FOLD file, a name in a scene file, keys, options and paths."""
+    fold = tmp_path / "a.fold"
+    fold.write_text(
+        json.dumps(
+            {**disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80]), "frame_title": HOSTILE}
+        )
+    )
+    scene = tmp_path / "s.toml"
+    named = origami_nlp.Scene(
+        origami_nlp.Vertex.from_degrees([60, 100, 120, 80]), [1] * 4, [0.1] * 4, name=HOSTILE
+    )
+    scene.write_text(origami_nlp.format_scene(named))
+    assert origami_nlp.read_scene(scene) == named  # nothing of it is lost
+    bad = tmp_path / "bad.toml"
+    bad.write_text('["a\\u001b[31m"]\nx = 1\n')
+    for args in (
+        ["vertices", fold],
+        ["model", scene],
+        ["minima", scene, "--max-starts", "5"],
+        ["minima", fold, "--max-starts", "5"],
+        ["contacts", scene, "--max-starts", "5"],
+        ["model", bad],
+        ["model", tmp_path / "a\x1b[31m"],
+    ):
+        streams = (
+            io.TextIOWrapper(io.BytesIO(), encoding="utf-8"),
+            io.TextIOWrapper(io.BytesIO(), encoding="utf-8"),
+        )
+        monkeypatch.setattr(sys, "argv", ["origami-nlp", *map(str, args)])
+        monkeypatch.setattr(sys, "stdout", streams[0])
+        monkeypatch.setattr(sys, "stderr", streams[1])
+        with pytest.raises(SystemExit):
+            main()
+        monkeypatch.undo()
+        for stream in streams:
+            stream.flush()
+            text = stream.buffer.getvalue().decode()
+            assert not set(text) & set("\x1b\x07\x9b\r\u202e"), (args, text)
+    assert not set(repr(named)) & set("\x1b\x07\x9b\r\u202e")
+
+
+def test_half_a_character_is_no_traceback(tmp_path):
+    data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
+    fold = tmp_path / "a.fold"
+    fold.write_text(json.dumps({**data, "frame_title": "a\ud800b"}))
+    out, figure = tmp_path / "out.fold", tmp_path / "a.svg"
+    for args in (
+        ["vertices", str(fold), "--json", str(tmp_path / "v.json")],
+        ["minima", str(fold), "--max-starts", "9", "--fold", str(out), "--figure", str(figure)],
+    ):
+        done = RUN.invoke(app, args)
+        assert done.exit_code == 0, done.exception
+    assert "a?b" in json.loads(out.read_text())["file_title"]
+    with pytest.raises(origami_nlp.OrigamiError, match="name"):
+        origami_nlp.Scene(
+            origami_nlp.Vertex.from_degrees([90] * 4), [1] * 4, [0.1] * 4, name="\ud800"
+        )
+
+
+# ---------------------------------------------------------------- progress
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    monkeypatch.setattr(progress, "INTERVAL", 0.2)
+    monkeypatch.setattr(progress, "_heard", {"line": 0.0, "end": -progress.PAUSE})
+
+
+def test_a_silent_job_says_that_it_lives(quick, capsys):
+    with progress.progress("job", 7) as report:
+        report(3, text="here")
+        time.sleep(0.9)  # a step without any report
+    lines = capsys.readouterr().err.splitlines()
+    assert 3 <= len(lines) <= 4 and all(line.startswith("job: 3 of 7, here (") for line in lines)
+    assert not any(t.name == "progress" for t in threading.enumerate())
+
+
+def test_busy_jobs_do_not_flood(quick, capsys):
+    start = time.monotonic()
+    for k in range(60):  # many short jobs in a row are one silence
+        with progress.progress(f"job {k}") as report:
+            for i in range(10):
+                report(i)
+                time.sleep(0.001)
+    lines = capsys.readouterr().err.splitlines()
+    assert 1 <= len(lines) <= (time.monotonic() - start) / 0.2 + 1
+
+
+def test_a_job_inside_another_is_what_that_is_at(quick, capsys):
+    with progress.progress("outer", 2) as outer:
+        outer(1)
+        with progress.progress("inner", 1.0) as inner:
+            inner(0.5, text="x\x1by")
+            time.sleep(0.5)
+    out = capsys.readouterr()
+    assert "outer: 1 of 2, inner: 50%, x\u241by (" in out.err and not out.out
+
+
+def test_short_jobs_and_closed_streams_say_nothing(quick, capsys, monkeypatch):
+    with progress.progress("short"):
+        pass
+    assert capsys.readouterr().err == ""
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with progress.progress("deaf"):
+        stream.close()
+        time.sleep(0.3)
+
+
+def test_terminals_have_a_bar(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with progress.progress("[rad]", 3) as report:
+        report(2, text="[x]")
+        time.sleep(0.3)
+    plain = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", sys.stderr.getvalue())
+    assert "[rad]" in plain and "2 of 3, [x]" in plain
+
+
+@pytest.mark.parametrize(
+    ("args", "patched"),
+    [
+        (["panels"], "origami_nlp.minima.find_minima"),
+        (["transitions", "degree6"], "origami_nlp.space.find_transitions"),
+        (["audit", "CANDIDATES"], "origami_nlp.paper.audit_candidates"),
+    ],
+)
+def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):
+    file = tmp_path / "c.json"
+    file.write_text('[{"degree": 6, "alpha": "pi/3", "ratio": 1, "phi": [0, 0, 0, 0]}]')
+
+    class Done(Exception):
+        pass
+
+    def slow(*_, **__):
+        time.sleep(0.5)
+        raise Done
+
+    monkeypatch.setattr(patched, slow)
+    done = RUN.invoke(app, [str(file) if a == "CANDIDATES" else a for a in args])
+    assert isinstance(done.exception, Done)
+    assert re.search(rf"^({args[0]}|degree6): .*\(\d+ s\)$", done.stderr, re.M), done.stderr

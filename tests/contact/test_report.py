@@ -1,0 +1,128 @@
+"""The report on contacts, and `origami-nlp contacts`: every output, and complaints in one line."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.contact import report_contacts
+from origami_nlp.contact.figure import draw_contacts, images
+from origami_nlp.contact.report import SOFT, ContactReport, margin_number
+from tests.command_line import run, scene_file
+from tests.computed_once import panel_result
+
+
+@pytest.fixture(scope="module")
+def report() -> ContactReport:
+    result = panel_result(o.examples.degree8("pi/12", 0.01))
+    return report_contacts(result, segments=True)
+
+
+def test_command_writes_all_its_files(tmp_path: Path) -> None:
+    scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
+    files = {k: tmp_path / f"report.{k}" for k in ("json", "markdown", "html")}
+    options = [part for k, path in files.items() for part in (f"--{k}", str(path))]
+    done = run("contacts", scene, "--segments", *options)
+    assert done.code == 0, done.err
+    assert "load margin" in done.out and "metastable" in done.out
+    data = json.loads(files["json"].read_text())
+    assert data["schema"] == "origami-nlp/contacts/1"
+    (state,) = data["states"]
+    assert state["kind"] == "contact-pinned" and state["load_margin"]["checked"]
+    assert f"{state['load_margin']['norm']:.5g}" in files["markdown"].read_text()
+    page = files["html"].read_text()
+    assert page.startswith("<!doctype html>") and page.count("data:image/png") == 2
+
+
+def test_json_to_standard_output_is_json_alone(tmp_path: Path) -> None:
+    scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
+    done = run("contacts", scene, "--json", "-", "--state", 2, "--max-starts", 16)
+    assert done.code == 0
+    assert json.loads(done.out)["states"][0]["state"] == 2
+
+
+def test_a_scene_without_pinned_states_says_so(tmp_path: Path) -> None:
+    scene = scene_file(tmp_path, o.examples.degree8("pi/4", 1.0))
+    done = run("contacts", scene, "--segments")
+    assert done.code == 0
+    assert "0 of 2 minima" in " ".join(done.out.split())
+    assert "no contact boundary to follow" in done.out
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--state", "9"], "state"),
+        (["--state", "0"], "state"),
+        (["--html", "nowhere/at/all.html"], "--html"),
+        (["--markdown", "."], "--markdown"),
+        (["--seed", "-1"], "seed"),
+    ],
+)
+def test_bad_options_are_named(tmp_path: Path, options: list[str], word: str) -> None:
+    scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
+    done = run("contacts", scene, *options, "--max-starts", 16)
+    assert done.code == 2 and word in done.err and done.err.count("\n") == 1
+
+
+def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
+    data = json.loads(json.dumps(report.to_dict(), allow_nan=False))
+    (state,) = report.states
+    (plain,) = data["states"]
+    assert plain["load_margin"]["norm"] == state.margin.norm
+    assert plain["load_margin"]["moments"] == list(state.margin.moments)
+    assert len(plain["load_margin"]["creases"]) == report.result.model.size
+    assert plain["contacts"][0]["moment"] == state.minimum.contacts[0].multiplier
+    assert plain["softness"] == pytest.approx(
+        min(state.stiffness) / sum(report.result.scene.stiffness)
+    )
+    assert plain["soft"] == (plain["softness"] <= SOFT)
+    assert data["segments"]["segments"][0]["states"] == [state.number]
+    never = [c for c in plain["load_margin"]["creases"] if "cap" in c["ends"]]
+    assert never and all(None in (c["positive"], c["negative"]) for c in never)
+
+
+def test_every_status_of_a_margin_has_words() -> None:
+    result = panel_result(o.examples.degree6("pi/3", 1.0))
+    report = report_contacts(result, check=False)
+    words = {s.margin.status: margin_number(s.margin) for s in report.states}
+    assert words["zero"] == "0" and words["unbounded"] == "unbounded"
+    assert float(words["exact"]) > 0
+    text = report.to_markdown()
+    assert "unbounded" in text and "any of" in text  # ranges of dependent contacts
+    rows = [line for line in text.splitlines() if line.startswith("|")]
+    assert len({line.count("|") - line.count("\\|") for line in rows[:3]}) == 1
+    assert "NOT confirmed" in text  # without re-solving nothing is claimed to be checked
+
+
+def test_page_is_static_and_escaped(report: ContactReport) -> None:
+    page = report.to_html()
+    assert not re.search(r"<script|<link|https?://", page)
+    scene = report.result.scene
+    named = o.Scene(
+        scene.vertex, scene.stiffness, scene.rest_angles, "D2", scene.contact, name="<b>&co"
+    )
+    odd = report_contacts(dataclasses.replace(report.result, scene=named), check=False)
+    page = odd.to_html()
+    assert "<b>&co" not in page and "&lt;b&gt;&amp;co" in page
+
+
+def test_contacts_are_drawn_with_their_images(report: ContactReport) -> None:
+    model, (state,) = report.result.model, report.states
+    contact = state.minimum.contacts[0]
+    assert images(model, contact)[0] == contact.creases
+    bare = draw_contacts(model, state.minimum.fold_angles, ())
+    drawn = draw_contacts(model, state.minimum.fold_angles, [contact])
+    assert len(drawn.axes[0].lines) - len(bare.axes[0].lines) == len(contact.creases)
+    # facets in contact come with their mirror images
+    result = panel_result(o.examples.degree6("pi/3", 1.0))
+    pair = next(c for m in result.minima for c in m.contacts if c.facets)
+    assert set(images(result.model, pair)[1]) >= set(pair.facets)
+    assert len(images(result.model, pair)[1]) == 2 * len(pair.facets)
+    assert np.isfinite(pair.multiplier)

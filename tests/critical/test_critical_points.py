@@ -1,0 +1,277 @@
+"""Critical points: the Morse identity, whatever the energy, and every KKT point that other searches find."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from typer.testing import CliRunner
+
+from origami_nlp import examples
+from origami_nlp.cli import app
+from origami_nlp.closed_forms import degree6, wedge3
+from origami_nlp.critical import CriticalPoints, compare_minima, find_critical_points
+from origami_nlp.critical.edges import possible_rows
+from origami_nlp.critical.link import count_arcs, link_of
+from origami_nlp.critical.strata import strata_of
+from origami_nlp.errors import OptionError, SceneFileError
+from origami_nlp.kkt import newton, project
+from origami_nlp.numerics import null_space
+from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.programme import Model
+from origami_nlp.space import analyse_space
+from tests.computed_once import panel_result, shared
+
+PANELS = examples.panels()
+SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis
+SHAPES = list({s.vertex: s for s in PANELS}.values())
+
+
+COARSE = 16
+"""Size of meshes of the space: `test_space.py` finds the same topology at 11, 16, 65 and 128."""
+
+
+@shared
+def points_of(number):
+    return find_critical_points(PANELS[number])
+
+
+def critical_points(scene):
+    return points_of(PANELS.index(scene))
+
+
+def with_energy(scene, stiffness, rest):
+    """The same geometry with other springs on the variables of the model."""
+    model = Model(scene)
+    k, phi0 = model.expand(np.asarray(stiffness)), model.expand(np.asarray(rest))
+    return Scene(scene.vertex, tuple(k), tuple(phi0), scene.symmetry, "full", scene.mirror)
+
+
+def random_energy(scene, rng):
+    """Stiffness over almost three decades and any rest angles."""
+    size = Model(scene).size
+    return with_energy(
+        scene, np.exp(rng.uniform(-3, 3, size)), rng.uniform(-math.pi, math.pi, size)
+    )
+
+
+@pytest.mark.parametrize("scene", [SOME[0], SOME[2]], ids=lambda s: s.name)
+def test_the_morse_sum_is_the_euler_characteristic(scene):
+    found = find_critical_points(scene, all_links=True)
+    assert found.doubts == ()
+    assert found.morse_sum == analyse_space(scene, COARSE).euler_characteristic
+    assert found.verdict(found.morse_sum).closes
+    assert not found.verdict(found.morse_sum + 1).closes
+    assert max(p.residual for p in found.points) < 1e-12
+
+
+@settings(max_examples=2, deadline=None, derandomize=True)
+@given(data=st.data())
+def test_the_sum_is_the_same_for_every_energy(data):
+    """The space does not know the springs: any point lost or misjudged alone breaks this."""
+    scene = data.draw(st.sampled_from([SHAPES[1], SHAPES[2], SHAPES[3]]))
+    size = Model(scene).size
+    log_k = data.draw(st.lists(st.floats(-3, 3), min_size=size, max_size=size))
+    rest = data.draw(st.lists(st.floats(-math.pi, math.pi), min_size=size, max_size=size))
+    other = find_critical_points(with_energy(scene, np.exp(log_k), rest))
+    assert other.morse_sum == 1, other.to_dict()
+
+
+@pytest.mark.parametrize("scene", [SOME[0], SOME[1]], ids=lambda s: s.name)
+def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
+    """Index and multiplier sign against the count on the sampled link, on springs without symmetry of their own."""
+    rng = np.random.default_rng(3)
+    found = find_critical_points(random_energy(scene, rng), all_links=True)
+    assert found.doubts == () and found.morse_sum == 1
+
+
+@pytest.mark.parametrize("scene", [SHAPES[0], SHAPES[5]], ids=lambda s: s.name)
+def test_springs_at_rest_in_the_flat_state(scene):
+    """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
+    size = Model(scene).size
+    found = find_critical_points(with_energy(scene, np.ones(size), np.zeros(size)))
+    assert found.morse_sum == 1
+    (lowest,) = found.minima
+    assert not any(lowest.fold_angles) and lowest.energy == 0
+
+
+def kkt_points(scene, rng, starts):
+    """KKT points by the package's other Newton, from random states, with every set of up to two contacts held."""
+    model = Model(scene)
+    rows = possible_rows(model)
+    pairs = [p for p in itertools.combinations(rows, 2)]
+    ends = []
+    for held in [(), *((r,) for r in rows), *pairs]:
+        count = starts * (20 if not held else 8 if len(held) == 1 else 1)
+        x = rng.uniform(-math.pi, math.pi, (count, model.size))
+        x, _ = project(model, x)
+        for state in x:
+            begin, residual = project(model, state, held)
+            if residual > 1e-12 or np.abs(begin).max() > math.pi + 0.1:
+                continue
+            end, _ = newton(model, begin, held)
+            if end is None or not end.converged or model.refuses(end.x):
+                continue
+            contacts = model.closed(end.x)
+            closed = {*contacts.base, *(r for o in contacts.branches for p in o for r in p)}
+            closed |= {r for pair in contacts.implied for r in pair}
+            if all(any((r.kind, r.index) == (c.kind, c.index) for c in closed) for r in held):
+                ends.append(model.expand(end.x))
+    return np.array(ends)
+
+
+@pytest.mark.parametrize("scene", SOME[1:], ids=lambda s: s.name)
+def test_every_kkt_point_of_a_multistart_is_listed(scene):
+    listed = np.array([p.fold_angles for p in critical_points(scene).points])
+    ends = kkt_points(scene, np.random.default_rng(7), 30)
+    apart = np.abs(ends[:, None] - listed).max(axis=2)
+    assert apart.min(axis=1).max() < 1e-6, ends[apart.min(axis=1).argmax()]
+    assert (apart.min(axis=0) < 1e-6).mean() > 0.5  # most listed points were found this way too
+
+
+def chart_points(scene, size):
+    """Interior critical points by Newton on the generated closed forms, from every point of a grid of the chart."""
+    rays = scene.group.rays
+    creases = [ray.crease for ray in rays]
+    k = np.array([scene.stiffness[c] * scene.group.orbit.count(r) for r, c in enumerate(creases)])
+    rest = np.array([scene.rest_angles[c] for c in creases])
+    first_is_d1 = len(creases) == 4
+    y = np.linspace(-math.pi, math.pi, size + 2)[1:-1]
+    out = []
+    for branch in (1,) if first_is_d1 else (1, -1):
+        q = np.stack(np.meshgrid(y, y if first_is_d1 else y / 2), axis=-1).reshape(-1, 2)
+        for _ in range(30):
+            if first_is_d1:
+                c = degree6(rays[0].sector, rays[1].sector, q[:, 0], q[:, 1])
+                free, order = [1, 2], [0, 3]
+            else:
+                c = wedge3(scene.group.order, rays[0].sector, q[:, 1], q[:, 0], branch)
+                free, order = [1], [0, 2]
+            good = c.ok & c.own_side
+            q, value = q[good], c.value[good]
+            first, second = c.first[good], c.second[good]
+            if not first_is_d1:  # derivatives come by (elevation, phi_2)
+                first, second = first[..., ::-1], second[..., ::-1, ::-1]
+            pull = (value - rest[order]) * k[order]
+            gradient = np.einsum("km,kmi->ki", pull, first)
+            hessian = np.einsum("km,kmij->kij", pull, second)
+            hessian += np.einsum("m,kmi,kmj->kij", k[order], first, first)
+            for i, crease in enumerate(free):
+                gradient[:, i] += k[crease] * (q[:, i] - rest[crease])
+                hessian[:, i, i] += k[crease]
+            step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
+            step *= np.minimum(1, 0.1 / np.linalg.norm(step, axis=1, keepdims=True))
+            q = q + step
+        near = np.abs(step).max(axis=1) < 1e-9
+        q, value = q[near], value[near]
+        x = np.empty((len(q), len(creases)))
+        x[:, order] = value
+        x[:, free] = q[:, : len(free)]
+        out.append(x[(np.abs(x) < math.pi - 1e-6).all(axis=1)])
+    model = Model(scene)
+    x = np.concatenate(out)
+    kept = []
+    for state in x:
+        if all(np.abs(state - other).max() > 1e-5 for other in kept) and not model.refuses(state):
+            kept.append(state)
+    return model.expand(np.array(kept).reshape(-1, model.size))
+
+
+@pytest.mark.parametrize("scene", [PANELS[0], SOME[1], PANELS[12]], ids=lambda s: s.name)
+def test_interior_points_are_those_of_the_chart(scene):
+    """Both ways: nothing missing, nothing extra; the chart is regular at all interior points of these panels."""
+    inner = [p.fold_angles for p in critical_points(scene).points if p.stratum == "interior"]
+    scanned = chart_points(scene, 61)
+    assert len(inner) == len(scanned)
+    for state in scanned:
+        assert min(np.abs(np.subtract(state, p)).max() for p in inner) < 1e-6
+
+
+def test_links_of_known_states():
+    strata = strata_of(PANELS[1])
+    model = strata.model
+    flat = link_of(model, np.zeros(4), 1e-3)
+    assert len(flat.circles) == 2 and all(c.inside.all() for c in flat.circles)
+    book = link_of(model, math.pi * np.array([0.5, 0.0, 0.0, 0.5]), 1e-3)
+    assert (
+        len(book.circles) == 1 and book.circles[0].inside.all()
+    )  # the book fold is an inner state
+    node = link_of(model, math.pi * np.array([-1.0, 0.5, -1.0, 0.0]), 1e-3)
+    assert (node.pieces, node.thin) == (2, 1)  # a handle leaves a corner
+    end = link_of(model, math.pi * np.array([-1.0, 1.0, -1.0, -1.0]), 1e-3)
+    assert (end.pieces, end.thin) == (1, 1)
+    assert count_arcs(np.ones(5, dtype=bool)) == 0
+    assert count_arcs(np.array([True, False, True, True])) == 1
+
+
+@settings(max_examples=4, deadline=None, derandomize=True)
+@given(seed=st.integers(0, 2**31))
+def test_the_flat_state_by_the_dual_cone(seed):
+    """A plane g . d = 0 meets the cone d . Q d = 0 off its tip exactly where g . Q^-1 g has the sign of the pair.
+
+    Then both circles are lower in one arc each (adds 1 - 2); else one circle is lower as a whole (adds 1).
+    """
+    rng = np.random.default_rng(seed)
+    scene = random_energy(SHAPES[rng.integers(len(SHAPES))], rng)
+    model = Model(scene)
+    local = model.local(np.zeros(model.size))
+    left = null_space(local.closure_jacobian.T)[:, 0]
+    kernel = null_space(local.closure_jacobian)
+    h = model.hessian(np.zeros(model.size), left, np.zeros(len(model.structure.gaps)), 0.0)
+    form = kernel.T @ h @ kernel
+    signs = np.sign(np.linalg.eigvalsh(form))
+    pair = np.sign(signs.sum())
+    g = kernel.T @ local.gradient
+    meets = pair * float(g @ np.linalg.solve(form, g)) > 0
+    flat = next(p for p in find_critical_points(scene).points if not any(p.fold_angles))
+    assert flat.stratum == "singular"
+    assert flat.contribution == (-1 if meets else 1)
+
+
+def test_the_minima_are_those_of_the_search():
+    scene = PANELS[4]
+    found = compare_minima(critical_points(scene), panel_result(scene))
+    assert found.comparison.agree and len(found.minima) == 4
+    assert "complete up to this identity" in found.verdict(1).text
+    fewer = CriticalPoints(scene, found.points[1:], None)
+    assert not fewer.verdict(1).closes  # one point less is noticed
+    assert "missing" in fewer.verdict(1).text
+
+
+def test_json_round_trip():
+    found = critical_points(PANELS[15])
+    data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    again = CriticalPoints.from_dict(data)
+    assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
+    assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
+    with pytest.raises(SceneFileError, match="schema"):
+        CriticalPoints.from_dict({"schema": "something else"})
+    del data["critical_points"][0]["energy"]
+    with pytest.raises(SceneFileError, match="energy"):
+        CriticalPoints.from_dict(data)
+
+
+def test_scenes_without_two_freedoms_are_refused():
+    full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
+    with pytest.raises(OptionError, match="3 freedoms"):
+        find_critical_points(full)
+    with pytest.raises(OptionError, match="contact = 'none'"):
+        find_critical_points(examples.degree6(contact="none"))
+
+
+def test_command_line(tmp_path):
+    runner = CliRunner()
+    text = runner.invoke(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "100"]).output
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    target = tmp_path / "critical.json"
+    done = runner.invoke(app, ["critical", str(file), "--no-search", "--json", str(target)])
+    assert done.exit_code == 0, done.output
+    assert "Morse sum 1, Euler characteristic 1: the count closes" in done.output
+    data = json.loads(target.read_text())
+    assert data["closes"] and data["euler_characteristic"] == 1
+    assert {p["stratum"] for p in data["critical_points"]} >= {"interior", "boundary", "singular"}
+    bad = runner.invoke(app, ["critical", str(file), "--json", str(tmp_path / "no" / "x.json")])
+    assert isinstance(bad.exception, OptionError) and not (tmp_path / "no").exists()

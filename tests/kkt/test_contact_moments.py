@@ -1,0 +1,181 @@
+"""Contact moments: finite differences of the optimal energy, 50 digits, and ranges of dependent ones."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import examples
+from tests.computed_once import panel_result
+from tests.independent.search_digits import DIGITS, solve_exactly
+from tests.independent.search_manifold import Piece
+from tests.independent.search_stationary import gap, solve
+
+PANELS = examples.panels()
+DIFFERENCES = 1e-6  # relative agreement with finite differences
+TEN_DIGITS = 1e-10  # agreement of multipliers with a 50-digit solve
+
+
+@pytest.fixture(scope="module")
+def minima():
+    """(piece, minimum) for every minimum with closed contacts of the 18 panels."""
+    return [
+        (Piece.of(scene), m) for scene in PANELS for m in panel_result(scene).minima if m.contacts
+    ]
+
+
+@pytest.fixture(scope="module")
+def pinned(minima):
+    return [(p, m) for p, m in minima if m.kind == "contact-pinned"]
+
+
+def state(piece, minimum):
+    return np.array(minimum.fold_angles[: piece.size])
+
+
+def as_contact(piece, contact, x):
+    """Return a reported contact in this formulation, and how often it occurs in the whole vertex."""
+    if contact.type == "fold-limit":
+        v = int(piece.orbit[contact.creases[0] - 1])
+        assert [i + 1 for i in np.flatnonzero(piece.orbit == v)] == list(contact.creases)
+        return ("limit", v, 1 if x[v] > 0 else -1), len(contact.creases)
+    if contact.type == "axis":
+        return ("axis", int(piece.orbit[contact.creases[0] - 1]), 1), 2
+    assert contact.text.startswith("creases 1 and 4 on each other")
+    # the opening is the angle of one of them off the plane of the facet at the other, in both halves
+    # of the vertex: the same for either facet, since they stand at equal angles to the mirror; of its
+    # two signs the admissible one
+    assert abs(x[0] - x[-1]) <= 1e-12
+    sides = [
+        s for s in (1, -1) if piece.admissible(solve(piece, x, (("plane", 0, s),), (1e-3,)).x)[0]
+    ]
+    assert len(sides) == 1
+    return ("plane", 0, sides[0]), 2
+
+
+def slope_of_optimal_energy(piece, x, held, which, step=1e-4):
+    """Derivative of the least energy in the opening of one held contact: Richardson's h and h/2."""
+
+    def difference(h):
+        energies = []
+        for sign in (1, -1):
+            openings = [0.0] * len(held)
+            openings[which] = sign * h
+            s = solve(piece, x, held, tuple(openings))
+            assert s.residual <= 1e-12
+            assert gap(piece, held[which], s.x)[0] == pytest.approx(sign * h, abs=1e-12)
+            energies.append(piece.energy(s.x))
+        return (energies[0] - energies[1]) / (2 * h)
+
+    return (4 * difference(step / 2) - difference(step)) / 3
+
+
+def test_there_are_pinned_states_of_each_kind(pinned):
+    assert {c.type for _, m in pinned for c in m.contacts} == {"fold-limit", "axis", "facet-pair"}
+
+
+def test_moments_are_slopes_of_the_optimal_energy(pinned):
+    for piece, m in pinned:
+        x = state(piece, m)
+        found = [as_contact(piece, c, x) for c in m.contacts]
+        held = tuple(c for c, _ in found)
+        for i, (contact, (_, images)) in enumerate(zip(m.contacts, found, strict=True)):
+            slope = slope_of_optimal_energy(piece, x, held, i)
+            assert contact.multiplier > 0 and slope > 0
+            assert slope == pytest.approx(images * contact.multiplier, rel=DIFFERENCES)
+
+
+def test_pinned_states_and_moments_agree_with_fifty_digits(pinned):
+    for piece, m in pinned:
+        x = state(piece, m)
+        found = [as_contact(piece, c, x) for c in m.contacts]
+        exact, forces, residual = solve_exactly(piece, x, tuple(c for c, _ in found))
+        assert residual < 10.0 ** (5 - DIGITS)
+        assert max(abs(a - b) for a, b in zip(exact, x, strict=True)) <= 1e-13
+        for contact, force, (_, images) in zip(m.contacts, forces, found, strict=True):
+            assert abs(force / images - contact.multiplier) <= TEN_DIGITS * contact.multiplier
+
+
+def test_touching_states_carry_nothing(minima):
+    touching = [(p, m) for p, m in minima if m.kind == "contact-touching"]
+    assert touching
+    for piece, m in touching:
+        x = state(piece, m)
+        held = tuple(as_contact(piece, c, x)[0] for c in m.contacts)
+        for i, contact in enumerate(m.contacts):
+            slope = slope_of_optimal_energy(piece, x, held, i)
+            scale = float(piece.stiffness.sum())
+            assert contact.multiplier == 0 and abs(slope) <= 1e-10 * scale
+
+
+def balance(piece, x, contacts):
+    """B and c of B mu = c, |c| of order one: pulls on the kernel of closure, per contact moment."""
+    _, jac = piece.closure(x)
+    _, singular, v = np.linalg.svd(jac[0])
+    kernel = v[int((singular > 1e-9).sum()) :]
+    found = [as_contact(piece, c, x) for c in contacts]
+    columns = [images * gap(piece, one, x)[1] for one, images in found]
+    return kernel @ np.array(columns).T, kernel @ (piece.stiffness * (x - piece.rest))
+
+
+def solvable(b, c, fixed, value, tolerance):
+    """Whether B mu = c has mu >= 0 with mu[fixed] = value, by trying every support of the others."""
+    others = [i for i in range(b.shape[1]) if i != fixed]
+    target = c - value * b[:, fixed]
+    for count in range(len(others) + 1):
+        for chosen in itertools.combinations(others, count):
+            part = b[:, list(chosen)]
+            mu = np.linalg.lstsq(part, target, rcond=1e-12)[0] if chosen else np.zeros(0)
+            left = np.abs(part @ mu - target).max() if chosen else np.abs(target).max()
+            if left <= tolerance and (mu >= -tolerance).all():
+                return True
+    return False
+
+
+def test_ranges_of_dependent_contacts_end_where_the_balance_does(minima):
+    dependent = [
+        (p, m)
+        for p, m in minima
+        if m.local_dimension == 1 and all(c.type == "fold-limit" for c in m.contacts)
+    ]
+    assert dependent
+    for piece, m in dependent:
+        x = state(piece, m)
+        b, c = balance(piece, x, m.contacts)
+        scale = float(np.abs(c).max())
+        tolerance = 1e-10 * scale
+        moments = np.array([k.multiplier for k in m.contacts])
+        assert np.abs(b @ moments - c).max() <= tolerance
+        for i, contact in enumerate(m.contacts):
+            low, high = contact.multiplier_range
+            assert low <= contact.multiplier <= high
+            assert solvable(b, c, i, low, tolerance)
+            if low > 0:
+                assert not solvable(b, c, i, low * (1 - 1e-6), tolerance)
+            if math.isinf(high):
+                assert solvable(b, np.zeros_like(c), i, 1.0, 1e-10)
+            else:
+                assert solvable(b, c, i, high, tolerance)
+                assert not solvable(b, c, i, high * (1 + 1e-6), tolerance)
+        # smallest norm: no move along the kernel of B shortens the vector while it stays >= 0
+        _, singular, v = np.linalg.svd(b)
+        for ray in v[int((singular > 1e-9 * singular[0]).sum()) :]:
+            for sign in (1, -1):
+                shorter = moments + sign * 1e-4 * np.linalg.norm(moments) * ray
+                if (shorter >= -1e-12).all():
+                    assert np.linalg.norm(shorter) >= np.linalg.norm(moments) * (1 - 1e-12)
+
+
+def test_relaxing_the_loaded_limit_of_a_handle_pays_the_lower_end_of_its_range(minima):
+    """Beyond the limit the handle widens into the surface, and one contact carries everything."""
+    handles = [(p, m) for p, m in minima if m.local_dimension == 1]
+    assert handles
+    for piece, m in handles:
+        x = state(piece, m)
+        loaded = [c for c in m.contacts if c.multiplier_range[0] > 0]
+        assert len(loaded) == 1
+        held, images = as_contact(piece, loaded[0], x)
+        # the whole load on one contact makes the state move fast with its opening: small steps
+        slope = slope_of_optimal_energy(piece, x, (held,), 0, step=1e-7)
+        assert slope == pytest.approx(images * loaded[0].multiplier_range[0], rel=DIFFERENCES)

@@ -1,0 +1,51 @@
+"""Exact landscapes: metastable stretches of their boundaries, and colours up to the edge."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.chart import (
+    Boundary,
+    with_energy,
+)
+from origami_nlp.contact import find_segments
+from origami_nlp.landscape import exact_landscape
+from origami_nlp.landscape.exact import metastable_stretches
+from origami_nlp.landscape.panel import fill_outwards
+from tests.computed_once import PANELS, panel_boundary, panel_result
+
+SCENES = {
+    "pi/4": o.examples.degree6("pi/4", 1.0),
+    "pi/3": o.examples.degree6("pi/3", 1.0),
+    "octagon": o.examples.degree8("pi/12", 0.01),
+}
+
+
+def boundary(name: str) -> Boundary:
+    return panel_boundary(PANELS.index(SCENES[name]))
+
+
+def test_metastable_stretches_are_those_of_the_segments():
+    """Lines traced for the picture have the same metastable parts as boundaries followed from states."""
+    result = panel_result(SCENES["octagon"])
+    (part,) = metastable_stretches(result, boundary("octagon"))
+    (segment,) = find_segments(result).segments
+    assert part.length == pytest.approx(segment.length, rel=1e-3)
+    assert not part.hidden and part.contacts == ("phi = -pi at creases 1, 5",)
+    line = next(ln for ln in boundary("octagon").lines if ln.contacts == part.contacts)
+    curve = with_energy(result.model, line)
+    slope = np.gradient(curve.energy, curve.s)
+    assert np.abs(slope - curve.slope)[5:-5].max() < 2e-3 * np.abs(curve.slope).max()
+
+
+def test_colours_go_on_beyond_the_edge_and_not_inside():
+    scene = SCENES["pi/4"]
+    panel = exact_landscape(o.find_minima(scene, max_starts=1), 61, boundary=boundary("pi/4"))
+    branch = panel.chart.branches[0]
+    known = np.isfinite(branch.energy)
+    filled = fill_outwards(branch, 2)
+    assert (filled[known] == branch.energy[known]).all()
+    assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
+    assert panel.counts == (len(panel.result.minima), None, None)

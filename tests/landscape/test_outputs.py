@@ -1,0 +1,177 @@
+"""`origami-nlp landscape`: figure, arrays and JSON say the same, and nothing half-written."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.landscape.figure import joining_passes
+from origami_nlp.landscape.plain import LISTS, landscape_from_dict
+from tests import computed_once
+from tests.command_line import run, scene_file
+from tests.computed_once import shared
+
+
+@shared
+def folder_written():
+    """All files of one run of the command."""
+    folder = computed_once.folder / "landscape"
+    folder.mkdir()
+    path = scene_file(folder, o.examples.degree8("pi/6", 100.0))
+    files = [folder / name for name in ("l.json", "l.npz", "l.png")]
+    options = ["--json", files[0], "--npz", files[1], "--figure", files[2], "--size", 101]
+    assert run("landscape", path, *options).code == 0
+    return folder
+
+
+@pytest.fixture
+def written():
+    return folder_written()
+
+
+def strict(text):
+    def refuse(name):
+        raise ValueError(name)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_json_is_the_contract(written):
+    data = strict((written / "l.json").read_text())
+    assert data["schema"] == "origami-nlp/landscape/1"
+    for name in ("components", "pinch_points", "handles", "critical_points", "barriers"):
+        assert isinstance(data[name], list)
+    assert isinstance(data["holes"], int)
+    for point in data["critical_points"]:
+        assert {"fold_angles", "energy", "index", "contacts"} <= set(point)
+    for step in data["barriers"]:
+        assert {"from", "to", "energy", "pass_kind"} <= set(step)
+
+
+def test_json_is_consistent(written):
+    """Morse sum, Euler characteristic, minima, barriers and counts fit together."""
+    data = strict((written / "l.json").read_text())
+    assert data["morse_sum"] == data["euler_characteristic"]
+    assert data["euler_characteristic"] == len(data["components"]) - data["holes"]
+    minima = {m["number"]: m for m in data["minima"]}
+    assert data["counts"]["symmetric"] == len(minima)
+    verdicts = [m["full_space"] for m in data["minima"]]
+    assert data["counts"]["full"] == verdicts.count("stable")
+    pairs = {(b["from"], b["to"]) for b in data["barriers"]}
+    assert pairs == {(i, j) for i in minima for j in minima if i < j}
+    for step in data["barriers"]:
+        if step["energy"] is not None:
+            ends = (minima[step["from"]]["energy"], minima[step["to"]]["energy"])
+            assert step["energy"] >= max(ends)
+    scene = o.examples.degree8("pi/6", 100.0)
+    for point in data["critical_points"]:
+        phi = np.array(point["fold_angles"])
+        assert point["energy"] == pytest.approx(float(scene.energy(phi)), rel=1e-12)
+        assert np.linalg.norm(fold_vertex(scene.vertex, phi)[1][1:]) < 1e-12
+    lowest = min(p["energy"] for p in data["critical_points"])
+    assert lowest == pytest.approx(min(m["energy"] for m in data["minima"]), rel=1e-10)
+
+
+def test_json_round_trips(written):
+    data = strict((written / "l.json").read_text())
+    record = landscape_from_dict(data)
+    assert record.to_dict() == data
+    assert landscape_from_dict(strict(json.dumps(record.to_dict(), allow_nan=False))) == record
+    assert record.scene.vertex == o.examples.degree8("pi/6", 100.0).vertex
+    assert f"morse_sum={record.morse_sum}" in repr(record)
+
+
+@pytest.mark.parametrize("name", [*LISTS, "holes", "schema"])
+def test_json_that_is_not_of_the_schema(written, name):
+    data = strict((written / "l.json").read_text())
+    data[name] = "x"
+    with pytest.raises(o.OrigamiError, match=name):
+        landscape_from_dict(data)
+    with pytest.raises(o.OrigamiError, match="schema"):
+        landscape_from_dict([1])
+
+
+def test_arrays_hold_states(written):
+    scene = o.examples.degree8("pi/6", 100.0)
+    with np.load(written / "l.npz", allow_pickle=False) as a:
+        assert a["coordinates"][0] == "phi_2"
+        for b in range(2):
+            good = a[f"admissible_{b}"]
+            assert good.shape == (len(a[f"y_{b}"]), len(a[f"x_{b}"])) == (101, 101)
+            assert (np.isfinite(a[f"energy_{b}"]) == good).all() and good.any()
+            phi = a[f"fold_angles_{b}"][good]
+            np.testing.assert_allclose(scene.energy(phi), a[f"energy_{b}"][good], rtol=1e-13)
+            assert np.abs(fold_vertex(scene.vertex, phi)[1][:, 1:]).max() < 1e-11
+        for k, contacts in enumerate(a["boundary_contacts"]):
+            phi = a[f"boundary_{k}_fold_angles"]
+            assert len(phi) == len(a[f"boundary_{k}_points"]) == len(a[f"boundary_{k}_s"])
+            assert np.abs(fold_vertex(scene.vertex, phi)[1][:, 1:]).max() < 1e-12
+            if contacts.startswith("phi = "):
+                assert np.abs(np.abs(phi).max(axis=1) - math.pi).max() < 1e-12
+        for phi, energy in zip(a["minima_fold_angles"], a["minima_energy"], strict=True):
+            assert float(scene.energy(phi)) == pytest.approx(energy, rel=1e-13)
+            assert examine(scene.vertex, phi).admissible
+        assert set(a["minima_verdict"]) <= {"stable", "unstable", "undecided"}
+    assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("ending", ["pdf", "svg"])
+def test_vector_figures_without_contact(ending, tmp_path):
+    """Without full contact there is no boundary to trace: the picture says so."""
+    path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0, contact="fold-limits"))
+    target = tmp_path / f"l.{ending}"
+    code, out, _ = run("landscape", path, "--figure", target, "--size", 61)
+    assert code == 0 and "boundary not traced" in out and target.stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--size", "4"], "--size = 4"),
+        (["--seed", "-2"], "seed"),
+        (["--npz", "a.txt"], "must end in .npz"),
+        (["--npz", "nowhere/a.npz"], "does not exist"),
+        (["--figure", "a.bmp"], "--figure"),
+        (["--json", "nowhere/a.json"], "does not exist"),
+    ],
+)
+def test_bad_options(arguments, complaint, tmp_path, monkeypatch):
+    path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0))
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run("landscape", path, *arguments)
+    assert code == 2 and complaint in err and len(err.strip().splitlines()) == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "complaint"),
+    [
+        (o.examples.degree6("pi/4", 1.0, symmetry="none"), [], "3 degrees of freedom"),
+        (o.examples.degree6("pi/4", 1.0, contact="none"), ["--json", "-"], "contact = 'full'"),
+    ],
+)
+def test_scenes_without_a_landscape(scene, options, complaint, tmp_path):
+    path = scene_file(tmp_path, scene)
+    code, out, err = run("landscape", path, *options)
+    assert code == 2 and complaint in err and not out
+
+
+def test_joining_passes_are_a_spanning_tree():
+    class Step:
+        def __init__(self, a, b, energy):
+            self.from_state, self.to_state, self.energy = a, b, energy
+            self.path = np.zeros((3, 6))
+
+    class Found:
+        passes = (Step(1, 2, 0.3), Step(1, 3, 0.7), Step(2, 3, 0.7), Step(1, 4, math.inf))
+
+        class result:
+            minima = (1, 2, 3, 4)
+
+    chosen = joining_passes(Found())  # type: ignore[arg-type]
+    assert [(p.from_state, p.to_state) for p in chosen] == [(1, 2), (1, 3)]

@@ -1,0 +1,279 @@
+"""The figure and the HTML: what is in them, nothing on top of something else, nothing global."""
+
+import dataclasses
+import io
+import itertools
+import math
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.text import Text
+
+import origami_nlp as o
+from origami_nlp.folding import fold_vertex
+from origami_nlp.minima.marks import STYLE
+from origami_nlp.minima.picture import MOST_DRAWN
+from origami_nlp.show import draw_state, pose_state
+from tests.computed_once import PANELS, panel_result, shared
+
+COARSE = 61  # cells of the landscape: the pictures are not looked at here
+
+SCENES = {
+    "degree 6, handles and a family": o.examples.degree6("pi/3", 1),
+    "degree 6": o.examples.degree6("pi/4", 1),
+    "degree 8": o.examples.degree8("pi/12", 100),
+    "one freedom": o.Scene(
+        o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (1, 1, -1, 1), "D1"
+    ),
+    "no chart": o.Scene(
+        o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1, -1, 1, -1, 1), "none"
+    ),
+    "no contact": o.examples.degree8("pi/12", 1, contact="none"),
+}
+
+
+@shared
+def searched(name):
+    return o.find_minima(SCENES[name], max_starts=64)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return {name: panel_result(s) if s in PANELS else searched(name) for name, s in SCENES.items()}
+
+
+def texts(figure):
+    """Visible texts with their boxes in pixels; contour labels (on the image) are left out."""
+    figure.draw_without_rendering()
+    found = []
+    for text in figure.findobj(Text):
+        if not text.get_visible() or not text.get_text().strip() or not text.get_figure():
+            continue
+        if text.get_fontsize() == 7:  # contour labels
+            continue
+        found.append((text.get_text(), text.get_window_extent()))
+    return found
+
+
+def overlapping(figure):
+    """Pairs of texts whose boxes, less the leading that surrounds letters, overlap."""
+    pairs = []
+    for (a, p), (b, q) in itertools.combinations(texts(figure), 2):
+        dx = min(p.x1, q.x1) - max(p.x0, q.x0)
+        dy = min(p.y1, q.y1) - max(p.y0, q.y0)
+        if dx > 0.25 * min(p.width, q.width) and dy > 0.35 * min(p.height, q.height):
+            pairs.append((a, b))
+    return pairs
+
+
+def outside(figure):
+    width, height = figure.get_size_inches() * figure.dpi
+    return [
+        t
+        for t, box in texts(figure)
+        if box.x0 < -1 or box.y0 < -1 or box.x1 > width + 1 or box.y1 > height + 1
+    ]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_figures_are_complete_and_tidy(results, name, tmp_path):
+    result = results[name]
+    path = tmp_path / "figure.png"
+    figure = o.draw_minima(result, path, size=COARSE)
+    assert imread(path).shape[2] in (3, 4)
+    assert not overlapping(figure)
+    assert not outside(figure)
+    written = "\n".join(text for text, _ in texts(figure))
+    for number, m in enumerate(result.minima, start=1):
+        assert f"{number}:  U = {m.energy:.4g} J" in written
+        assert m.kind in written
+
+
+@pytest.mark.parametrize("name", [n for n in SCENES if n != "no chart"])
+def test_every_minimum_is_marked_whole(results, name):
+    """A marker of its kind at its place, not clipped at the border."""
+    result = results[name]
+    figure = o.draw_minima(result, size=COARSE)
+    marks = [
+        line
+        for axes in figure.axes
+        for line in axes.get_lines()
+        if line.get_linestyle() == "None" and any(line.get_marker() == s for _, s in STYLE.values())
+    ]
+    # beyond |phi| = pi there is no landscape to mark them on: the figure says so
+    inside = [m for m in result.minima if np.abs(m.fold_angles).max() <= math.pi + 1e-9]
+    assert len(marks) == len(inside) > 0
+    said = any("Not on the landscape" in text for text, _ in texts(figure))
+    assert said == (len(inside) < len(result.minima))
+    width, height = figure.get_size_inches() * figure.dpi
+    for m in inside:
+        same = [k for k in marks if k.get_marker() == STYLE[m.kind][1]]
+        assert same
+    for mark in marks:
+        assert not mark.get_clip_on()
+        (x, y) = mark.axes.transData.transform(mark.get_xydata()[0])
+        assert 0 < x < width and 0 < y < height
+
+
+@pytest.mark.parametrize("count", [1, 5, 12])
+def test_many_minima_make_a_larger_figure(results, count):
+    result = results["degree 6, handles and a family"]
+    many = tuple(itertools.islice(itertools.cycle(result.minima), count))
+    figure = o.draw_minima(dataclasses.replace(result, minima=many), size=COARSE)
+    assert not overlapping(figure) and not outside(figure)
+    assert sum("U = " in text for text, _ in texts(figure)) == count
+
+
+def test_too_many_minima_are_counted_not_crowded(results):
+    result = results["no chart"]
+    many = tuple(itertools.islice(itertools.cycle(result.minima), MOST_DRAWN + 3))
+    figure = o.draw_minima(dataclasses.replace(result, minima=many))
+    assert not overlapping(figure)
+    assert any("3 more minima" in text for text, _ in texts(figure))
+    empty = o.draw_minima(dataclasses.replace(result, minima=()))
+    assert any(": no minima;" in text for text, _ in texts(empty))
+
+
+def test_family_and_missing_chart_are_said(results):
+    figure = o.draw_minima(results["degree 6"], size=COARSE)
+    assert any("(0, 0) is not one state but a family" in text for text, _ in texts(figure))
+    figure = o.draw_minima(results["no chart"])
+    assert any("No energy landscape" in text for text, _ in texts(figure))
+
+
+@pytest.mark.parametrize("ending", ["pdf", "svg", "PNG"])
+def test_formats(results, ending, tmp_path):
+    path = tmp_path / f"figure.{ending}"
+    o.draw_minima(results["no chart"], path)
+    assert path.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("name", ["figure", "figure.xyz", "figure.json"])
+def test_unknown_format(results, name, tmp_path):
+    with pytest.raises(o.OrigamiError, match="picture format"):
+        o.draw_minima(results["no chart"], tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_pose_is_a_rigid_turn():
+    """Angles between creases, and which side is up, survive the turn."""
+    rng = np.random.default_rng(5)
+    scene = o.examples.degree6("pi/3", 1)
+    stream_angles = [m.fold_angles for m in panel_result(scene).minima]
+    for phi in [*stream_angles, np.zeros(6), np.r_[1.1, 0, 0, 1.1, 0, 0] * rng.uniform(0.2, 2)]:
+        creases, _ = fold_vertex(scene.vertex, np.asarray(phi))
+        pose = pose_state(scene.vertex, np.asarray(phi))
+        np.testing.assert_allclose(pose.creases @ pose.creases.T, creases @ creases.T, atol=1e-12)
+        triple = np.linalg.det(creases[[0, 1, 2]])
+        assert np.linalg.det(pose.creases[[0, 1, 2]]) == pytest.approx(triple, abs=1e-12)
+
+
+def test_flat_sheet_is_seen_from_above_and_numbered():
+    figure = Figure()
+    axes = figure.add_subplot()
+    vertex = o.Vertex(("pi/2",) * 4)
+    assert not draw_state(axes, vertex, np.zeros(4))
+    assert [t.get_text() for t in axes.texts] == ["1", "2", "3", "4"]
+    pose = pose_state(vertex, np.zeros(4))
+    assert (pose.normals[:, 2] > 0).all()
+    places = np.array([t.get_position() for t in axes.texts])
+    x, y = places[:, 0], places[:, 1]
+    assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) > 0  # still counter-clockwise
+
+
+def picture(vertex, phi):
+    axes = Figure().add_subplot()
+    draw_state(axes, vertex, np.asarray(phi, dtype=float))
+    return np.asarray(axes.images[0].get_array())
+
+
+def share(image, colour):
+    """Share of painted pixels where `colour` channel dominates clearly."""
+    painted = image[image[..., 3] > 0][:, :3]
+    others = [c for c in range(3) if c != colour]
+    return float((painted[:, colour] > painted[:, others].max(axis=1) + 0.15).mean())
+
+
+def test_mountains_are_red_and_valleys_blue():
+    vertex = o.Vertex(("pi/2",) * 4)
+    valley = picture(vertex, [1.0, 0, 1.0, 0])
+    mountain = picture(vertex, [-1.0, 0, -1.0, 0])
+    assert share(valley, 2) > 0.005 and share(valley, 0) == 0
+    assert share(mountain, 0) > 0.005 and share(mountain, 2) == 0
+    assert share(picture(vertex, [0, 0, 0, 0]), 0) == 0
+
+
+def test_layers_are_drawn_apart():
+    vertex = o.Vertex(("pi/2",) * 4)
+    axes = Figure().add_subplot()
+    assert draw_state(axes, vertex, [math.pi, 0, math.pi, 0])
+    assert not draw_state(axes, vertex, [1.0, 0, 1.0, 0])
+
+
+class Balanced(HTMLParser):
+    """Checks that tags close in order, and collects the text."""
+
+    void = {"br", "img"}  # noqa: RUF012
+
+    def __init__(self):
+        super().__init__()
+        self.stack, self.text, self.tags = [], [], set()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        if tag not in self.void:
+            self.stack.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.stack.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def parse(html):
+    parser = Balanced()
+    parser.feed(html)
+    parser.close()
+    assert not parser.stack
+    return parser, " ".join(parser.text)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_html(results, name):
+    result = results[name]
+    html = result._repr_html_()
+    assert len(html) < 400_000
+    parser, text = parse(html)
+    assert "img" in parser.tags and "script" not in parser.tags
+    for m in result.minima:
+        assert f"{m.energy:.6g}" in text and m.certificate in text and m.kind in text
+        for contact in m.contacts:
+            assert f"{contact.text}: moment {contact.multiplier:.4g} N m" in text
+
+
+def test_html_escapes_names(results):
+    result = results["no chart"]
+    scene = dataclasses.replace(result.scene, name="<script>alert(1)</script> & $x_1$")
+    result = dataclasses.replace(result, scene=scene, minima=())
+    parser, text = parse(result.to_html())
+    assert "script" not in parser.tags and "<script>alert(1)</script> & $x_1$" in text
+    o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula
+
+
+def test_nothing_global():
+    code = (
+        "import sys, origami_nlp as o; assert 'matplotlib' not in sys.modules\n"
+        "r = o.find_minima(o.examples.degree6('pi/4', 1), max_starts=1)\n"
+        "assert 'matplotlib' not in sys.modules\n"
+        "r._repr_html_(); assert 'matplotlib.pyplot' not in sys.modules"
+    )
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stderr

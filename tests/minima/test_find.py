@@ -1,0 +1,174 @@
+"""The main job on the paper's panels and on hard cases: residuals, kinds, verdicts."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import Scene, Vertex, examine, examples, find_minima
+from origami_nlp.kkt import follow
+from origami_nlp.minima import enough
+from origami_nlp.minima.stopping import expected_undiscovered
+from origami_nlp.programme import Model, compile_structure
+from tests.computed_once import panel_result
+
+CLOSURE = 1e-14  # closure of regular states
+KKT = 1e-12  # KKT residual, relative to the torques that balance
+
+
+@pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
+def test_every_state_is_polished_admissible_and_certified(scene):
+    result = panel_result(scene, full=True)
+    assert result.search.stopped_by == "rule"
+    assert result.search.expected_undiscovered <= 0.5
+    assert sum(result.search.statuses.values()) == result.search.solves
+    for m in result.minima:
+        assert m.polished and m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
+        assert examine(scene.vertex, np.array(m.fold_angles)).admissible
+        assert m.energy == pytest.approx(scene.energy(m.fold_angles), rel=1e-12)
+        assert "search" not in m.certificate  # every one is decided by a proof
+        if m.kind == "interior":
+            assert not m.contacts and min(m.hessian_eigenvalues) > 0
+        if m.kind == "contact-pinned":
+            assert m.contacts and all(c.multiplier > 0 for c in m.contacts)
+            assert all(c.multiplier_range == (c.multiplier,) * 2 for c in m.contacts)
+        if m.kind == "contact-touching":
+            assert any(c.multiplier == 0 for c in m.contacts)
+
+
+@pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
+def test_no_state_is_left_undecided_in_the_full_space(scene):
+    for m in panel_result(scene, full=True).minima:
+        f = m.full_space
+        assert f.verdict in ("stable", "unstable")
+        if f.verdict == "stable":
+            assert "search" not in f.certificate
+            continue
+        energies = [e for _, e in f.descent]
+        assert f.descent[0][0] == pytest.approx(m.fold_angles, abs=1e-9)
+        assert all(b < a for a, b in itertools.pairwise(energies))
+        for angles, energy in f.descent:
+            state = examine(scene.vertex, np.array(angles))
+            assert state.admissible and state.closure_residual <= 1e-12
+            assert energy == pytest.approx(scene.energy(angles), rel=1e-12)
+        steps = np.abs(np.diff([a for a, _ in f.descent], axis=0)).max()
+        assert steps <= 0.11  # a path, not a jump to another basin
+        assert f.lands_on.energy < m.energy and f.lands_on.kind is not None
+
+
+def test_pinned_states_of_degree_8_sit_on_the_axis():
+    for alpha in ("pi/12", "pi/6"):
+        result = panel_result(examples.degree8(alpha, 100.0), full=True)
+        pinned = [m for m in result.minima if m.contacts]
+        assert [c.type for m in pinned for c in m.contacts] == ["axis"]
+        # symmetric criticality fails where two tips can slide past each other
+        assert pinned[0].full_space.verdict == "unstable"
+
+
+def test_handles_need_one_sign_of_the_closed_creases():
+    scene = examples.degree6("pi/3", 1.0)
+    handles = [m for m in panel_result(scene).minima if m.local_dimension == 1]
+    assert len(handles) == 2
+    for m in handles:
+        closed = [a for a in m.fold_angles if abs(a) == math.pi]
+        assert len(closed) == 3 and len(set(closed)) == 1
+        wrong = np.array(m.fold_angles)
+        # the same shape with a closed pair turned to its other side has no layer order
+        pair = next(i for i in (1, 2) if abs(wrong[i]) == math.pi)
+        for i in (pair, 6 - pair):
+            wrong[i] = -wrong[i]
+        state = examine(scene.vertex, wrong)
+        assert state.closure_residual < 1e-12 and not state.admissible and "layer" in state.reason
+
+
+def test_a_rest_state_that_closes_is_found_with_zero_energy():
+    scene = examples.degree8("pi/6", 1.0)
+    angles = panel_result(scene).minima[0].fold_angles
+    other = Scene(scene.vertex, scene.stiffness, angles, "D2")
+    found = find_minima(other).minima[0]
+    assert found.energy <= 1e-28 and found.fold_angles == pytest.approx(angles, abs=1e-12)
+
+
+def test_a_flat_sheet_at_rest_stays_flat():
+    for scene in (
+        Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0,) * 6, "D1"),
+        Scene(Vertex(("pi/2",) * 4), (1.0,) * 4, (0,) * 4, "none"),
+        Scene(Vertex(("pi/4",) * 8), (1.0,) * 8, (0,) * 8, "D2"),
+    ):
+        best = find_minima(scene, max_starts=32).minima[0]
+        assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
+        assert best.kind == "degenerate"  # closure loses rank at the flat state
+        assert best.local_dimension == Model(scene).freedom
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "ratio", [1e-8, *(pytest.param(r, marks=SLOW) for r in (1e-6, 1e-4, 1e4)), 1e6]
+)
+@pytest.mark.parametrize("make", [examples.degree6, examples.degree8], ids=["6", "8"])
+def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):
+    result = find_minima(make("pi/4", ratio))
+    assert result.minima
+    for m in result.minima:
+        assert m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
+
+
+def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
+    # D6: one fold angle, one equation; the only state of the wedge next to the flat one is the flat one
+    scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.3,) * 6)
+    result = find_minima(scene)
+    assert scene.group.name == "D6" and Model(scene).freedom == 0
+    assert all(np.abs(m.fold_angles).max() <= 1e-6 for m in result.minima)
+
+
+def test_one_structure_is_compiled_once():
+    first = Model(examples.degree8("pi/6", 1.0))
+    _ = first.functions
+    before = compile_structure.cache_info().misses
+    for alpha, ratio in (("pi/12", 1.0), ("pi/4", 100.0), ("pi/5", 3.0)):
+        assert Model(examples.degree8(alpha, ratio)).functions is first.functions
+    assert compile_structure.cache_info().misses == before
+
+
+def test_stopping_rule():
+    # Boender and Rinnooy Kan: posterior mean of the number of minima, w (n - 1) / (n - w - 2)
+    for n, w in ((100, 3), (50, 7), (1000, 20)):
+        assert expected_undiscovered(n, w) == pytest.approx(w * (n - 1) / (n - w - 2) - w)
+    assert math.isinf(expected_undiscovered(5, 4)) and not enough(5, 4)
+    assert enough(2 * 4 * 5 + 4 + 2, 4) and not enough(2 * 4 * 5 + 4 + 1, 4)
+
+
+def test_descent_from_random_states_ends_at_a_listed_minimum():
+    """An independent look at completeness: downhill from anywhere leads to a state that was found."""
+    rng = np.random.default_rng(0)
+    from origami_nlp.kkt import StartStream
+
+    for scene in examples.panels()[::8]:
+        result = panel_result(scene)
+        model = result.model
+        listed = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
+        stream = StartStream(model, int(rng.integers(1 << 30)))
+        tried = 0
+        while tried < 8:
+            start = next(stream)
+            if not start.feasible:
+                continue
+            try:
+                path = follow(model, start.x)
+            except ValueError:  # pairwise feasible, but its layers have no order
+                continue
+            tried += 1
+            assert path.what.verdict == "minimum"
+            assert min(np.abs(path.end - x).max() for x in listed) <= 1e-6
+
+
+def test_a_search_stopped_by_its_cap_says_so():
+    result = find_minima(examples.degree6("pi/3", 1), max_starts=5)
+    assert result.search.stopped_by == "cap" and result.search.starts == 5
+    assert (
+        math.isinf(result.search.expected_undiscovered) or result.search.expected_undiscovered > 0
+    )
+    assert "cap" in repr(result)

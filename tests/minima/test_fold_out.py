@@ -1,0 +1,268 @@
+"""FOLD out: frames of the states, layer orders, round trips; meshes; mutated files never hang or crash."""
+
+import json
+import math
+import random
+import time
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp import (
+    OrigamiError,
+    Scene,
+    Vertex,
+    examples,
+    find_minima,
+    format_scene,
+    parse_scene,
+)
+from origami_nlp.cli import app
+from origami_nlp.minima import write_fold, write_mesh
+from origami_nlp.minima.fold_out import face_orders, minima_to_fold
+from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
+from tests.computed_once import once
+from tests.fold_files import disc, folded, in_space, miura
+
+RUN = CliRunner()
+SCENES = {
+    "degree 6": examples.degree6("pi/3", 1),
+    "degree 4": Scene(
+        Vertex.from_degrees([60, 100, 120, 80]), (1, 2, 3, 4), (-1, 1, 1, 2.5), "none"
+    ),
+    "shut": Scene(Vertex.from_degrees([90] * 4), (1, 1, 1, 1), (0, math.pi, 0, math.pi), "none"),
+    "degree 5, not flat": Scene(
+        Vertex.from_degrees([60, 70, 80, 70, 60], False),
+        (1,) * 5,
+        (0.5, 0.4, -0.3, 0.6, 0.9),
+        "none",
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=SCENES, ids=str)
+def result(request):
+    scene = SCENES[request.param]
+    return once(f"fold-out-{request.param}", lambda: find_minima(scene, max_starts=60))
+
+
+def test_states_survive_the_round_trip(result, tmp_path):
+    file = tmp_path / "states.fold"
+    write_fold(result, file)
+    frames = parse_fold(file.read_bytes())
+    scene = scene_at(frames[0], 0, symmetry=result.scene.symmetry)
+    v, w = fold_vertices(frames[0])[0][0], result.scene
+    assert v.edges == tuple(range(w.degree)) or sorted(v.edges) == list(range(w.degree))
+    shift = v.edges.index(0)
+    assert np.allclose(np.roll(scene.stiffness, -shift), w.stiffness, rtol=1e-12)
+    assert np.allclose(np.roll(scene.rest_angles, -shift), w.rest_angles, atol=1e-12)
+    again = find_minima(scene, max_starts=60)
+    assert len(again.minima) == len(result.minima)
+    for m, other in zip(result.minima, again.minima, strict=True):
+        assert math.isclose(m.energy, other.energy, rel_tol=1e-9, abs_tol=1e-12)
+    one = [np.array(m.fold_angles) for m in result.minima]
+    two = [np.roll(m.fold_angles, -shift) for m in again.minima]
+    for phi in one:  # states of equal energy may change places
+        assert min(np.abs(phi - psi).max() for psi in two) < 1e-9
+
+
+def test_frames_hold_the_states(result):
+    data = minima_to_fold(result)
+    json.dumps(data, allow_nan=False)
+    frames = parse_fold(json.dumps(data))
+    states = [f for f in frames if f.folded]
+    assert len(states) == len(result.minima)
+    n = result.scene.degree
+    for frame, m in zip(states, result.minima, strict=True):
+        (v,) = fold_vertices(frame)[0]
+        by_edge = dict(zip(v.edges, v.fold_angles, strict=True))
+        measured = np.array([by_edge[k] for k in range(n)])
+        away = np.abs(2 * np.sin((measured - m.fold_angles) / 2))  # unassigned shut creases: +-pi
+        assert away.max() < 1e-7
+        assert f"{m.energy:.6g} J" in frame.title
+    for raw in [data, *data["file_frames"]]:
+        if "foldedForm" in raw["frame_classes"]:
+            assert raw["origaminlp:kind"] and "origaminlp:multipliers" in raw
+            assert all(abs(a) <= 180 for a in raw["edges_foldAngle"])
+            signs = {"M": -1, "V": 1, "F": 0, "B": 0}
+            for letter, a in zip(raw["edges_assignment"], raw["edges_foldAngle"], strict=True):
+                assert signs[letter] == np.sign(a)  # FOLD: the sign matches the assignment
+    # what Origami Simulator's importer asks of the file's own frame
+    keys = {
+        "vertices_coords",
+        "edges_vertices",
+        "edges_assignment",
+        "faces_vertices",
+        "edges_foldAngle",
+    }
+    assert keys <= set(data)
+
+
+def test_face_orders_of_shut_creases():
+    """A valley shut onto facet i - 1 lies on its normal's side, a mountain on the other."""
+    for scene in (SCENES["shut"], SCENES["degree 6"]):
+        for m in find_minima(scene, max_starts=60).minima:
+            phi = np.array(m.fold_angles)
+            from origami_nlp.folding import fold_vertex
+
+            creases, _ = fold_vertex(scene.vertex, phi)
+            orders = face_orders(creases, phi)
+            above = {(f, g): s for f, g, s in orders}
+            normals = np.cross(creases, np.roll(creases, -1, axis=0))
+            for (f, g), s in list(above.items()):
+                alike = np.sign(normals[f] @ normals[g])
+                above[g, f] = int(-s * alike)  # seen from the other face
+            n = len(phi)
+            shut = np.flatnonzero(np.abs(np.abs(phi) - math.pi) < 1e-9)
+            assert len(shut) == 0 or orders
+            for i in shut:
+                assert above[int(i), int(i - 1) % n] == np.sign(phi[i])
+
+
+def test_commands_write_fold_and_mesh(tmp_path):
+    file, out = tmp_path / "a.fold", tmp_path / "states.fold"
+    file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV", angles=[-60, 60, 60, 60])))
+    done = RUN.invoke(
+        app, ["minima", str(file), "--fold", str(out), "--max-starts", "40", "--symmetry", "none"]
+    )
+    assert done.exit_code == 0, done.output
+    assert len(parse_fold(out.read_bytes())) >= 2
+    done = RUN.invoke(app, ["minima", str(file), "--mesh", str(tmp_path / "a.xyz")])
+    assert isinstance(done.exception, OrigamiError) and ".glb" in str(done.exception)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])
+def test_meshes(tmp_path, suffix):
+    trimesh = pytest.importorskip(
+        "trimesh", reason='trimesh is not installed: pip install "origami_nlp[mesh]"'
+    )
+    result = find_minima(SCENES["degree 4"], max_starts=40)
+    target = tmp_path / f"states{suffix}"
+    write_mesh(result, target)
+    mesh = trimesh.load(target, force="mesh")
+    assert len(mesh.faces) == 4 * len(result.minima)
+    sectors = np.sort(np.tile(result.scene.vertex.sector_angles, len(result.minima)))
+    assert np.allclose(np.sort(mesh.area_faces), np.sort(np.sin(sectors) / 2), atol=1e-6)
+
+
+# ---------------------------------------------------------------- mutated files
+
+
+def fold_seeds():
+    phi = [0.0, math.pi, 0.0, math.pi]
+    base = disc([60, 50, 50, 120, 40, 40], "MFVVJV", angles=[-10, 0, None, 20, None, 30])
+    framed = {
+        **disc([60, 100, 120, 80], "MVVV"),
+        "file_frames": [
+            {"frame_parent": 0, "frame_inherit": True, "frame_classes": ["foldedForm"]}
+        ],
+    }
+    return [base, framed, miura(), folded((90,) * 4, phi, letters="UVUV"), in_space(base, 1)]
+
+
+def mutate(rng, data, depth=0):
+    """Change, remove or replace something somewhere in a JSON tree."""
+    odd = [
+        None,
+        True,
+        -1,
+        0,
+        1e308,
+        10**30,
+        0.5,
+        "",
+        "M",
+        "x" * 50,
+        [],
+        {},
+        [[]],
+        [None],
+        math.pi,
+        7,
+    ]
+    if rng.random() < 0.15 or not isinstance(data, (list, dict)) or not data or depth > 5:
+        return rng.choice(odd)
+    copy = list(data) if isinstance(data, list) else dict(data)
+    key = rng.randrange(len(copy)) if isinstance(copy, list) else rng.choice(sorted(copy))
+    roll = rng.random()
+    if roll < 0.1:
+        del copy[key]
+    elif roll < 0.15 and isinstance(copy, list):
+        copy.append(copy[key])
+    elif roll < 0.2 and isinstance(copy, list):
+        rng.shuffle(copy)
+    else:
+        copy[key] = mutate(rng, copy[key], depth + 1)
+    return copy
+
+
+def fuzz_fold(count, seed):
+    rng = random.Random(seed)
+    seeds = fold_seeds()
+    refused = 0
+    for _ in range(count):
+        data = rng.choice(seeds)
+        for _ in range(rng.randint(1, 3)):
+            data = mutate(rng, data)
+        text = json.dumps(data)
+        if rng.random() < 0.1:
+            at = rng.randrange(len(text))
+            text = (
+                text[:at]
+                + rng.choice(["", "}", '"', "\x00", "\ud800"[:0], "NaN", "1e999"])
+                + text[at + 1 :]
+            )
+        begin = time.process_time()
+        try:
+            for frame in parse_fold(text):
+                for v in fold_vertices(frame)[0]:
+                    if not v.reason:
+                        scene_at(frame, v.number, symmetry="none")
+        except OrigamiError as error:
+            refused += 1
+            assert "\n" not in str(error) and len(str(error)) < 400
+        assert time.process_time() - begin < 2.0
+    return refused
+
+
+def fuzz_toml(count, seed):
+    rng = random.Random(seed)
+    seeds = [format_scene(s) for s in SCENES.values()]
+    alphabet = 'abc019.-+e"[]=,#\n pi*/\\\t{}\x7f'
+    refused = 0
+    for _ in range(count):
+        text = list(rng.choice(seeds))
+        for _ in range(rng.randint(1, 6)):
+            at = rng.randrange(len(text))
+            roll = rng.random()
+            if roll < 0.4:
+                text[at] = rng.choice(alphabet)
+            elif roll < 0.7:
+                del text[at : at + rng.randint(1, 8)]
+            else:
+                text[at:at] = text[at : at + rng.randint(1, 30)]
+            text = text or [" "]
+        begin = time.process_time()
+        try:
+            parse_scene("".join(text))
+        except OrigamiError as error:
+            refused += 1
+            assert "\n" not in str(error)
+        assert time.process_time() - begin < 2.0
+    return refused
+
+
+def test_mutated_files():
+    assert 50 < fuzz_fold(500, 0) < 500  # some are refused, some are read
+    assert 50 < fuzz_toml(500, 0) < 500
+
+
+@pytest.mark.slow
+def test_five_thousand_mutated_files():
+    import tracemalloc
+
+    tracemalloc.start()
+    fuzz_fold(5000, 1)
+    fuzz_toml(5000, 1)
+    assert tracemalloc.get_traced_memory()[1] < 500e6

@@ -1,0 +1,77 @@
+"""Stiffness ratios up to 1e8 are solved, in any unit; what double precision cannot order is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import OrigamiError, Scene, Vertex, examples, find_minima
+
+VERTICES = {
+    "flat-foldable": ("pi/3", "2*pi/3", "2*pi/3", "pi/3"),
+    "square": ("pi/2",) * 4,
+    "no special sectors": (1.2, 1.4, 1.9, 2 * math.pi - 4.5),
+}
+
+
+def scene(sectors, stiffness):
+    return Scene(Vertex(sectors), stiffness, (1.0, 0.5, -1.0, 0.5), "none")
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "words"),
+    [
+        ([1e300, 1e-300, 1, 1], ["stiffness[1] = 1e+300", "1e+08 times stiffness[2]", "ratio"]),
+        ([1e12, 1, 1, 1], ["stiffness[1] = 1e+12", "1e+08 times stiffness[2]"]),
+        ([1, 1, 1.01e-8, 1.02], ["stiffness[4] = 1.02", "stiffness[3] = 1.01e-08"]),
+        ([1e301] * 4, ["stiffness[1] = 1e+301", "other units"]),
+        ([1, 1, 5e-324, 1], ["stiffness[3]", "other units"]),
+    ],
+)
+def test_stiffnesses_that_cannot_be_computed_with_are_refused(stiffness, words):
+    with pytest.raises(OrigamiError) as raised:
+        scene(VERTICES["square"], stiffness)
+    assert all(word in str(raised.value) for word in words), raised.value
+
+
+@pytest.mark.parametrize("power", [0, pytest.param(8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("where", ["stiff", "soft"])
+@pytest.mark.parametrize("sectors", VERTICES.values(), ids=VERTICES)
+def test_one_spring_of_a_very_different_stiffness(sectors, where, power):
+    """At 1e4 and 1e8 the same kinds of states: the limit of a rigid, or of no, spring is reached."""
+    found = []
+    for ratio in (1e4, 1e8):
+        unit = 10.0**power
+        k = (ratio if where == "stiff" else 1 / ratio) * unit
+        result = find_minima(scene(sectors, (k, unit, unit, unit)), max_starts=64)
+        assert all(m.polished and m.closure_residual <= 1e-12 for m in result.minima)
+        found.append(result.minima)
+    few, many = found
+    assert [m.kind for m in few] == [m.kind for m in many]
+    for one, other in zip(few, many, strict=True):
+        assert np.abs(np.subtract(one.fold_angles, other.fold_angles)).max() < 2e-3
+
+
+@pytest.mark.parametrize("factor", [1e-298, 1e298])
+def test_any_unit_will_do(factor):
+    base = examples.degree6("pi/4")
+    scaled = Scene(base.vertex, np.array(base.stiffness) * factor, base.rest_angles, "D1")
+    one, other = find_minima(base), find_minima(scaled)
+    for a, b in zip(one.minima, other.minima, strict=True):
+        assert b.energy == pytest.approx(a.energy * factor, rel=1e-12)
+        assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)
+
+
+def test_scaling_the_stiffness_scales_the_answer_exactly():
+    scene = examples.degree6("pi/3", 1.0)
+    one = find_minima(scene, max_starts=24)
+    for power in (-40, 40):  # about 1e-12 and 1e12
+        factor = 2.0**power
+        scaled = Scene(scene.vertex, np.array(scene.stiffness) * factor, scene.rest_angles, "D1")
+        other = find_minima(scaled, max_starts=24)
+        # a power of two changes no digit of the scaled programme
+        assert [m.fold_angles for m in other.minima] == [m.fold_angles for m in one.minima]
+        assert [m.energy for m in other.minima] == [m.energy * factor for m in one.minima]
+        assert [c.multiplier for m in other.minima for c in m.contacts] == [
+            c.multiplier * factor for m in one.minima for c in m.contacts
+        ]

@@ -1,0 +1,353 @@
+"""FOLD files in: degrees, angles, diagnosis, scenes; hostile files get one line."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp import OrigamiError, find_minima
+from origami_nlp.cli import app
+from origami_nlp.pattern import (
+    REST_KEY,
+    STIFFNESS_KEY,
+    fold_vertices,
+    parse_fold,
+    read_fold,
+    scene_at,
+)
+from tests.fold_files import closed_state, disc, folded, in_space, miura
+from tests.independent.rotations import fold
+
+SHARED = Path(__file__).parents[2].parent / "shared" / "fold"
+RUN = CliRunner()
+
+
+def frame(data):
+    return parse_fold(json.dumps(data))[0]
+
+
+def only(data):
+    (vertex,) = fold_vertices(frame(data))[0]
+    return vertex
+
+
+def same_ring(found, expected):
+    """Whether two cyclic sequences agree, wherever they start."""
+    found = list(found)
+    return any(np.allclose(found[k:] + found[:k], expected, atol=1e-9) for k in range(len(found)))
+
+
+# ---------------------------------------------------------------- crease patterns
+
+
+@pytest.mark.parametrize("turn", [0, 33, -90, 180])
+def test_a_crease_pattern_in_the_plane(turn):
+    v = only(disc([60, 100, 120, 80], "MVVV", turn=turn))
+    assert v.degree == 4 and not v.reason
+    assert same_ring(np.degrees(v.sector_angles), [60, 100, 120, 80])
+    assert math.isclose(math.degrees(v.kawasaki), 0, abs_tol=1e-9) and v.maekawa == 0
+    scene = scene_at(frame(disc([60, 100, 120, 80], "MVVV", turn=turn)), 0, symmetry="none")
+    first = v.assignment.index("M")  # mountains and valleys alone mean folded flat
+    assert scene.rest_angles[first] == -math.pi and scene.rest_angles[first - 1] == math.pi
+
+
+def test_fold_angles_are_targets_and_null_is_not_zero():
+    v = disc([60, 100, 120, 80], "MVVU", angles=[-30, 45, None, None])
+    scene = scene_at(frame(v), 0, rest_angle=math.pi / 2)
+    by_edge = dict(zip(only(v).edges, np.degrees(scene.rest_angles), strict=True))
+    assert by_edge == pytest.approx({0: -30, 1: 45, 2: 90, 3: 0})
+
+
+def test_stiffness_and_rest_angles_in_the_namespace():
+    data = disc([60, 100, 120, 80], "MVVV", angles=[-30, 45, 50, 60])
+    data[STIFFNESS_KEY] = [1, 2, None, 4, *[None] * 4]
+    data[REST_KEY] = [None, 10, 20, None, *[None] * 4]
+    scene = scene_at(frame(data), 0, stiffness=7.0)
+    v = only(data)
+    assert dict(zip(v.edges, scene.stiffness, strict=True)) == {0: 1, 1: 2, 2: 7, 3: 4}
+    rest = dict(zip(v.edges, np.degrees(scene.rest_angles), strict=True))
+    assert rest == pytest.approx({0: -30, 1: 10, 2: 20, 3: 60})
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_any_plane_and_noise(seed):
+    sectors = [45, 45, 45, 45, 45, 45, 45, 45]
+    letters = "MVMVMVMV"
+    data = in_space(disc(sectors, letters), seed, noise=1e-5)
+    one = frame(data)
+    assert not one.folded
+    (v,) = fold_vertices(one)[0]
+    assert v.degree == 8 and np.allclose(np.degrees(v.sector_angles), 45, atol=5e-3)
+    scene = scene_at(one, 0)
+    assert scene.group.name == "D4" and scene.adjusted < 1e-4  # found through the noise, and said
+
+
+def test_a_sheet_with_many_vertices():
+    found, _ = fold_vertices(frame(miura(4, 5)))
+    assert len(found) == 3 * 4 and all(v.degree == 4 and not v.reason for v in found)
+    assert all(v.kawasaki < 1e-12 and v.maekawa == 0 for v in found)
+
+
+def test_flat_and_joined_edges_join_facets():
+    data = disc([60, 50, 50, 120, 40, 40], "MFVVJV")
+    v = only(data)
+    assert v.degree == 4 and same_ring(np.degrees(v.sector_angles), [110, 50, 160, 40])
+    assert len(v.notes) == 2
+    v = only(disc([100, 100, 100, 60], "MFVV"))  # 200 degrees without the F edge
+    assert v.degree == 4 and "F edges are kept" in v.notes[0]
+
+
+def test_unassigned_files_and_missing_arrays():
+    data = disc([60, 100, 120, 80])
+    del data["edges_assignment"]
+    v = only(data)
+    assert v.degree == 4 and v.assignment == "????" and v.maekawa is None and not v.reason
+    n = 4
+    faces = {
+        "vertices_coords": data["vertices_coords"],
+        "faces_vertices": [[0, i, i % n + 1] for i in range(1, n + 1)],
+    }
+    assert only(faces).degree == 4
+    assert "edges_vertices is missing" in frame(faces).notes[0]
+
+
+def test_cut_edges_and_borders_are_no_interior_vertices():
+    data = disc([60, 100, 120, 80], "MVCV")
+    assert fold_vertices(frame(data))[0] == ()
+
+
+# ---------------------------------------------------------------- diagnosis
+
+
+def test_duplicates_and_conflicts():
+    data = disc([60, 100, 120, 80], "MVVV")
+    data["edges_vertices"].append([1, 0])
+    data["edges_assignment"].append("M")
+    assert "same line" in frame(data).notes[0] and not only(data).reason
+    data["edges_assignment"][-1] = "V"
+    assert "conflicting" in frame(data).notes[0]
+    assert "edge 0" in only(data).reason
+    with pytest.raises(OrigamiError, match="conflicting"):
+        scene_at(frame(data), 0)
+
+
+def test_borders_drawn_as_folds():
+    data = disc([60, 100, 120, 80], "MVVV")
+    data["edges_assignment"][4:] = "MMMM"
+    found, notes = fold_vertices(frame(data))
+    assert len(found) == 1 and found[0].degree == 4
+    assert "edges 4, 5, 6, 7" in notes[0] and "border" in notes[0]
+
+
+def test_signs_that_contradict():
+    data = disc([60, 100, 120, 80], "MVVV", angles=[30, 40, 50, 60])
+    assert "edges 0" in frame(data).notes[0]
+
+
+def test_reflex_facets_and_few_creases_are_refused_in_words():
+    assert "200" in only(disc([100, 100, 60, 50, 50], "MJVVV")).reason
+    assert "2 creases" in only(disc([100, 130, 130], "MVJ")).reason
+
+
+# ---------------------------------------------------------------- folded forms
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("sectors", "flat"),
+    [((60, 100, 120, 80), True), ((60, 70, 80, 70, 80), True), ((70, 80, 75, 65), False)],
+)
+def test_fold_angles_are_measured(sectors, flat, turned):
+    phi = closed_state(sectors, flat, 3)
+    data = folded(sectors, phi, flat)
+    if turned:  # faces the other way round: the assignments say which side is up
+        data["faces_vertices"] = [f[::-1] for f in data["faces_vertices"]]
+    data["faces_vertices"][1] = data["faces_vertices"][1][::-1]
+    v = only(data)
+    by_edge = dict(zip(v.edges, v.fold_angles, strict=True))
+    np.testing.assert_allclose([by_edge[k] for k in range(len(phi))], phi, atol=1e-12)
+    residual = np.abs(fold(np.array(v.sector_angles), np.array(v.fold_angles))[1] - np.eye(3)).max()
+    assert residual < 1e-12
+    scene = scene_at(frame(data), 0, symmetry="none")
+    assert scene.vertex.flat == flat
+    assert np.allclose(scene.rest_angles, v.fold_angles)
+
+
+def test_shut_creases_take_their_side_from_the_file():
+    phi = np.array([0.0, math.pi, 0.0, math.pi])  # book fold
+    data = folded((90, 90, 90, 90), phi, letters="UVUV")
+    by_edge = dict(zip(only(data).edges, only(data).fold_angles, strict=True))
+    assert by_edge[1] == math.pi == by_edge[3] and abs(by_edge[0]) < 1e-12
+    data["edges_assignment"][1] = data["edges_assignment"][3] = "M"
+    by_edge = dict(zip(only(data).edges, only(data).fold_angles, strict=True))
+    assert by_edge[1] == -math.pi
+
+
+def test_frames_inherit_and_legacy_names_are_read():
+    base = disc([60, 100, 120, 80], "MVVV")
+    state = folded((60, 100, 120, 80), closed_state((60, 100, 120, 80), True, 1))
+    base["edges_foldAngles"] = [-10, 10, 10, 10, 0, 0, 0, 0]
+    base["file_frames"] = [
+        {
+            "frame_parent": 0,
+            "frame_inherit": True,
+            "frame_classes": ["foldedForm"],
+            "vertices_coords": state["vertices_coords"],
+            "faces_vertices": state["faces_vertices"],
+        },
+        {"frame_title": "no geometry"},
+    ]
+    frames = parse_fold(json.dumps(base))
+    assert [f.number for f in frames] == [0, 1] and frames[1].folded
+    assert "edges_foldAngles" in frames[0].notes[0]
+    assert len(fold_vertices(frames[1])[0]) == 1
+
+
+# ---------------------------------------------------------------- the command line
+
+
+def test_vertices_command(tmp_path):
+    file = tmp_path / "a.fold"
+    file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV")))
+    out = tmp_path / "a.json"
+    done = RUN.invoke(app, ["vertices", str(file), "--json", str(out)])
+    assert done.exit_code == 0, done.output
+    (one,) = json.loads(out.read_text())["frames"]
+    assert one["vertices"][0]["degree"] == 4 and one["vertices"][0]["can_be_analysed"]
+
+
+@pytest.mark.parametrize(
+    ("letters", "folds"), [("MVVV", None), ("VVMV", None), ("VMVV", None), ("MMMM", False)]
+)
+def test_folds_flat_agrees_with_counting_layers(letters, folds):
+    """Degree 4 with a strictly smallest sector: its two creases must differ (Kawasaki-Justin)."""
+    from origami_nlp.folding import folds_flat
+
+    sectors = [60, 100, 120, 80]
+    v = only(disc(sectors, letters))
+    i = int(np.argmin(v.sector_angles))
+    differ = v.assignment[i] != v.assignment[(i + 1) % 4]
+    maekawa = abs(letters.count("M") - letters.count("V")) == 2
+    assert folds_flat(v) == (differ and maekawa)
+    if folds is not None:
+        assert folds_flat(v) is folds
+
+
+@pytest.mark.parametrize(
+    "name", ["squaretwist", "box", "miura", "deg4.fold", "deg6", "deg8.fold", "noB", "not_fold"]
+)
+def test_published_files(name):
+    if not SHARED.is_dir():
+        pytest.skip(
+            "../shared/fold is not there: other people's files are not part of this repository"
+        )
+    for path in sorted(SHARED.glob(f"*{name}*")):
+        for one in read_fold(path):
+            found, notes = fold_vertices(one)
+            stated = path.stem.split("_")
+            degrees = {int(s.split("deg")[1][:1]) for s in stated if "deg" in s}
+            degrees |= {int(s) for s in stated if s.isdigit() and len(s) == 1}
+            assert found and {v.degree for v in found} <= degrees, (path.name, degrees)
+            assert not any(v.reason for v in found)
+            if "noB" in path.name:
+                assert any("border" in note for note in notes)
+            for v in found:
+                total = math.fsum(v.sector_angles)
+                assert abs(total - 2 * math.pi) < 1e-4
+                if one.folded:  # what is measured closes up, to the noise of the file
+                    product = fold(np.array(v.sector_angles), np.array(v.fold_angles))[1]
+                    assert np.abs(product - np.eye(3)).max() < 1e-4, (path.name, v.number)
+
+
+def test_minima_of_a_published_vertex():
+    path = SHARED / "fold_squaretwist_4xdeg4.fold"
+    if not path.is_file():
+        pytest.skip(
+            "../shared/fold is not there: other people's files are not part of this repository"
+        )
+    (one,) = read_fold(path)
+    scene = scene_at(one, 2, symmetry="none")
+    result = find_minima(scene)
+    best = result.minima[0]  # the folded form is at rest, up to the digits in the file
+    assert best.energy < 1e-8
+    assert np.abs(np.subtract(best.fold_angles, scene.rest_angles)).max() < 1e-4
+
+
+# ---------------------------------------------------------------- hostile files
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["valid JSON"]),
+        ("[1, 2]", ["JSON object"]),
+        ("{", ["valid JSON"]),
+        ('{"vertices_coords": [[NaN, 0]]}', ["NaN"]),
+        (
+            '{"vertices_coords": [[1e999, 0]], "edges_vertices": []}',
+            ["vertices_coords[0]", "finite"],
+        ),
+        ("[" * 100000, ["valid JSON"]),
+        ('{"a":' * 100000, ["valid JSON"]),
+        ('{"vertices_coords": []}', ["empty"]),
+        ('{"vertices_coords": 3}', ["vertices_coords", "array"]),
+        ('{"vertices_coords": [[0,0],[1,0]]}', ["edges_vertices is missing"]),
+        (
+            '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,9]]}',
+            ["edges_vertices[0]", "0 to 1"],
+        ),
+        ('{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[1,1]]}', ["to itself"]),
+        (
+            '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,1]], "edges_assignment": ["Q"]}',
+            ["edges_assignment[0]"],
+        ),
+        (
+            '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,1]], "edges_foldAngle": [270]}',
+            ["edges_foldAngle[0]", "270", "180"],
+        ),
+        (
+            '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,1]], "edges_foldAngle": [1, 2]}',
+            ["2 entries", "1 edges"],
+        ),
+        (
+            '{"vertices_coords": [[0,0],[1,"x"]], "edges_vertices": [[0,1]]}',
+            ["vertices_coords[1]", "number"],
+        ),
+        ('{"file_frames": [{"frame_inherit": true, "frame_parent": 1}]}', ["frame_parent"]),
+        ('{"file_title": "nothing"}', ["no frame"]),
+        (
+            '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,1]], "edges_origaminlp:stiffness": [-1]}',
+            ["stiffness[0]", "positive"],
+        ),
+        ('{"vertices_coords": [[' + "9" * 5000 + ',0],[1,0]], "edges_vertices": [[0,1]]}', []),
+    ],
+)
+def test_bad_files_get_one_line(tmp_path, text, words):
+    file = tmp_path / "bad.fold"
+    file.write_text(text)
+    done = RUN.invoke(app, ["vertices", str(file)])
+    assert isinstance(done.exception, OrigamiError), done.output
+    line = str(done.exception)
+    assert "\n" not in line and len(line) < 300 and all(w in line for w in words), line
+
+
+def test_bad_options_get_one_line(tmp_path):
+    file = tmp_path / "a.fold"
+    file.write_text(json.dumps(miura()))
+    scene = tmp_path / "s.toml"
+    scene.write_text("")
+    for args, words in [
+        ([str(file)], ["--vertex is needed", "4 interior"]),
+        ([str(file), "--vertex", "99"], ["--vertex 99", "there are"]),
+        ([str(file), "--vertex", "5", "--frame", "3"], ["--frame 3"]),
+        ([str(file), "--vertex", "5", "--stiffness", "-1"], ["--stiffness"]),
+        ([str(file), "--vertex", "5", "--rest-angle", "400"], ["--rest-angle"]),
+        ([str(scene), "--vertex", "5"], ["FOLD"]),
+        ([str(tmp_path / "no.fold")], ["cannot read"]),
+    ]:
+        done = RUN.invoke(app, ["minima", *args])
+        assert isinstance(done.exception, OrigamiError), (args, done.output)
+        assert all(w in str(done.exception) for w in words), done.exception

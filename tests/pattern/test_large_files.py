@@ -1,0 +1,204 @@
+"""Large and hostile files: time grows with their size, or a stated limit says no in one line."""
+
+import json
+import math
+import time
+
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp import OrigamiError, Scene, Vertex
+from origami_nlp.cli import app
+from origami_nlp.errors import SceneFileError
+from origami_nlp.files import parse_toml
+from origami_nlp.folding import folds_flat
+from origami_nlp.pattern import fold_file, fold_vertices, parse_fold, parse_scene
+from tests.fold_files import disc, miura
+
+RUN = CliRunner()
+
+
+def seconds(job):
+    """Processor time of a job, the better of two."""
+    times = []
+    for _ in range(2):
+        start = time.process_time()
+        job()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def assert_linear(make, job, sizes):
+    """The quadruple takes less than 8 times as long: 4 if linear, 16 if quadratic."""
+    small, large = (make(n) for n in sizes)
+    one, four = seconds(lambda: job(small)), seconds(lambda: job(large))
+    assert four < 8 * max(one, 0.02), (one, four)
+
+
+def analyse(text):
+    for frame in parse_fold(text):
+        found, _ = fold_vertices(frame)
+        assert found
+        for v in found:
+            folds_flat(v)
+
+
+def sheet(rows):
+    return json.dumps(miura(rows, rows))
+
+
+def sheet_of_faces(rows):
+    data = miura(rows, rows)
+    at = lambda r, c: r * (rows + 1) + c  # noqa: E731
+    data["faces_vertices"] = [
+        [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)]
+        for r in range(rows)
+        for c in range(rows)
+    ]
+    data["frame_classes"] = ["foldedForm"]
+    data["vertices_coords"] = [[x, y, 0.1 * math.sin(x)] for x, y in data["vertices_coords"]]
+    return json.dumps(data)
+
+
+def spider(n):
+    return json.dumps(disc([360 / n] * n, "MMVM" * (n // 4)))
+
+
+def chain(n):
+    frames = [{"frame_inherit": True, "frame_parent": k, "frame_title": f"{k}"} for k in range(n)]
+    return json.dumps({**disc([60, 100, 120, 80], "MVVV"), "file_frames": frames})
+
+
+def copies(n):
+    data = disc([60, 100, 120, 80], "MVVV")
+    data["edges_vertices"] += [[1, 0]] * n
+    data["edges_assignment"] += ["V", "M"] * (n // 2)
+    return json.dumps(data)
+
+
+def fan_of_faces(n):
+    data = json.loads(sheet_of_faces(3))
+    data["faces_vertices"] += [[0, 1, 5]] * n  # very many on one side
+    return json.dumps(data)
+
+
+@pytest.mark.parametrize(
+    ("make", "sizes"),
+    [
+        (sheet, (20, 40)),
+        (sheet_of_faces, (15, 30)),
+        (spider, (2_000, 8_000)),
+        (chain, (200, 800)),
+        (copies, (2_000, 8_000)),
+        (fan_of_faces, (1_000, 4_000)),
+    ],
+)
+def test_time_is_linear(make, sizes):
+    assert_linear(make, analyse, sizes)
+
+
+def test_ten_thousand_vertices(tmp_path):
+    """5 s of processor time for the command; all of them are listed."""
+    file = tmp_path / "a.fold"
+    file.write_text(sheet(99))
+    start = time.process_time()
+    done = RUN.invoke(app, ["vertices", str(file)])
+    assert time.process_time() - start < 5
+    assert done.exit_code == 0 and len(done.output.splitlines()) == 98**2 + 2
+    assert done.output.splitlines()[-1].split()[:2] == ["9898", "4"]
+
+
+def test_three_thousand_frames_that_inherit():
+    start = time.process_time()
+    frames = parse_fold(chain(3_000))
+    assert time.process_time() - start < 5
+    assert len(frames) == 3_001 and frames[-1].title == "2999" and frames[-1].number == 3_000
+
+
+def test_frames_that_inherit_too_much_are_refused_and_one_can_be_chosen(tmp_path, monkeypatch):
+    monkeypatch.setattr(fold_file, "MOST_ELEMENTS", 500)
+    file = tmp_path / "a.fold"
+    file.write_text(chain(100))
+    done = RUN.invoke(app, ["vertices", str(file)])
+    assert isinstance(done.exception, OrigamiError)
+    assert "101 frames" in str(done.exception) and "--frame" in str(done.exception)
+    done = RUN.invoke(app, ["vertices", str(file), "--frame", "57"])
+    assert done.exit_code == 0 and "frame 57" in done.output and "frame 56" not in done.output
+    assert [f.number for f in parse_fold(chain(100), "first")] == [0]
+    with pytest.raises(OrigamiError, match="--frame -1 is no frame"):
+        parse_fold(chain(100), -1)
+
+
+@pytest.mark.parametrize("parents", [{1: 2, 2: 1}, {1: 1}, {1: 2, 2: 3, 3: 2}])
+def test_frames_that_inherit_from_themselves(parents):
+    frames = [{"frame_inherit": True, "frame_parent": parents[k]} for k in sorted(parents)]
+    with pytest.raises(OrigamiError, match="frame_parent"):
+        parse_fold(json.dumps({**disc([60, 100, 120, 80]), "file_frames": frames}))
+
+
+def test_inherited_keys_do_not_depend_on_the_order_of_frames():
+    data = disc([60, 100, 120, 80], "MVVV")
+    frames = [
+        {"frame_inherit": True, "frame_parent": 2, "frame_title": "child"},
+        {"frame_inherit": True, "frame_parent": 0, "edges_assignment": list("VMMMBBBB")},
+        {"frame_inherit": True, "frame_parent": 1},
+    ]
+    read = parse_fold(json.dumps({**data, "frame_title": "root", "file_frames": frames}))
+    assert [f.title for f in read] == ["root", "child", "root", "child"]
+    assert [f.assignment[:4] for f in read] == [tuple("MVVV"), *[tuple("VMMM")] * 3]
+
+
+# ---------------------------------------------------------------- scenes
+
+
+@pytest.mark.parametrize("part", ["a", '"a"', "'a'", "a \t"])
+@pytest.mark.parametrize("form", ["{} = 1", "[{}]", "x = {{{} = 1}}", "[[{}]]"])
+def test_keys_of_very_many_parts(part, form):
+    text = form.format(".".join([part] * 50_000))
+    start = time.process_time()
+    with pytest.raises(SceneFileError, match="parts") as caught:
+        parse_scene(text)
+    assert time.process_time() - start < 2 and len(str(caught.value)) < 200
+
+
+def test_what_looks_like_a_long_key_is_read():
+    scene = Scene(
+        Vertex.from_degrees([90] * 4), [1] * 4, [0.1] * 4, name="1.2.3. " * 30 + "..." * 99
+    )
+    from origami_nlp import format_scene
+
+    assert parse_scene(format_scene(scene)) == scene
+    numbers = ", ".join(["0.25"] * 20_000)
+    assert parse_toml(f"x = [{numbers}]", "scene", SceneFileError)["x"][7] == 0.25
+
+
+@pytest.mark.parametrize(
+    "text", ["a" * 900_000, '"' * 900_000, "'" * 900_001, "a." * 400_000, ". " * 400_000]
+)
+def test_the_search_for_long_keys_is_linear(text):
+    start = time.process_time()
+    with pytest.raises(SceneFileError):
+        parse_scene(text)
+    assert time.process_time() - start < 5
+
+
+@pytest.mark.parametrize(
+    ("count", "contact", "words"),
+    [
+        (30_000, "fold-limits", "30000 creases: at most 1000"),
+        (30_000, "full", "1000"),
+        (500, "full", "400"),
+    ],
+)
+def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
+    file = tmp_path / "a.toml"
+    ones = ", ".join(["1"] * count)
+    sectors = ", ".join([f'"2*pi/{count}"'] * count)
+    file.write_text(
+        f"[vertex]\nsector_angles = [{sectors}]\n[creases]\nstiffness = [{ones}]\nrest_angles = [{ones}]\n"
+        f'[model]\nsymmetry = "none"\ncontact = "{contact}"\n'
+    )
+    start = time.process_time()
+    done = RUN.invoke(app, ["model", str(file)])
+    assert time.process_time() - start < 5
+    assert isinstance(done.exception, OrigamiError) and words in str(done.exception)

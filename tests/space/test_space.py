@@ -1,0 +1,310 @@
+"""The admissible space: topology, exactness of its mesh, and two computations that share no code with it."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from typer.testing import CliRunner
+
+from origami_nlp.chart import admissible, chart_of
+from origami_nlp.cli import app
+from origami_nlp.errors import OptionError
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.pattern import degree6, degree8, format_scene
+from origami_nlp.space import analyse_space, topology
+from origami_nlp.space.chain import chain_of
+from origami_nlp.space.mesh import SEAM, mesh_sheets
+from tests.computed_once import once
+from tests.independent.kuhn import kuhn_surface
+from tests.independent.search_layers import symmetrically_admissible
+from tests.independent.search_manifold import Piece
+
+SCENES = {
+    "6, pi/4": degree6("pi/4"),
+    "6, pi/3": degree6("pi/3"),
+    "6, 5 pi/12": degree6("5*pi/12"),
+    "8, pi/12": degree8("pi/12"),
+    "8, pi/6": degree8("pi/6"),
+    "8, pi/4": degree8("pi/4"),
+}
+
+
+@pytest.fixture(scope="module")
+def spaces():
+    return once("spaces", lambda: {k: analyse_space(scene, 16) for k, scene in SCENES.items()})
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_topology_does_not_depend_on_the_mesh(spaces, name):
+    coarse, middle = analyse_space(SCENES[name], 11), spaces[name]
+    assert coarse.signature == middle.signature
+    assert coarse.picture_holes == middle.picture_holes
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_topology_does_not_depend_on_fine_meshes(spaces, name):
+    for size in (65, 128):
+        fine = analyse_space(SCENES[name], size)
+        assert fine.signature == spaces[name].signature
+        assert fine.picture_holes == spaces[name].picture_holes
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_mesh_is_a_complex_of_admissible_states(spaces, name):
+    space = spaces[name]
+    mesh, scene = space.mesh, SCENES[name]
+    assert space.euler_characteristic == len(mesh.wedge) - len(mesh.edges) + len(mesh.triangles)
+    _, q = fold_vertex(scene.vertex, mesh.fold_angles)
+    assert np.abs(q[:, 1:]).max() < 1e-12
+    assert (q[:, 0] > 0).all()
+    assert np.abs(mesh.fold_angles).max() <= math.pi + 1e-12
+    rng = np.random.default_rng(0)
+    elements = scene.group.elements
+    for v in rng.choice(len(mesh.wedge), 60, replace=False):
+        phi = np.clip(mesh.fold_angles[v], -math.pi, math.pi)
+        said = examine(scene.vertex, phi, elements=elements)
+        assert said.admissible, (phi, said.reason)
+    # every vertex lies on some edge, every triangle's edges are listed
+    assert np.isin(np.arange(len(mesh.wedge)), mesh.edges).all()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_vertices_on_walls_are_exactly_there(spaces, name):
+    mesh = spaces[name].mesh
+    for k, wall in enumerate(mesh.walls):
+        here = mesh.on >> k & 1 == 1
+        if wall.startswith("phi_") and here.any():
+            crease = int(wall.removeprefix("phi_").split(" ")[0])
+            angles = np.abs(mesh.fold_angles[here, crease - 1])
+            assert np.abs(angles - math.pi).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_neighbours_on_the_mesh_are_close_states(spaces, name):
+    """Edges join states between which a straight line stays near X: no jump from phi = +pi to -pi."""
+    mesh = spaces[name].mesh
+    length = np.abs(mesh.wedge[mesh.edges[:, 0]] - mesh.wedge[mesh.edges[:, 1]]).max(axis=1)
+    assert length.max() <= 16 / 16 + 0.2  # those along curved walls are not divided
+    assert np.median(length) < 0.35
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_chart_coordinates_lead_back_to_the_states(spaces, name):
+    mesh, chart = spaces[name].mesh, chart_of(SCENES[name])
+    free = mesh.on == 0
+    for branch in set(mesh.branch[free].tolist()):
+        mine = free & (mesh.branch == branch)
+        found = chart.fold_angles(branch, *mesh.chart[mine].T)
+        error = np.abs(found - mesh.fold_angles[mine]).max(axis=1)
+        known = np.isfinite(error)
+        assert known.mean() > 0.9
+        assert np.quantile(error[known], 0.95) < 1e-7
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_space_is_two_discs_that_touch_in_the_flat_state(spaces, name):
+    space = spaces[name]
+    assert (len(space.components), space.holes, space.euler_characteristic) == (1, 0, 1)
+    pinch = [p for p in space.pinch_points if p.kind == "pinch point"]
+    assert len(pinch) == 1
+    assert np.abs(pinch[0].fold_angles).max() < 1e-12
+    assert [d for d, _ in pinch[0].branches] == [2, 2]
+    triangles = space.mesh.triangles
+    pieces = topology.surface_pieces(triangles)
+    sizes = np.bincount(pieces)
+    assert len(sizes) == 2
+    for k in (0, 1):
+        mine = triangles[pieces == k]
+        edges = topology.edges_of(mine)[0]
+        assert len(np.unique(mine)) - len(edges) + len(mine) == 1  # a disc
+
+
+@pytest.mark.parametrize(
+    ("scene", "size"), [(degree8("pi/6"), 20), (degree8("pi/4"), 20), (degree6("pi/4"), 12)]
+)
+def test_kuhn_triangulation_finds_two_annuli_around_the_flat_state(scene, size):
+    found = kuhn_surface(Piece.of(scene), size, 0.8)
+    assert len(found.polygons) == 2
+    assert found.euler == (0, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "size"),
+    [
+        (degree8("pi/12"), 40),
+        (degree8(1.2), 48),
+        (degree6("pi/4"), 16),
+        (degree6(0.95), 16),
+        (degree6(1.1), 18),
+        (degree6("5*pi/12"), 16),
+        (degree6("5*pi/12"), 20),
+    ],
+)
+def test_kuhn_triangulation_finer(scene, size):
+    found = kuhn_surface(Piece.of(scene), size, 0.8)
+    assert len(found.polygons) == 2
+    assert found.euler == (0, 0)
+
+
+def test_handles_of_pi_3(spaces):
+    space = spaces["6, pi/3"]
+    assert len(space.handles) == 4
+    for handle in space.handles:
+        assert sorted(handle.ends) == ["free", "handle end"]
+        assert len(handle.contacts) == 2
+    ends = [p for p in space.pinch_points if p.kind == "handle end"]
+    assert sorted(round(max(p.fold_angles[1:3], key=abs) / math.pi) for p in ends) == [-1, -1, 1, 1]
+    for p in ends:  # the other of phi_2, phi_3 is +-pi/2 there
+        assert min(abs(p.fold_angles[1]), abs(p.fold_angles[2])) == pytest.approx(math.pi / 2)
+
+
+def test_handles_are_thin_for_an_independent_formulation(spaces):
+    """States on handles can be stacked symmetrically; beside them every closed state crosses itself."""
+    piece = Piece.of(SCENES["6, pi/3"])
+    rng = np.random.default_rng(1)
+    for handle in spaces["6, pi/3"].handles:
+        middle = handle.path[len(handle.path) // 2]
+        x = spaces["6, pi/3"].mesh.wedge[middle]
+        assert symmetrically_admissible(piece, x[None]).all()
+        held = np.abs(np.abs(x) - math.pi) < 1e-9
+        assert held.sum() == 2
+        around = x + 1e-3 * rng.normal(size=(400, 4))
+        around, residual = piece.retract(around)
+        assert residual.max() < 1e-12
+        assert not piece.admissible(around).any()
+        # along the handle both creases stay closed
+        for other in spaces["6, pi/3"].mesh.wedge[handle.path[2:-2:5]]:
+            assert symmetrically_admissible(piece, other[None]).all()
+
+
+@pytest.mark.parametrize("name", [n for n in SCENES if n != "6, pi/3"])
+def test_no_handles_elsewhere(spaces, name):
+    assert spaces[name].handles == ()
+    assert [p.kind for p in spaces[name].pinch_points] == ["pinch point"]
+
+
+def test_picture_joins_states_that_are_apart(spaces):
+    for name in ("6, pi/3", "6, 5 pi/12"):
+        space = spaces[name]
+        assert space.picture_holes == 2
+        points = sorted(p for p, _ in space.picture_joins)
+        assert np.allclose(points, [(-math.pi, math.pi), (math.pi, -math.pi)])
+        for _, (one, two) in space.picture_joins:  # same shape, other contact sides
+            turn = (np.array(one) - np.array(two)) / (2 * math.pi)
+            assert np.allclose(turn, np.round(turn))
+            assert np.abs(turn).max() > 0.5
+    assert spaces["6, pi/4"].picture_holes == 0
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
+def test_every_sector_angle_gives_a_sound_space(alpha, make):
+    space = analyse_space(make(alpha), 12)
+    assert space.euler_characteristic == len(space.components) - space.holes
+    assert all(c.closed_surfaces == 0 for c in space.components)
+    _, q = fold_vertex(space.scene.vertex, space.mesh.fold_angles)
+    assert np.abs(q[:, 1:]).max() < 1e-11
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_states_negate(spaces, name):
+    """Turning the sheet over maps X to itself: phi -> -phi."""
+    space = spaces[name]
+    corners = dict(space.corners)
+    swap = str.maketrans("+-", "-+")
+    for contacts, count in corners.items():
+        turned = tuple(sorted(c.translate(swap) if c.startswith("phi_") else c for c in contacts))
+        if not space.handles:
+            assert corners[turned] == count
+
+
+def test_mesh_of_closed_states_is_a_surface():
+    sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
+    _, of_triangle = topology.edges_of(sheets.triangles)
+    assert np.bincount(of_triangle.ravel()).max() == 2
+    assert (sheets.sheet[sheets.on >> SEAM & 1 == 1] == 0).all()
+
+
+def test_topology_of_known_complexes():
+    tetrahedron = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
+    none = np.empty((0, 2), dtype=int)
+    (sphere,) = topology.parts(4, tetrahedron, none)
+    assert (sphere.euler, sphere.holes, sphere.closed_surfaces) == (2, 0, 1)
+    i = np.arange(4)
+    grid = lambda a, b: (a % 4) * 4 + b % 4  # noqa: E731
+    a, b = (v.ravel() for v in np.meshgrid(i, i))
+    torus = np.vstack(
+        [
+            np.stack([grid(a, b), grid(a + 1, b), grid(a + 1, b + 1)], axis=1),
+            np.stack([grid(a, b), grid(a + 1, b + 1), grid(a, b + 1)], axis=1),
+        ]
+    )
+    (part,) = topology.parts(16, torus, none)
+    assert (part.euler, part.holes, part.closed_surfaces) == (0, 2, 1)
+    # two triangles that touch at a vertex, joined by a handle; a whisker; a lone vertex
+    bow = np.array([[0, 1, 2], [0, 3, 4]])
+    extra = np.array([[1, 5], [5, 3], [2, 6]])
+    found = topology.parts(8, bow, extra)
+    assert [(p.dimension, p.holes, p.euler) for p in found] == [(2, 1, 0), (0, 0, 1)]
+    kinds = {s.vertex: s.dimensions for s in topology.spots(8, bow, extra)}
+    assert kinds == {0: (2, 2), 1: (2, 1), 3: (2, 1), 2: (2, 1)}
+    arcs = sorted(path.tolist() for path in topology.handles(8, bow, extra))
+    assert arcs in ([[1, 5, 3], [2, 6]], [[2, 6], [3, 5, 1]], [[1, 5, 3], [6, 2]])
+    ring = np.array([[0, 1], [1, 2], [2, 0]])
+    (loop,) = topology.handles(3, np.empty((0, 3), dtype=int), ring)
+    assert loop[0] == loop[-1]
+    assert len(loop) == 4
+
+
+def test_bad_input_is_refused_in_one_line(tmp_path):
+    with pytest.raises(OptionError, match="size = 4"):
+        analyse_space(degree6("pi/4"), 4)
+    with pytest.raises(OptionError, match="contact"):
+        analyse_space(degree6("pi/4", contact="none"))
+    with pytest.raises(OptionError, match="symmetry"):
+        analyse_space(degree6("pi/4", symmetry="none"))
+
+
+def test_command_writes_json_and_figures(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(format_scene(degree6("pi/3")))
+    run = CliRunner().invoke
+    for ending in ("pdf", "svg"):
+        out, figure = tmp_path / "space.json", tmp_path / f"space.{ending}"
+        arguments = [
+            "space",
+            str(scene),
+            "--size",
+            "8",
+            "--json",
+            str(out),
+            "--figure",
+            str(figure),
+        ]
+        result = run(app, arguments)
+        assert result.exit_code == 0, result.output
+        assert figure.stat().st_size > 1000
+    data = json.loads(out.read_text())
+    assert data["schema"] == "origami-nlp/space/1"
+    assert len(data["handles"]) == 4
+    assert data["euler_characteristic"] == 1
+    bad = run(app, ["space", str(scene), "--figure", str(tmp_path / "space.doc")])
+    assert isinstance(bad.exception, OptionError)
+
+
+@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3", "6, 5 pi/12"])
+def test_picture_covers_the_pixels_that_the_closed_forms_admit(spaces, name):
+    """Area in the (phi_2, phi_3) plane: triangles of the mesh against pixels of the chart's closed forms."""
+    scene, mesh = SCENES[name], spaces[name].mesh
+    a, b, c = (mesh.chart[mesh.triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum()
+    n = 301
+    axis = -math.pi + 2 * math.pi * (np.arange(n) + 0.5) / n
+    states = chart_of(scene).fold_angles(0, *np.meshgrid(axis, axis)).reshape(-1, 6)
+    pixels = admissible(scene, states).mean() * (2 * math.pi) ** 2
+    assert area == pytest.approx(pixels, rel=0.02)

@@ -1,0 +1,385 @@
+"""Sweeps: what a file may say, answers that depend on nothing but the sweep, and kill -9 at random times."""
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from concurrent.futures import Executor, Future
+
+import numpy as np
+import psutil
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp import OrigamiError, find_minima
+from origami_nlp.cli import app
+from origami_nlp.sweep import load_states, parse_sweep, read_sweep, run_sweep
+from origami_nlp.sweep.load import load_sweep, sweep_grid
+from origami_nlp.sweep.run import run_scene
+from origami_nlp.sweep.store import read_table
+
+RUN = CliRunner()
+SMALL = """
+[scene]
+[scene.vertex]
+sector_angles = ["pi/3", "pi/3", "pi/3", "pi/3", "pi/3", "pi/3"]
+[scene.creases]
+stiffness = [1, 0.5, 1, 0.5, 1, 0.5]
+rest_angles = [1, -1, 1, -1, 1, -1]
+[scene.model]
+symmetry = "D3"
+contact = "fold-limits"
+
+[[axes]]
+name = "rest"
+set = ["creases.rest_angles[1]", "creases.rest_angles[3]", "creases.rest_angles[5]"]
+values = ["pi/4", 1.2]
+
+[[axes]]
+name = "k"
+set = ["creases.stiffness[2]", "creases.stiffness[4]", "creases.stiffness[6]"]
+from = 0.1
+to = 10
+count = 6
+scale = "log"
+
+[search]
+starts = 4
+"""
+"""Twelve scenes with one freedom."""
+
+MANY = """
+[scene.vertex]
+sector_angles_deg = [80, 80, 80, 80]
+flat = false
+[scene.creases]
+stiffness = [1, 1, 1, 1]
+rest_angles = [0.5, 0.5, 0.5, 0.5]
+[scene.model]
+symmetry = "D4"
+[[axes]]
+name = "rest"
+set = ["creases.rest_angles[1]", "creases.rest_angles[2]", "creases.rest_angles[3]", "creases.rest_angles[4]"]
+from = 0.1
+to = 1.1
+count = 100
+[[axes]]
+name = "k"
+set = ["creases.stiffness[1]", "creases.stiffness[2]", "creases.stiffness[3]", "creases.stiffness[4]"]
+from = 0.01
+to = 100
+count = 100
+scale = "log"
+"""
+"""Ten thousand scenes of a few milliseconds each."""
+
+
+class Inline(Executor):
+    """Does everything at once, in this process (CasADi's functions are not for two threads)."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def small():
+    return parse_sweep(tomllib.loads(SMALL))
+
+
+def answers(folder):
+    """Everything in a store that is an answer, as text: times and machines apart."""
+    names, rows = read_table(folder, "states")
+    states = [tuple(r) for r in rows]
+    names, rows = read_table(folder, "scenes")
+    keep = [k for k, n in enumerate(names) if n not in ("seconds",)]
+    return states, [tuple(r[k] for k in keep) for r in rows]
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("sweep")
+    report = run_sweep(small(), folder, executor=Inline())
+    assert report.counts == {"done": 12} and report.ran == 12 and not report.interrupted
+    return folder
+
+
+# ---------------------------------------------------------------- what comes out
+
+
+def test_a_sweep_is_its_scenes(finished):
+    states = load_states(finished)
+    sweep = small()
+    for index in (0, 5, 7, 11):
+        alone = find_minima(sweep.scene(index))
+        here = states[states.scene == index]
+        assert len(here) == len(alone.minima)
+        np.testing.assert_allclose(here.energy, [m.energy for m in alone.minima], rtol=1e-9)
+        assert list(here.kind) == [m.kind for m in alone.minima]
+        assert (here[["rest", "k"]].iloc[0] == list(sweep.parameters(index).values())).all()
+    assert {"phi_1", "phi_6", "closure", "kkt"} <= set(states.columns)
+    assert states.closure.max() < 1e-13
+
+
+def test_labelled_arrays(finished):
+    data = load_sweep(finished)
+    assert data.sizes == {"rest": 2, "k": 6}
+    np.testing.assert_allclose(data.k, np.geomspace(0.1, 10, 6))
+    states = load_states(finished)
+    assert int(data["count"].sum()) == len(states)
+    assert int(data.count_interior.sum()) == (states.kind == "interior").sum()
+    np.testing.assert_allclose(
+        data.lowest_energy.values.ravel(), states.groupby("scene").energy.min()
+    )
+    assert (data.status == "done").all()
+
+
+def test_the_same_sweep_adds_nothing(finished):
+    before = answers(finished)
+    assert run_sweep(small(), finished, executor=Inline()).ran == 0
+    assert answers(finished) == before
+
+
+def test_another_sweep_is_not_mixed_in(finished):
+    other = parse_sweep(tomllib.loads(SMALL.replace("count = 6", "count = 7")))
+    with pytest.raises(OrigamiError, match="another sweep"):
+        run_sweep(other, finished)
+
+
+def test_answers_do_not_depend_on_the_order_of_work(finished, tmp_path, monkeypatch):
+    chains = list(small().chains())
+    monkeypatch.setattr("origami_nlp.sweep.spec.Sweep.chains", lambda self: iter(chains[::-1]))
+    run_sweep(small(), tmp_path, executor=Inline(), workers=3)
+    assert answers(tmp_path) == answers(finished)
+
+
+def test_progress_and_interruption(finished, tmp_path):
+    seen = []
+
+    def stop(done, total, states):
+        seen.append(done)
+        if done == 5:
+            raise KeyboardInterrupt
+
+    report = run_sweep(small(), tmp_path, executor=Inline(), progress=stop)
+    assert report.interrupted and report.ran == 5 and seen == [1, 2, 3, 4, 5]
+    assert sweep_grid(tmp_path)["count"].min() == -1  # not yet run
+    assert run_sweep(small(), tmp_path, executor=Inline()).ran == 7
+    assert answers(tmp_path) == answers(finished)
+
+
+def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
+    text = SMALL.replace('values = ["pi/4", 1.2]', "values = [1.2, 4.0]")
+    report = run_sweep(parse_sweep(tomllib.loads(text)), tmp_path, executor=Inline())
+    assert report.counts == {"done": 6, "invalid": 6}
+    names, rows = read_table(tmp_path, "scenes")
+    assert "rest_angles[1]" in dict(zip(names, rows[-1], strict=True))["reason"]
+
+
+def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
+    def fail(*args, **kwargs):
+        raise RuntimeError("no luck")
+
+    monkeypatch.setattr("origami_nlp.minima.find_minima", fail)
+    assert run_scene(small(), 0, ()).reason == "RuntimeError: no luck"
+    report = run_sweep(small(), tmp_path, executor=Inline())
+    assert report.counts == {"failed": 12}
+    monkeypatch.undo()
+    assert run_sweep(small(), tmp_path, executor=Inline()).counts == {"done": 12}
+
+
+# ---------------------------------------------------------------- kill -9
+
+
+def start(spec, out):
+    code = "from origami_nlp.cli import main; main()"
+    command = [sys.executable, "-c", code, "sweep", str(spec), "--out", str(out), "--workers", "2"]
+    return subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+    )
+
+
+def stored(out):
+    """How many scenes a store that another process writes holds by now."""
+    try:
+        return len(read_table(out, "scenes")[1])
+    except OrigamiError:
+        return 0  # not made yet, or being made
+
+
+def killed_and_finished(text, folder, kills, seed, most):
+    """Run a sweep that is killed -9 (the whole process group) at random points, then to its end.
+
+    Each kill comes after a random number of further scenes, up to `most`, and a random moment.
+    """
+    spec, out = folder / "sweep.toml", folder / "out"
+    spec.write_text(text)
+    rng = random.Random(seed)
+    met = 0
+    for _ in range(kills):
+        goal = stored(out) + rng.randint(1, most)
+        process = start(spec, out)
+        while process.poll() is None and stored(out) < goal:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0.0, 0.05))
+        if process.poll() is None:
+            met += 1
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+    process = start(spec, out)
+    _, error = process.communicate(timeout=3600)
+    assert process.returncode == 0, error.decode()[-500:]
+    return out, met
+
+
+def test_two_kills_change_nothing(finished, tmp_path):
+    out, met = killed_and_finished(SMALL, tmp_path, 2, seed=0, most=3)
+    assert met == 2  # both were alive to be killed
+    assert answers(out) == answers(finished)
+
+
+def alive(numbers):
+    """Which of these processes still run (a zombie does not)."""
+    found = set()
+    for number in numbers:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            if psutil.Process(number).status() != psutil.STATUS_ZOMBIE:
+                found.add(number)
+    return found
+
+
+def test_workers_end_with_a_parent_that_is_killed(tmp_path):
+    spec, out = tmp_path / "sweep.toml", tmp_path / "out"
+    spec.write_text(MANY)
+    process = start(spec, out)
+    while process.poll() is None and stored(out) < 5:
+        time.sleep(0.05)
+    family = {p.pid for p in psutil.Process(process.pid).children(recursive=True)}
+    try:
+        assert len(family) >= 2
+        os.kill(process.pid, signal.SIGKILL)  # the parent alone
+        process.wait()
+        end = time.monotonic() + 30
+        while alive(family) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert not alive(family)
+    finally:
+        for number in alive(family):
+            os.kill(number, signal.SIGKILL)
+        process.communicate()
+
+
+@pytest.mark.slow
+def test_ten_kills_of_ten_thousand_scenes_change_nothing(tmp_path):
+    sweep = parse_sweep(tomllib.loads(MANY))
+    assert sweep.count == 10_000
+    plain = tmp_path / "plain"
+    run_sweep(sweep, plain, workers=2)
+    (tmp_path / "killed").mkdir()
+    out, met = killed_and_finished(MANY, tmp_path / "killed", 10, seed=1, most=900)
+    assert met == 10
+    assert answers(out) == answers(plain)
+
+
+def test_a_local_dask_cluster_gives_the_same(finished, tmp_path):
+    distributed = pytest.importorskip(
+        "distributed", reason='dask is not installed: pip install "origami_nlp[sweep]"'
+    )
+    spec = tmp_path / "sweep.toml"
+    spec.write_text(SMALL)
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the cluster's own start and end
+        with distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster:
+            address = cluster.scheduler_address
+            done = RUN.invoke(
+                app, ["sweep", str(spec), "--out", str(tmp_path / "o"), "--dask", address]
+            )
+    assert done.exit_code == 0, (done.output, done.exception)
+    assert answers(tmp_path / "o") == answers(finished)
+
+
+# ---------------------------------------------------------------- the file, the figure
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("[search]", "[serach]"), ["[serach]", "[search]"]),
+        (("starts = 4", "starts = 0"), ["search.starts", "at least 1"]),
+        (("starts = 4", "stats = 4"), ["'stats'", "starts"]),
+        (('scale = "log"', 'scale = "cubic"'), ["axes[2].scale", "linear or log"]),
+        (("from = 0.1", "from = -1"), ["axes[2]", "above 0"]),
+        (("count = 6", "count = 0"), ["axes[2].count"]),
+        (("count = 6", "count = 100000000"), ["axes[2].count"]),
+        (("count = 6\n", "\n"), ["axes[2].count is missing"]),
+        (('"creases.stiffness[2]"', '"creases.stiffness[9]"'), ["stiffness[9]", "6 entries"]),
+        (('"creases.stiffness[2]"', '"creases.stiffness"'), ["is a list"]),
+        (('"creases.stiffness[2]"', '"__class__.x[1]"'), ["not in the scene"]),
+        (('name = "k"', 'name = "rest"'), ["two axes", "'rest'"]),
+        (('["pi/4", 1.2]', '["pi/4", "x"]'), ["axes[1].values[2]", "'x'"]),
+        (('["pi/4", 1.2]', "[]"), ["axes[1].values"]),
+        (('"D3"', '"D7"'), ["D7"]),
+        (("[search]", "[search]\nmode = 'list'"), ["equally many", "rest: 2", "k: 6"]),
+        (("[[axes]]", "[axes]"), ["TOML"]),
+    ],
+)
+def test_mistakes_get_one_line(tmp_path, change, words):
+    spec = tmp_path / "s.toml"
+    assert change[0] in SMALL
+    spec.write_text(SMALL.replace(*change, 1))
+    done = RUN.invoke(app, ["sweep", str(spec), "--out", str(tmp_path / "o")])
+    assert isinstance(done.exception, OrigamiError), done.output
+    assert "\n" not in str(done.exception)
+    assert all(word in str(done.exception) for word in words), done.exception
+    assert not (tmp_path / "o").exists()
+
+
+def test_examples_files_and_lists(tmp_path):
+    text = """[scene]
+        example = "degree6"
+        [[axes]]
+        set = "alpha"
+        values = ["pi/4", "pi/3"]
+        [[axes]]
+        set = "ratio"
+        values = [1, 5]
+        """
+    sweep = parse_sweep(tomllib.loads(text + '[search]\nmode = "list"\n'))
+    assert sweep.count == 2 and sweep.parameters(1) == {"alpha": np.pi / 3, "ratio": 5.0}
+    assert sweep.scene(1).vertex.sector_angles[0] == pytest.approx(np.pi / 3)
+    (tmp_path / "scene.toml").write_text(
+        SMALL.split("[[axes]]")[0].replace("[scene]\n", "").replace("scene.", "")
+    )
+    (tmp_path / "s.toml").write_text(
+        '[scene]\nfile = "scene.toml"\n[[axes]]\nset = "creases.stiffness[1]"\nvalues = [1]\n'
+    )
+    assert read_sweep(tmp_path / "s.toml").scene(0).degree == 6
+    with pytest.raises(OrigamiError, match="cannot be read"):
+        parse_sweep({"scene": {"file": "no.toml"}, "axes": [{"set": "x", "values": [1]}]}, tmp_path)
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf"])
+def test_figures(finished, tmp_path, suffix):
+    from origami_nlp.sweep import draw_sweep
+
+    figure = draw_sweep(finished, tmp_path / f"a.{suffix}")
+    titles = {axes.get_title() for axes in figure.axes}
+    kinds = {k for k in load_states(finished).kind}
+    assert "all minima" in titles and kinds <= titles
+    assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
+
+
+def test_chains_cover_every_scene_once():
+    sweep = small()
+    for length in (1, 4, 32):
+        chains = list(sweep.chains(length))
+        assert sorted(i for c in chains for i in c) == list(range(sweep.count))
+        assert all(len({i // 6 for i in c}) == 1 for c in chains)  # neighbours along the last axis
