@@ -35,6 +35,8 @@ from origami_nlp.show import pick
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
+MEET = 1e-9
+"""Bounds from above and below that differ by less, relative, are one: a path is sampled, its top an exact pass."""
 MOST_STATES = 1500
 """A thin set that has more samples than this is not sampled to its end, and bounds nothing."""
 
@@ -131,13 +133,13 @@ def full_pass(
             known_by = out.proof or f"{out.sampled} states of it sampled"
             bounds.append((out.lowest, f"lowest exit of the {what} ({known_by})"))
     lower, why = max(bounds, key=lambda b: b[0])
-    if upper > lower + 1e-9 * max(abs(upper), model.scale):
+    slack = MEET * max(abs(upper), model.scale)
+    if upper > lower + slack:
         why = "; ".join([why, *open_sets])
     index = None
     if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
         critical = critical_at(State(model, model.reduce(at)))
         index = critical.index if critical else None
-    slack = 1e-9 * max(abs(upper), model.scale)
     if upper <= lower + slack:
         verdict = "same"
     else:

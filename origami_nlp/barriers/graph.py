@@ -20,14 +20,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, SAME
 from origami_nlp.programme import Model
 
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
 BISECTIONS = 20
-FLAT = 1e-9
-"""A state with no larger fold angle [rad] is the flat state."""
 ASIDE = 0.15
 """How far an edge may go aside to pass a bent boundary, as a share of its length."""
 
@@ -67,7 +65,7 @@ def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
     attains: the flat state.  Limits of embedded polygons inherit both formulas.
     """
     phi = np.asarray(fold_angles, dtype=float)
-    flat = np.abs(phi).max(axis=-1) <= FLAT
+    flat = np.abs(phi).max(axis=-1) <= SAME
     return np.where(flat, 0, np.sign(phi.sum(axis=-1))).astype(int)
 
 
@@ -169,7 +167,7 @@ def _step_out(
     ahead = frontier[:, None] + spacing * np.einsum("kni,di->kdn", tangents, directions)
     origin = np.repeat(frontier, len(directions), axis=0)
     ahead = ahead.reshape(-1, model.size)
-    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) < 1e-9).any():
+    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) <= SAME).any():
         extra = _around(model, spacing)  # the flat state: its tangent cone is no space
         origin = np.vstack([origin, np.zeros_like(extra)])
         ahead = np.vstack([ahead, extra])
@@ -297,7 +295,7 @@ def _reach(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Close the states `want` [K, n]; tell which are admissible and within `stray` [K] of them."""
     y, good = close(model, want)
-    good &= np.linalg.norm(y - want, axis=1) <= stray + 1e-12
+    good &= np.linalg.norm(y - want, axis=1) <= stray + CLOSES
     if only is not None:
         good &= only
     good[good] = model.admissible(y[good])

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
-from origami_nlp.numerics import CURVED, SAME
+from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
 from origami_nlp.programme import Contact, Programme
 from origami_nlp.show import pick
 
@@ -129,7 +129,7 @@ def critical_at(state: State) -> Critical | None:
     size = 1.0 + float(np.abs(state.gradient).max())
     residual = max(b.multipliers.residual for b in judged) / size
     residual = max(residual, state.residual)
-    if residual > 1e-9:
+    if residual > BALANCED:
         return None
     index, direction = 0, None
     for b in judged:
@@ -138,7 +138,7 @@ def critical_at(state: State) -> Critical | None:
         if below >= index:
             index, direction = below, b.direction
     if not state.regular:
-        kind: PassKind = "flat state" if np.abs(x).max() <= 1e-9 else "singular"
+        kind: PassKind = "flat state" if np.abs(x).max() <= SAME else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
         kind = "corner"
     else:
@@ -167,7 +167,7 @@ def slide(
     except ValueError:
         return None
     near = [float(np.abs(path.end - m).max()) for m in minima]
-    lands = int(np.argmin(near)) if near and min(near) <= 1e-5 else None
+    lands = int(np.argmin(near)) if near and min(near) <= ENDS else None
     return Descent(path.states, lands)
 
 
@@ -184,7 +184,7 @@ def both_sides(
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
             y = np.clip(y, -model.bound, model.bound)
             lower = model.energy_change(pass_.x, y) < 0
-            if residual <= 1e-12 and lower and not model.refuses(y):
+            if residual <= CLOSES and lower and not model.refuses(y):
                 down = slide(model, y, minima)
                 if down is not None:
                     sides.append(down)
@@ -203,11 +203,11 @@ def leg_is_below(
     out = []
     for want in top + t * (x - top):
         y, residual = project(model, want, ())
-        if residual > 1e-11 or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
+        if residual > CLOSES or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
             return None
         out.append(np.clip(y, -model.bound, model.bound))
     states = np.array(out)
-    slack = 1e-12 * max(abs(level), model.scale)
+    slack = LEVEL * max(abs(level), model.scale)
     if not model.admissible(states).all() or (model.energies(states) > level + slack).any():
         return None
     return states

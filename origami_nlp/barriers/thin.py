@@ -17,10 +17,10 @@ from origami_nlp.numerics import CLOSES
 from origami_nlp.path import follow_boundary
 from origami_nlp.programme import Contact, Model
 
-SAME = 0.02
+ON_CURVE = 0.02
 """A state this close [rad] to a curve with the same closed contacts lies on it."""
 SNAP = 2e-6
-"""`thin_at` tells slopes from 1e-9 on, so that it finds an end to about this [rad]."""
+"""`thin_at` tells slopes from `INDEPENDENT` on, so that it finds an end to about this [rad]."""
 SHORTEST = 1e-13
 """Ends of a thin curve are bisected to this length [rad]."""
 
@@ -58,7 +58,7 @@ def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ())
 
 
 def _on(states: np.ndarray, x: np.ndarray) -> bool:
-    return float(np.abs(states - x).max(axis=1).min()) <= SAME
+    return float(np.abs(states - x).max(axis=1).min()) <= ON_CURVE
 
 
 def _thin_part(at: State, held: tuple[Contact, ...], states: np.ndarray) -> list[ThinCurve]:

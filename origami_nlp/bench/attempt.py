@@ -10,6 +10,7 @@ import numpy as np
 
 from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
+from origami_nlp.numerics import ANSWERED
 from origami_nlp.programme import Model
 
 Pairs = tuple[tuple[int, int], ...]
@@ -72,7 +73,7 @@ class Method:
         return f"{self.name}, {self.setting}" if self.setting else self.name
 
 
-FEASIBLE = 1e-6
+FEASIBLE = ANSWERED
 """An answer that violates a constraint by more is not claimed, whatever a solver's status says."""
 
 
@@ -109,7 +110,7 @@ def keep_apart(
         building += answer.building
         if answer.x is None:
             break
-        crossed = model.crossed(answer.x, 1e-6)
+        crossed = model.crossed(answer.x, ANSWERED)
         if not crossed or set(crossed) <= set(pairs):
             break
         pairs = tuple(sorted({*pairs, *crossed}))

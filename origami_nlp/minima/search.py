@@ -19,7 +19,7 @@ from origami_nlp.kkt import (
     polish,
 )
 from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.numerics import ANSWERED, BESIDE, SAME
 from origami_nlp.programme import Contact, Programme
 
 MOST_PAIR_ROUNDS = 4
@@ -197,7 +197,7 @@ def solve_without_crossing(
         record.solves += 1
         record.statuses[answer.status] += 1
         record.iterations += answer.iterations
-        crossed = model.crossed(answer.x, 1e-6)
+        crossed = model.crossed(answer.x, ANSWERED)
         if not crossed or set(crossed) <= set(pairs):
             return answer
         pairs = tuple(sorted({*pairs, *crossed}))

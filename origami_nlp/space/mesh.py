@@ -14,11 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
+from origami_nlp.numerics import ROUNDED
 from origami_nlp.space.chain import WRAPPED, Chain
 
-ON = 1e-11
-"""Walls whose value at a vertex is smaller are taken to pass through it (values are good to about 1e-14)."""
-ON_SEAM = 1e-14
+ON = 1000 * ROUNDED
+"""Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
+ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
 BISECTIONS = 52
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
