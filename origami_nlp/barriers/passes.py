@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
 from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.programme import Contact, Programme, fold_limit
 from origami_nlp.show import pick
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
@@ -202,10 +202,13 @@ def leg_is_below(
     t = np.linspace(0, 1, steps + 1)[1:-1, None]
     out = []
     for want in top + t * (x - top):
-        y, residual = project(model, want, ())
+        y, residual = project(model, want)
+        over = np.flatnonzero(np.abs(y) > model.bound)
+        if model.has_limits and len(over):  # between two states on a wall: stay on it
+            y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])
         if residual > CLOSES or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
             return None
-        out.append(np.clip(y, -model.bound, model.bound))
+        out.append(y)
     states = np.array(out)
     slack = LEVEL * max(abs(level), model.scale)
     if not model.admissible(states).all() or (model.energies(states) > level + slack).any():

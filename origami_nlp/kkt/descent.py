@@ -20,7 +20,6 @@ from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     BESIDE,
     CLOSES,
-    EPS,
     INDEPENDENT,
     LEVEL,
     NEAR_CONTACT,
@@ -109,7 +108,7 @@ def follow(
 
 def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
     """Keep the states whose energy falls by more than rounding, and the end in place of what is level with it."""
-    noise = 2 * EPS * max(model.energy(states[0]), model.scale)
+    noise = 4e-16 * max(model.energy(states[0]), model.scale)  # two roundings
     kept = [states[0]]
     for y in states[1:]:
         if model.energy_change(kept[-1], y) < -noise:
