@@ -20,7 +20,7 @@ from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
 from origami_nlp.numerics import ENDS
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.programme import Model, Programme
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""
@@ -164,14 +164,14 @@ class Judge:
         return Outcome(index, "", exact.angle_error(x), abs(change) / size, multiplier, eigenvalue)
 
 
-def _slope(model: Model, exact: Reference) -> float:
+def _slope(model: Programme, exact: Reference) -> float:
     """Return the energy that the digits beyond a double of the exact state make."""
     k, rest = model.parameters.stiffness, model.parameters.rest
     return float(model.scale * np.sum(k * (exact.x - rest) * exact.x_rest))
 
 
 def errors_of_derivatives(
-    model: Model, x: np.ndarray, exact: Reference, own: np.ndarray | None
+    model: Programme, x: np.ndarray, exact: Reference, own: np.ndarray | None
 ) -> tuple[float, float]:
     """Return the relative errors of contact multipliers and of reduced-Hessian eigenvalues at an answer x.
 

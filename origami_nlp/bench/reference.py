@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.bench.exact_piece import ExactPiece, Jet
 from origami_nlp.numerics import SAME
-from origami_nlp.programme import Contact, Model
+from origami_nlp.programme import Contact, Model, Programme
 
 DIGITS = 50
 WORKING = 60
@@ -109,7 +109,7 @@ def _constraints(
 
 
 def _independent(
-    model: Model, x: np.ndarray, rows: tuple[Contact, ...], turn: int
+    model: Programme, x: np.ndarray, rows: tuple[Contact, ...], turn: int
 ) -> tuple[tuple[int, ...], bool]:
     """Choose independent constraints: positions in (rows, closure); and tell whether these are all.
 
@@ -219,7 +219,7 @@ def _finish(
     )
 
 
-def _reduced(model: Model, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
+def _reduced(model: Programme, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
     """Return the eigenvalues of the Hessian on the kernel of `gradients`, in the metric of all N fold angles."""
     root = np.array([mp.sqrt(int(m)) for m in model.multiplicity])
     n, m = len(root), len(gradients)
