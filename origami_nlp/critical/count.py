@@ -22,7 +22,7 @@ def links_of(model: Model, x: np.ndarray, doubts: list[str]) -> tuple[Link, ...]
     try:
         return tuple(link_of(model, x, radius) for radius in RADII)
     except ValueError as error:
-        doubts.append(f"the link of {in_degrees(model, x)} is not known: {error}")
+        doubts.append(f"the link of {in_degrees(x)} is not known: {error}")
         return ()
 
 
@@ -39,9 +39,7 @@ def count_links(
     radii = " and ".join(f"{link.radius:g}" for link in links)
     how = f"sampled link at radii {radii} rad"
     if len(set(counts)) > 1:
-        doubts.append(
-            f"links of {in_degrees(model, links[0].center)} disagree between radii {radii}"
-        )
+        doubts.append(f"links of {in_degrees(links[0].center)} disagree between radii {radii}")
     elif links[-1].pieces == 0:
         how = "the link is empty"
     elif _first_order(links, stiffness, rest):
@@ -87,6 +85,6 @@ def shape_of(link: Link) -> str:
     return "link: " + ", ".join(parts)
 
 
-def in_degrees(model: Model, x: np.ndarray) -> str:
+def in_degrees(x: np.ndarray) -> str:
     """Write the fold angles of the model's variables in degrees, for a doubt."""
     return "(" + ", ".join(f"{v:.3f}" for v in np.degrees(x)) + ") deg"

@@ -120,7 +120,7 @@ def _interior_points(
             index = int((curvature < 0).sum())
             regular: Kind = ("minimum", "saddle", "maximum")[index]
             if all_links and contribution != (-1) ** index:
-                doubts.append(f"link and index disagree at {in_degrees(model, state)}")
+                doubts.append(f"link and index disagree at {in_degrees(state)}")
             contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
         out.append(
             _point(model, state, index, contribution, "interior", kind, (), (), float(error), how)
@@ -168,7 +168,7 @@ def _warn_of_neighbours(
         if p.stratum in ("interior", "boundary", "handle"):
             x = model.reduce(np.array(p.fold_angles))
             if np.abs(vertices - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
-                doubts.append(f"{in_degrees(model, x)} lies inside the sampled link of a vertex")
+                doubts.append(f"{in_degrees(x)} lies inside the sampled link of a vertex")
 
 
 def _is_on(model: Model, x: np.ndarray, row: Contact) -> bool:
@@ -209,7 +209,7 @@ def _edge_point(
         pushes = side * push > 0
         expected = (-1) ** index if pushes else 0  # type: ignore[operator]
         if all_links and contribution != expected:
-            doubts.append(f"link and multiplier disagree at {in_degrees(model, x)}")
+            doubts.append(f"link and multiplier disagree at {in_degrees(x)}")
         contribution = expected
         kind = "regular" if not pushes else ("minimum", "saddle")[index]  # type: ignore[index]
         how = (
@@ -234,9 +234,7 @@ def _unmet(
         away = np.linalg.norm(known - 0.5 * (a + b), axis=1).min(initial=np.inf)
         if away > reach:
             name = model.name(edge.row)
-            out.append(
-                f"dU/ds changes sign on '{name}' near {in_degrees(model, a)}: no point found"
-            )
+            out.append(f"dU/ds changes sign on '{name}' near {in_degrees(a)}: no point found")
     return out
 
 
@@ -256,7 +254,7 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
         multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
     names = tuple(dict.fromkeys(model.name(r) for r in rows))
     if vertex.reason:
-        doubts.append(f"the link of {in_degrees(model, x)} is not known: {vertex.reason}")
+        doubts.append(f"the link of {in_degrees(x)} is not known: {vertex.reason}")
     _, contribution, kind, how = count_links(model, vertex.links, doubts)
     smooth = bool(vertex.links) and all(
         len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links

@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.kkt import Solve
+from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import (
     Contact,
     Pairs,
@@ -91,7 +92,7 @@ def solve_on_boundary(model: Solvable, start: np.ndarray, row: Contact) -> Solve
 def tolerance_for(model: Solvable) -> float:
     """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
     return max(
-        1e-12, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
+        CLOSES, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
     )
 
 

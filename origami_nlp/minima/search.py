@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import (
+    Classification,
     Polished,
     Solve,
     StartStream,
@@ -18,7 +19,7 @@ from origami_nlp.kkt import (
     polish,
 )
 from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.numerics import ANSWERED, BESIDE, SAME
 from origami_nlp.programme import Contact, Solvable
 
 MOST_PAIR_ROUNDS = 4
@@ -30,10 +31,16 @@ FEW_PAIRS = 6
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, and how many starts reached it."""
+    """A distinct state that solves ended at: its polish, how many starts reached it, and what it was judged to be."""
 
     polished: Polished
     hits: int = 1
+    what: Classification | None = None
+
+    @property
+    def is_minimum(self) -> bool:
+        """Whether it was judged to be a minimum."""
+        return self.what is not None and self.what.verdict == "minimum"
 
 
 @dataclass
@@ -190,7 +197,7 @@ def solve_without_crossing(
         record.solves += 1
         record.statuses[answer.status] += 1
         record.iterations += answer.iterations
-        crossed = model.crossed(answer.x, 1e-6)
+        crossed = model.crossed(answer.x, ANSWERED)
         if not crossed or set(crossed) <= set(pairs):
             return answer
         pairs = tuple(sorted({*pairs, *crossed}))
