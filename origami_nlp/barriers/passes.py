@@ -154,7 +154,7 @@ def _bent_down(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.nda
     """Return the direction of lowest curvature with `rows` held closed."""
     from origami_nlp.path import evaluate  # only where a verdict left it out
 
-    point = evaluate(model, x, rows)
+    point = evaluate(State(model, x).on(rows))
     return None if point is None else point.tangent / np.sqrt(model.multiplicity)
 
 

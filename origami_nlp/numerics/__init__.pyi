@@ -20,6 +20,7 @@ from .tolerances import (
     RANK as RANK,
     ROUNDED as ROUNDED,
     SAME as SAME,
+    SETTLED as SETTLED,
     STATIONARY as STATIONARY,
     TOUCHES as TOUCHES,
     UNPOLISHED as UNPOLISHED,
