@@ -3,7 +3,7 @@
 Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
 edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
 missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
-(`boundary_curve.advance`: closure and contact to 1e-13 at every point) both ways, to where another contact
+(`path.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
 closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
 """
 
@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.chart.boundary_walk import STEPS, walk
-from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
+from origami_nlp.chart.chart import Chart, chart_of, chart_points
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum, thin_at
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED
 from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import (
@@ -28,11 +28,9 @@ from origami_nlp.programme import (
 )
 
 CORNER = 1e-4
-"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is rounding."""
+"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `TOUCHES`."""
 SHORT = 1e-3
 """Shorter lines [rad] are dropped."""
-HIDDEN = 1e-6
-"""Extent [rad] in the chart of a line that is one point there: a corner is known to its square root."""
 ASIDE = 1e-3
 """Step [rad] by which a contact is moved along to see whether the chart shows it."""
 NEAR = 0.35
@@ -66,7 +64,7 @@ class BoundaryLine:
     @property
     def hidden(self) -> bool:
         """Whether all its states share one point of the chart."""
-        return bool(np.ptp(self.points, axis=0).max() < HIDDEN)
+        return bool(np.ptp(self.points, axis=0).max() < SETTLED)
 
 
 @dataclass(frozen=True)
@@ -170,7 +168,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
         x = exact.x
         away = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(away.argmin())
-        if away[k] <= NEAR_CONTACT:
+        if away[k] <= SETTLED:
             cuts.add(k)
         elif away[k] <= STEPS.longest and 0 < k < len(s) - 1:
             k += bool(away[k + 1] < away[k - 1])
@@ -277,7 +275,7 @@ def _stays(chart: Chart, held: Stratum) -> bool:
     if moved is None:
         return False
     both = chart_points(chart, programme.expand(np.array([held.state.x, moved.x])))
-    return bool(np.ptp(both, axis=0).max() < HIDDEN)
+    return bool(np.ptp(both, axis=0).max() < SETTLED)
 
 
 def _trace(chart: Chart, branch: int, held: Stratum) -> BoundaryLine | None:
@@ -292,15 +290,3 @@ def _trace(chart: Chart, branch: int, held: Stratum) -> BoundaryLine | None:
     return BoundaryLine(
         names, held.contacts, branch, points, phi, walked.s, walked.start, walked.end
     )
-
-
-def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
-    """Return the chart coordinates of states [m, N], shape [m, 2]."""
-    if chart.kind == "degree6":
-        return fold_angles[:, [_crease(chart, 1), _crease(chart, 2)]]
-    elevation = [wedge_elevation(chart.scene, phi) for phi in fold_angles]
-    return np.stack([fold_angles[:, _crease(chart, 1)], elevation], axis=-1)
-
-
-def _crease(chart: Chart, ray: int) -> int:
-    return crease_number(chart.scene, ray) - 1

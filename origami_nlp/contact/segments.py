@@ -24,7 +24,7 @@ import numpy as np
 from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import NEAR_CONTACT, RANK
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Contact, Model
@@ -228,13 +228,13 @@ def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
         at = curve.states
         distance = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(distance.argmin())
-        step = np.abs(np.diff(curve.s)).max(initial=1e-3)
+        step = np.abs(np.diff(curve.s)).max(initial=BESIDE)
         if distance[k] > step:
             continue
         # the same boundary may be described by other contacts: they stay closed along it
         near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
         values, _ = model.local(near).openings(held.contacts)
-        if np.abs(values).max() <= RANK:
+        if np.abs(values).max() <= NEAR_CONTACT:
             return number
     return None
 

@@ -21,12 +21,10 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum, find_multipliers, project
-from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT, RANK
+from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT, RANK, STATIONARY
 from origami_nlp.path.tracer import End, Steps, Trace, trace
 from origami_nlp.programme import Contact, Programme
 
-BALANCED = 1e-9
-"""Multipliers of dependent contacts balance the springs, relative to the largest torque."""
 STEPS = Steps(first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15)
 """Such that energy and slope are smooth between points."""
 REACH = 30.0
@@ -79,7 +77,7 @@ class Point:
         across = state.gradient - z @ (z.T @ state.gradient)
         found = find_multipliers((held.slopes @ free).T, free.T @ across)
         size = 1.0 + float(np.abs(state.gradient).max())
-        return found.smallest, found.residual <= BALANCED * size and bool((found.upper > 0).all())
+        return found.smallest, found.residual <= STATIONARY * size and bool((found.upper > 0).all())
 
     @property
     def multipliers(self) -> np.ndarray:
@@ -179,7 +177,7 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
             return None
         tangent = tangent / size
     turning = np.array([_second(held, i, tangent) for i in range(len(held.jacobian))])
-    bend = -np.linalg.lstsq(held.jacobian, turning, rcond=1e-9)[0]
+    bend = -np.linalg.lstsq(held.jacobian, turning, rcond=RANK)[0]
     return Point(held, tangent, bend, z.shape[1])
 
 
