@@ -1,6 +1,6 @@
 """Metastable segments: stretches of a contact boundary along which the energy is nearly flat.
 
-A boundary is followed from every stable state with a closed contact (`boundary_curve`), the contact
+A boundary is followed from every stable state with a closed contact (`path.follow_boundary`), the contact
 held.  A stretch of it is metastable where, at every point,
 
 - |dU/ds| / (pi sum k) <= 5e-3: the paper's own tolerance for a stationary state;
@@ -162,7 +162,7 @@ def find_segments(
     ----------
     every_boundary
         Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
-        of the scene's chart where it has one (`boundary_lines.trace_boundary`), and those found from random states
+        of the scene's chart where it has one (`chart.trace_boundary`), and those found from random states
         on each contact; no curve then ends where a contact stops pushing.
     slope, stiffness
         The thresholds of the module's docstring.

@@ -94,7 +94,7 @@ def find_critical_points(
 
 
 def _interior_points(
-    model: Model, strata: Strata, doubts: list[str], all_links: bool
+    model: Programme, strata: Strata, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -128,7 +128,7 @@ def _firm(model: Programme) -> float:
 
 
 def _edge_points(
-    model: Model,
+    model: Programme,
     strata: Strata,
     vertices: np.ndarray,
     doubts: list[str],
@@ -216,7 +216,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     return out
 
 
-def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
+def _vertex_point(model: Programme, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
     state = State(model, vertex.x)
     rows = _descriptions(state)
@@ -241,7 +241,7 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
     return _point(state, None, contribution, part, kind, names, multipliers, state.residual, how)
 
 
-def _distinct(model: Model, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Programme, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[model.admissible(points.x[order])] if len(order) else order
