@@ -226,3 +226,6 @@ class CriticalPoints(Told):
 
 
 points_table, point_lines = CriticalPoints.table, CriticalPoints.lines
+
+
+points_from_dict = CriticalPoints.from_dict

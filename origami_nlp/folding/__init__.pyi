@@ -1,5 +1,4 @@
 from .embedding import (
-    SNAP as SNAP,
     crossing_depth as crossing_depth,
     examine as examine,
     fold_vertex as fold_vertex,

@@ -20,12 +20,8 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import cross, quaternion as quat
+from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
 from origami_nlp.pattern import Vertex
-
-SNAP = 1e-8
-"""Distance on the unit sphere below which two features are taken to touch [rad]."""
-
 
 LARGEST_TOLERANCE = 0.01
 """Wider, and facets that stand apart would be ordered as if they touched [rad]."""
@@ -136,7 +132,7 @@ def examine(
     vertex: Vertex,
     fold_angles: np.ndarray,
     *,
-    tolerance: float = SNAP,
+    tolerance: float = TOUCHES,
     elements: tuple[tuple[int, bool], ...] = (),
 ) -> Embedding:
     """Tell whether a state of a vertex is admissible with full contact, and why not if not.
@@ -149,7 +145,7 @@ def examine(
     fold_angles
         Of one state, shape [N] [rad].
     tolerance
-        Distance below which features touch [rad], 0 to 0.01.
+        Distance on the unit sphere below which features touch [rad], 0 to 0.01.
 
     Raises
     ------

@@ -18,16 +18,16 @@ from .ipopt import (
     build_solver as build_solver,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
-from .plain import result_from_dict as result_from_dict, result_to_dict as result_to_dict
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,
     print_result as print_result,
+    result_from_dict as result_from_dict,
+    result_to_dict as result_to_dict,
 )
 from .search import (
     FEW_PAIRS as FEW_PAIRS,
     MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
-    SAME as SAME,
     Answer as Answer,
     Record as Record,
     run_one as run_one,

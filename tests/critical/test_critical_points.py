@@ -20,7 +20,7 @@ from origami_nlp.kkt import State, newton, project
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.space import analyse_space
+from origami_nlp.space import find_space
 from tests.computed_once import panel_result, shared
 
 PANELS = examples.panels()
@@ -60,7 +60,7 @@ def random_energy(scene, rng):
 def test_the_morse_sum_is_the_euler_characteristic(scene):
     found = find_critical_points(scene, all_links=True)
     assert found.doubts == ()
-    assert found.morse_sum == analyse_space(scene, COARSE).euler_characteristic
+    assert found.morse_sum == find_space(scene, COARSE).euler_characteristic
     assert found.verdict(found.morse_sum).closes
     assert not found.verdict(found.morse_sum + 1).closes
     assert max(p.residual for p in found.points) < 1e-12
