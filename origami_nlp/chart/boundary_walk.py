@@ -27,7 +27,7 @@ STEPS = Steps(
 )
 """Wider turns than where an energy is looked at; so many points that any boundary of a chart is done."""
 
-BESIDE = "no state beyond is admissible"
+REFUSED = "no state beyond is admissible"
 """Why a line ends, until the contact that closes there is known."""
 
 
@@ -47,13 +47,13 @@ def walk(held: Stratum) -> Walk | None:
     None where no motion, or more than one, keeps them closed, or where both ends come at once.
     """
     programme = held.state.programme
-    end = End[Point](lambda points: _admissible_run(programme, points), BESIDE)
+    end = End[Point](lambda points: _admissible_run(programme, points), REFUSED)
     found = trace_held(held, STEPS, [end], dimension=1)
     if found is None:
         return None
     states, s, why = list(found.states), found.s.tolist(), [found.start, found.end]
     for side, point in ((0, found.frames[0]), (-1, found.frames[-1])):
-        if why[side] not in (BESIDE, SINGULAR):
+        if why[side] not in (REFUSED, SINGULAR):
             continue
         new = closing(point)
         names = "; ".join(programme.name(contact) for contact in new)

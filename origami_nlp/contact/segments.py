@@ -1,6 +1,6 @@
 """Metastable segments: stretches of a contact boundary along which the energy is nearly flat.
 
-A boundary is followed from every stable state with a closed contact (`boundary_curve`), the contact
+A boundary is followed from every stable state with a closed contact (`path.follow_boundary`), the contact
 held.  A stretch of it is metastable where, at every point,
 
 - |dU/ds| / (pi sum k) <= 5e-3: the paper's own tolerance for a stationary state;
@@ -162,7 +162,7 @@ def find_segments(
     ----------
     every_boundary
         Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
-        of the scene's chart where it has one (`boundary_lines.trace_boundary`), and those found from random states
+        of the scene's chart where it has one (`chart.trace_boundary`), and those found from random states
         on each contact; no curve then ends where a contact stops pushing.
     slope, stiffness
         The thresholds of the module's docstring.
@@ -250,8 +250,8 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum
     """Yield admissible states with one contact held closed, spread at random over every contact."""
     if not model.has_limits or model.freedom != 2:
         return
-    gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
-    for row in (*model.limits, *gaps):
+    other = [Contact("gap", c.index, -1) for c in model.every_gap if c.index not in model.walls]
+    for row in (*model.limits, *model.every_gap, *other):
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
             exact = correct(State(model, x).on((row,)), FROM_AFAR)

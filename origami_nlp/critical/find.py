@@ -35,14 +35,12 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY, distinct
+from origami_nlp.numerics import BALANCED, BESIDE, SETTLED, distinct
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model, Programme
 
 FIRM = 1e-7
 """Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
-LEVEL = 1e-9
-"""Slopes along an edge, relative to the largest torque, below this have no sign."""
 
 MOST_SAMPLES = 10_000_000
 """Random states that memory bears."""
@@ -94,7 +92,7 @@ def find_critical_points(
 
 
 def _interior_points(
-    model: Model, strata: Strata, doubts: list[str], all_links: bool
+    model: Programme, strata: Strata, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -128,7 +126,7 @@ def _firm(model: Programme) -> float:
 
 
 def _edge_points(
-    model: Model,
+    model: Programme,
     strata: Strata,
     vertices: np.ndarray,
     doubts: list[str],
@@ -201,7 +199,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     """Name sign changes of dU/ds along an edge at which no critical point was found."""
     pull = model.parameters.torque(edge.x)
     slope = np.einsum("kj,kj->k", pull, edge.tangent)
-    size = LEVEL * float(np.abs(pull).max())
+    size = BALANCED * float(np.abs(pull).max())
     known = np.concatenate([found, vertices])
     out = []
     for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
@@ -216,7 +214,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     return out
 
 
-def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
+def _vertex_point(model: Programme, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
     state = State(model, vertex.x)
     rows = _descriptions(state)
@@ -224,7 +222,7 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
     found = held.multiplier_set
     multipliers: tuple[float, ...] = ()
     size = 1.0 + float(np.abs(state.gradient).max())
-    if rows and found.residual <= STATIONARY * size and (found.smallest >= 0).all():
+    if rows and found.residual <= BALANCED * size and (found.smallest >= 0).all():
         weights = np.array([model.weight(r) for r in rows])
         values = found.smallest * model.scale / weights
         multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
@@ -241,7 +239,7 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
     return _point(state, None, contribution, part, kind, names, multipliers, state.residual, how)
 
 
-def _distinct(model: Model, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Programme, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[model.admissible(points.x[order])] if len(order) else order

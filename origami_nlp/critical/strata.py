@@ -33,7 +33,7 @@ LOOSE = 1e-4
 class StratumVertex:
     """A state that is a stratum by itself: a corner, an end of a handle, a flat folding, a singular state.
 
-    x: [n].  links: its link at the radii of `critical_link.RADII`; empty with a `reason` where it is not known.
+    x: [n].  links: its link at the radii of `link.RADII`; empty with a `reason` where it is not known.
     """
 
     x: np.ndarray

@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum, find_multipliers, project
-from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT, RANK, STATIONARY
+from origami_nlp.numerics import BALANCED, FOLLOWED, NEAR_CONTACT, RANK
 from origami_nlp.path.tracer import End, Steps, Trace, trace
 from origami_nlp.programme import Contact, Programme
 
@@ -77,7 +77,7 @@ class Point:
         across = state.gradient - z @ (z.T @ state.gradient)
         found = find_multipliers((held.slopes @ free).T, free.T @ across)
         size = 1.0 + float(np.abs(state.gradient).max())
-        return found.smallest, found.residual <= STATIONARY * size and bool((found.upper > 0).all())
+        return found.smallest, found.residual <= BALANCED * size and bool((found.upper > 0).all())
 
     @property
     def multipliers(self) -> np.ndarray:
