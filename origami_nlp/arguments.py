@@ -16,7 +16,7 @@ _MAKERS = {
     "Vertex": "a Vertex (such as scene.vertex)",
     "MinimaResult": "a MinimaResult: what find_minima(scene) returns",
     "Barriers": "a Barriers: what find_barriers(scene) returns",
-    "ExactLandscape": "an ExactLandscape: what exact_landscape(result) returns",
+    "ExactLandscape": "an ExactLandscape: what find_landscape(result) returns",
     "PhaseDiagram": "a PhaseDiagram: what phase_diagram(degree) returns",
     "Boundary": "a Boundary: what trace_boundary(scene) returns",
     "Frame": "a Frame: one of those that read_fold(file) returns",

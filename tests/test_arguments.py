@@ -14,11 +14,11 @@ from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.bench import read_bench
 from origami_nlp.chart import landscape
 from origami_nlp.critical import find_critical_points
-from origami_nlp.landscape import draw_landscape, exact_landscape
+from origami_nlp.landscape import draw_landscape, find_landscape
 from origami_nlp.minima import write_fold
 from origami_nlp.paper import count_grid_minima, limits
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
-from origami_nlp.space import analyse_space
+from origami_nlp.space import find_space
 from origami_nlp.sweep import (
     draw_sweep,
     load_states,
@@ -140,8 +140,8 @@ CASES = [
     case(find_barriers, "full", FLAGS, "scene", "result"),
     case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS), "scene", "result"),
     case(find_barriers, "seed", SEEDS, "scene", "result"),
-    case(analyse_space, "scene", SCENES),
-    case(analyse_space, "size", (7, 1026, *WHOLES), "scene"),
+    case(find_space, "scene", SCENES),
+    case(find_space, "size", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),
     case(find_critical_points, "minima", (SCENE, *SCENES[1:]), "scene"),
     case(find_critical_points, "samples", (0, *WHOLES), "scene"),
@@ -150,9 +150,9 @@ CASES = [
     case(landscape, "scene", SCENES),
     case(landscape, "size", (7, 10_000, *WHOLES), "scene"),
     case(landscape(SCENE, 8).place, "fold_angles", STATES),
-    case(exact_landscape, "result", (SCENE, *SCENES)),
-    case(exact_landscape, "size", (7, 10_000, *WHOLES), "result"),
-    case(exact_landscape, "boundary", SCENES[1:], "result"),
+    case(find_landscape, "result", (SCENE, *SCENES)),
+    case(find_landscape, "size", (7, 10_000, *WHOLES), "result"),
+    case(find_landscape, "boundary", SCENES[1:], "result"),
     case(draw_landscape, "exact", (SCENE, *SCENES)),
     case(merge_tree_axes, "ax", SCENES, barriers=None),
     case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),

@@ -1,4 +1,4 @@
-from .figure import draw_merge_trees as draw_merge_trees, merge_tree_axes as merge_tree_axes
+from .figure import draw_barriers as draw_barriers, merge_tree_axes as merge_tree_axes
 from .find import check_freedoms as check_freedoms, find_barriers as find_barriers
 from .passes import Pass as Pass
 from .result import (

@@ -10,9 +10,11 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.barriers.result import Barriers, Join
+from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 STABLE, UNSTABLE, UNJUDGED, INK = "#c8960c", "#b2182b", "#7a7a7a", "#222222"
 """Leaves: stable and unstable in the full space, not judged there; and lines."""
@@ -27,10 +29,18 @@ PASS_MARK = {
 PASS_COLOUR = "#2166ac"
 
 
-def draw_merge_trees(
-    several: list[Barriers], target: str | PathLike[str], columns: int = 3
-) -> None:
-    """Write the merge trees of several scenes, row by row, to one file."""
+def draw_barriers(
+    *several: Barriers, path: str | PathLike[str] | None = None, columns: int = 3
+) -> Figure:
+    """Draw the merge tree of each scene, row by row; the figure is saved if a path is given.
+
+    Raises
+    ------
+    OptionError
+        If there is nothing to draw, or the file cannot be written.
+    """
+    if not several:
+        raise OptionError("several = () must be at least one result of find_barriers")
 
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -70,7 +80,9 @@ def draw_merge_trees(
         ncols=min(len(handles), 2 * columns),
         fontsize=8,
     )
-    save_figure(figure, target, 200)
+    if path is not None:
+        save_figure(figure, path, 200)
+    return figure
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:

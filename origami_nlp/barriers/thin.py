@@ -50,7 +50,7 @@ def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ())
             continue
         if any(c.held == held and _on(c.states, x) for c in curves):
             continue
-        curve = follow_boundary(model, x, held, stop_at_release=False)
+        curve = follow_boundary(State(model, x).on(held), stop_at_release=False)
         if curve is None or curve.dimension != 1:
             continue
         curves += _thin_part(state, held, model.reduce(curve.fold_angles))

@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
 from origami_nlp.numerics import ANSWERED
-from origami_nlp.programme import Model, Programme
+from origami_nlp.programme import Model, Solvable
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -77,7 +77,7 @@ FEASIBLE = ANSWERED
 """An answer that violates a constraint by more is not claimed, whatever a solver's status says."""
 
 
-def draw_starts(model: Programme, seed: int, count: int) -> tuple[list[StartPoint], float]:
+def draw_starts(model: Solvable, seed: int, count: int) -> tuple[list[StartPoint], float]:
     """Return the package's starts for `seed`, and the seconds that one took to draw and project."""
     rng = np.random.default_rng([seed, 1])
     begin = time.process_time()
@@ -97,7 +97,7 @@ def draw_starts(model: Programme, seed: int, count: int) -> tuple[list[StartPoin
 
 
 def keep_apart(
-    model: Programme,
+    model: Solvable,
     x: np.ndarray,
     pairs: Pairs,
     solve_once: Callable[[np.ndarray, Pairs], Attempt],

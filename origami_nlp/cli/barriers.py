@@ -32,7 +32,7 @@ def barriers(
         barriers_table,
         barriers_to_dict,
         check_freedoms,
-        draw_merge_trees,
+        draw_barriers,
         find_barriers,
         print_barriers,
     )
@@ -52,4 +52,4 @@ def barriers(
     documents = [barriers_to_dict(b) for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
-    out.save("figure", draw_merge_trees, found)
+    out.write("figure", draw_barriers, *found)

@@ -27,11 +27,11 @@ def contacts(
     max_starts: o.MaxStarts = 1000,
 ) -> None:
     """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
-    from origami_nlp.contact import report, report_contacts
+    from origami_nlp.contact import find_contacts, report
 
     out = Output(json=json, markdown=markdown, html=html)
     result = search(read_scene(scene), scene, seed=seed, max_starts=max_starts)
-    found = report_contacts(result, state=state, segments=segments)
+    found = find_contacts(result, state=state, segments=segments)
     report.print_contacts(found, out.console)
     out.write("json", report.contacts_to_dict, found)
     out.write("markdown", report.as_markdown, found)

@@ -38,7 +38,7 @@ def critical(
         points_table,
     )
     from origami_nlp.show import rows_markdown, rows_table
-    from origami_nlp.space import analyse_space
+    from origami_nlp.space import find_space
 
     out = Output(json=json, markdown=markdown)
     if json == "-" and scene is None:
@@ -56,7 +56,7 @@ def critical(
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
                 report(text=f"{name}: space")
-                euler[shape] = analyse_space(stated).euler_characteristic
+                euler[shape] = find_space(stated).euler_characteristic
         verdict = found.verdict(euler[shape])
         rows.append(panel_row(found, verdict.euler_characteristic))
         data.append(

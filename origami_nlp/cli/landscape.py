@@ -37,10 +37,10 @@ def landscape(
     from origami_nlp.critical import find_critical_points
     from origami_nlp.landscape import (
         draw_landscape,
-        exact_landscape,
+        find_landscape,
         landscape_to_dict,
     )
-    from origami_nlp.space import analyse_space
+    from origami_nlp.space import find_space
 
     out = Output(figure=figure, npz=npz, json=json)
     stated = read_scene(scene)
@@ -55,7 +55,7 @@ def landscape(
         )
     result = search(stated, scene, seed=seed, full=True)
     with progress("boundary"):
-        exact = exact_landscape(result, size)
+        exact = find_landscape(result, size)
     exact.tell(out.console)
     barriers = None
     if json or passes:
@@ -66,7 +66,7 @@ def landscape(
             out.say(f"pass {step.from_state} - {step.to_state}: {kind}", highlight=False)
     if json:
         with progress("space and critical points"):
-            space = analyse_space(stated)
+            space = find_space(stated)
             critical = find_critical_points(stated, result, seed=seed)
         out.say(critical.verdict(space.euler_characteristic).text, highlight=False)
         out.write("json", landscape_to_dict, exact, space, critical, barriers)

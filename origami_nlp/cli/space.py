@@ -19,12 +19,12 @@ def space(
     figure: o.FigureFile = None,
 ) -> None:
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
-    from origami_nlp.space import analyse_space, draw_space, print_space
+    from origami_nlp.space import draw_space, find_space, print_space
 
     out = Output(json=json, figure=figure)
     stated = read_scene(scene)
     with progress(f"{stated.label or scene}: mesh, walls, layers"):
-        found = analyse_space(stated, size)
+        found = find_space(stated, size)
     print_space(found, out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_space, found)

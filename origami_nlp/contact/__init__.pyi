@@ -1,8 +1,11 @@
 from . import report as report
-from .pinned import report_contacts as report_contacts
+from .figure import draw_contacts as draw_contacts
+from .pinned import find_contacts as find_contacts
+from .report import ContactReport as ContactReport
 from .segments import (
     SLOPE as SLOPE,
     STIFFNESS as STIFFNESS,
     find_segments as find_segments,
     flat_parts as flat_parts,
 )
+from .segments_figure import draw_segments as draw_segments

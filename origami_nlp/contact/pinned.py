@@ -15,7 +15,7 @@ from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 
 
-def report_contacts(
+def find_contacts(
     result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
     """Report on the minima of `result` that have closed contacts.

@@ -12,6 +12,7 @@ Written with NumPy from the fold angles alone, independent of the CasADi model.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,6 +108,16 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
+def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
+    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
+
+    rays [..., R, 3], pairs of positions [P, 2] -> [..., P].
+    """
+    arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
+    first, second = np.asarray(pairs).T % rays.shape[-2]
+    return crossing_depth(arcs[..., first, :, :], arcs[..., second, :, :])
+
+
 def _check_elements(elements: object) -> None:
     if not isinstance(elements, tuple | list) or not all(
         isinstance(e, tuple) and len(e) == 2 and isinstance(e[0], int) and isinstance(e[1], bool)
@@ -164,11 +175,10 @@ def examine(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
     n = len(phi)
-    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
     i, j = np.triu_indices(n, 2)
     apart = ~((i == 0) & (j == n - 1))
     i, j = i[apart], j[apart]
-    depth = crossing_depth(arcs[i], arcs[j])
+    depth = pair_depths(creases, np.stack([i, j], axis=-1))
     if depth.size and depth.max() > tolerance:
         m = int(depth.argmax())
         return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")

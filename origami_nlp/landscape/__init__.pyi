@@ -1,6 +1,6 @@
 from .exact import (
     ExactLandscape as ExactLandscape,
-    exact_landscape as exact_landscape,
+    find_landscape as find_landscape,
     to_arrays as to_arrays,
 )
 from .figure import draw_landscape as draw_landscape

@@ -114,7 +114,7 @@ class ExactLandscape(Told):
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
 
 
-def exact_landscape(
+def find_landscape(
     result: MinimaResult, size: int = 401, *, boundary: Boundary | None = None
 ) -> ExactLandscape:
     """Put a landscape together.

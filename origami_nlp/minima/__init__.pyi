@@ -18,11 +18,12 @@ from .ipopt import (
     build_solver as build_solver,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
-from .plain import result_from_dict as result_from_dict, result_to_dict as result_to_dict
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,
     print_result as print_result,
+    result_from_dict as result_from_dict,
+    result_to_dict as result_to_dict,
 )
 from .search import (
     FEW_PAIRS as FEW_PAIRS,

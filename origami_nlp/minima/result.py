@@ -1,10 +1,17 @@
-"""What a search for minima returns, and how it tells itself."""
+"""What a search for minima returns, how it tells itself, and its JSON, schema ``origami-nlp/minima/1``.
+
+In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
+A multiplier range that never ends, or a residual that does not apply, is null.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
+from origami_nlp.errors import OptionError
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.telling import (
     geometry_lines,
@@ -13,9 +20,13 @@ from origami_nlp.minima.telling import (
     states_table,
     undecided_lines,
 )
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Piece, Table, Told, Words
+from origami_nlp.show import Piece, Table, Told, Words, check_schema, from_plain, pick, to_plain
+
+SCHEMA = "origami-nlp/minima/1"
+NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
+"""What null stands for, by field; nan elsewhere."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,8 +56,60 @@ class MinimaResult(Told):
 
         return as_html(self.scene, self.minima, self.model.freedom, self.search, picture=picture)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return a result as plain JSON data."""
+        relations = to_plain(self.scene.relations)
+        for key in ("made_exact", "different"):
+            found = getattr(self.scene.relations, key)
+            relations[key] = [{**to_plain(r), "text": r.text} for r in found]
+        return {
+            "schema": SCHEMA,
+            "scene": scene_to_dict(self.scene),
+            "model": pick(
+                self.model,
+                "variables=size",
+                "equalities=equation_count",
+                "inequalities=inequality_count",
+                "contact_pairs",
+                geometry=relations,
+                left_out=[pick(item, "what", "why") for item in self.model.left_out],
+            ),
+            "search": to_plain(self.search),
+            "minima": [_minimum_to_dict(m) for m in self.minima],
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> MinimaResult:
+        """Rebuild a result from `to_dict` (the model is posed anew from the scene).
+
+        Raises
+        ------
+        OptionError
+            If `data` is not of this schema.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        scene = scene_from_dict(data["scene"])
+        if "geometry" in data["model"]:
+            scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
+        search = from_plain(SearchReport, data["search"], NULL)
+        minima = []
+        for m in data["minima"]:
+            contacts = [{"creases": (), "facets": (), **c} for c in m["contacts"]]
+            minima.append(from_plain(Minimum, {**m, "contacts": contacts}, NULL))
+        return cls(scene, Model(scene), tuple(minima), search)
+
     def _repr_html_(self) -> str:
         return self.to_html()
 
 
+def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
+    data = to_plain(m)
+    for contact in data["contacts"]:  # who touches: creases or facets
+        del contact["facets" if contact["creases"] else "creases"]
+    if m.full_space is None:
+        del data["full_space"]
+    return data
+
+
 minima_table, print_result = MinimaResult.table, MinimaResult.tell
+result_to_dict, result_from_dict = MinimaResult.to_dict, MinimaResult.from_dict

@@ -27,6 +27,7 @@ from .tolerances import (
     RESOLVED as RESOLVED,
     ROUNDED as ROUNDED,
     SAME as SAME,
+    SETTLED as SETTLED,
     STATIONARY as STATIONARY,
     SUMMED as SUMMED,
     TOUCHES as TOUCHES,

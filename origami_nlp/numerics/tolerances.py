@@ -54,6 +54,9 @@ RESOLVED = 1e-7
 and events that are closer are one.  Ten times `TOUCHES`, so that none is taken for a contact."""
 SAME = 1e-8
 """Two polished states whose fold angles differ by no more are one."""
+SETTLED = 1e-6
+"""Two ends of Newton, corners of curves, or roots on a circle are one: where a root is double, or curves touch, a
+residual of `CLOSES` is a distance of its square root."""
 NEAR_CONTACT = 1e-6
 """A curve has reached a contact: the opening that is left after bisection of a step to 1e-9."""
 

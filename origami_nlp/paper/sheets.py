@@ -21,7 +21,7 @@ from origami_nlp.landscape import (
     ExactLandscape,
     PanelStyle,
     draw_panel,
-    exact_landscape,
+    find_landscape,
     legend_of,
     write_counts,
 )
@@ -103,7 +103,7 @@ def find_panels(
         for k, scene in enumerate(scenes):
             result = find_minima(scene, seed=seed, full=True)
             finished()
-            panels.append(exact_landscape(result, size, boundary=boundaries[k % columns]))
+            panels.append(find_landscape(result, size, boundary=boundaries[k % columns]))
             finished()
         return panels
     with worker_pool(count) as pool:
@@ -115,9 +115,7 @@ def find_panels(
         waiting = []
         for k, future in enumerate(searched):
             result, boundary = future.result(), traced[k % columns].result()
-            waiting.append(
-                _submit(pool, finished, exact_landscape, result, size, boundary=boundary)
-            )
+            waiting.append(_submit(pool, finished, find_landscape, result, size, boundary=boundary))
         return [panel.result() for panel in waiting]
 
 

@@ -26,7 +26,7 @@ from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.events import SEEN, Event, System, find_events, walls_of
 from origami_nlp.space.family import Signature, Sweep, Transition, Witness
-from origami_nlp.space.find import analyse_space
+from origami_nlp.space.find import find_space
 from origami_nlp.space.mesh import MeshError
 from origami_nlp.space.result import Space
 
@@ -79,7 +79,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature | None:
         try:
-            return signature_of(analyse_space(make(alpha), size))
+            return signature_of(find_space(make(alpha), size))
         except MeshError:  # features thinner than the mesh resolves
             return None
 
@@ -106,7 +106,7 @@ def find_transitions(
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)
         around = tuple(
-            signature_of(analyse_space(make(a), size)) for a in (alpha - SIDE, alpha, alpha + SIDE)
+            signature_of(find_space(make(a), size)) for a in (alpha - SIDE, alpha, alpha + SIDE)
         )
         changes = _changes(around[0], around[1], around[2])
         if not changes:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.contact import report_contacts
+from origami_nlp.contact import find_contacts
 from origami_nlp.contact.figure import draw_contacts, images
 from origami_nlp.contact.report import SOFT, ContactReport, margin_number
 from tests.command_line import run, scene_file
@@ -21,7 +21,7 @@ from tests.computed_once import panel_result
 @pytest.fixture(scope="module")
 def report() -> ContactReport:
     result = panel_result(o.examples.degree8("pi/12", 0.01))
-    return report_contacts(result, segments=True)
+    return find_contacts(result, segments=True)
 
 
 def test_command_writes_all_its_files(tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
 
 def test_every_status_of_a_margin_has_words() -> None:
     result = panel_result(o.examples.degree6("pi/3", 1.0))
-    report = report_contacts(result, check=False)
+    report = find_contacts(result, check=False)
     words = {s.margin.status: margin_number(s.margin) for s in report.states}
     assert words["zero"] == "0" and words["unbounded"] == "unbounded"
     assert float(words["exact"]) > 0
@@ -108,7 +108,7 @@ def test_page_is_static_and_escaped(report: ContactReport) -> None:
     named = o.Scene(
         scene.vertex, scene.stiffness, scene.rest_angles, "D2", scene.contact, name="<b>&co"
     )
-    odd = report_contacts(dataclasses.replace(report.result, scene=named), check=False)
+    odd = find_contacts(dataclasses.replace(report.result, scene=named), check=False)
     page = odd.to_html()
     assert "<b>&co" not in page and "&lt;b&gt;&amp;co" in page
 

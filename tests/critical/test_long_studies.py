@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from origami_nlp.critical import compare_minima, find_critical_points, panel_row
-from origami_nlp.space import analyse_space
+from origami_nlp.space import find_space
 from tests.computed_once import panel_result
 from tests.critical.test_critical_points import (
     PANELS,
@@ -23,7 +23,7 @@ DOC = Path(__file__).parents[2] / "docs" / "critical_points.md"
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
 def test_every_panel_closes_with_the_same_minima(scene):
     found = compare_minima(find_critical_points(scene, all_links=True), panel_result(scene))
-    euler = analyse_space(scene).euler_characteristic
+    euler = find_space(scene).euler_characteristic
     assert found.doubts == () and found.verdict(euler).closes
     assert found.comparison.agree
     row = "| " + " | ".join(panel_row(found, euler)) + " |"
@@ -34,7 +34,7 @@ def test_every_panel_closes_with_the_same_minima(scene):
 @pytest.mark.parametrize("scene", SHAPES, ids=lambda s: s.name)
 def test_random_energies_have_one_sum(scene):
     rng = np.random.default_rng(11)
-    euler = analyse_space(scene).euler_characteristic
+    euler = find_space(scene).euler_characteristic
     for _ in range(12):
         found = find_critical_points(random_energy(scene, rng), all_links=True)
         assert found.morse_sum == euler, found.to_dict()

@@ -11,7 +11,7 @@ from origami_nlp.chart import (
     with_energy,
 )
 from origami_nlp.contact import find_segments
-from origami_nlp.landscape import exact_landscape
+from origami_nlp.landscape import find_landscape
 from origami_nlp.landscape.exact import metastable_stretches
 from origami_nlp.landscape.panel import fill_outwards
 from tests.computed_once import PANELS, panel_boundary, panel_result
@@ -42,7 +42,7 @@ def test_metastable_stretches_are_those_of_the_segments():
 
 def test_colours_go_on_beyond_the_edge_and_not_inside():
     scene = SCENES["pi/4"]
-    panel = exact_landscape(o.find_minima(scene, max_starts=1), 61, boundary=boundary("pi/4"))
+    panel = find_landscape(o.find_minima(scene, max_starts=1), 61, boundary=boundary("pi/4"))
     branch = panel.chart.branches[0]
     known = np.isfinite(branch.energy)
     filled = fill_outwards(branch, 2)

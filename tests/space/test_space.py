@@ -13,7 +13,7 @@ from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
-from origami_nlp.space import analyse_space, topology
+from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.mesh import SEAM, mesh_sheets
 from tests.computed_once import once
@@ -33,12 +33,12 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def spaces():
-    return once("spaces", lambda: {k: analyse_space(scene, 16) for k, scene in SCENES.items()})
+    return once("spaces", lambda: {k: find_space(scene, 16) for k, scene in SCENES.items()})
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_topology_does_not_depend_on_the_mesh(spaces, name):
-    coarse, middle = analyse_space(SCENES[name], 11), spaces[name]
+    coarse, middle = find_space(SCENES[name], 11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
 
@@ -47,7 +47,7 @@ def test_topology_does_not_depend_on_the_mesh(spaces, name):
 @pytest.mark.parametrize("name", SCENES)
 def test_topology_does_not_depend_on_fine_meshes(spaces, name):
     for size in (65, 128):
-        fine = analyse_space(SCENES[name], size)
+        fine = find_space(SCENES[name], size)
         assert fine.signature == spaces[name].signature
         assert fine.picture_holes == spaces[name].picture_holes
 
@@ -203,7 +203,7 @@ def test_picture_joins_states_that_are_apart(spaces):
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
 def test_every_sector_angle_gives_a_sound_space(alpha, make):
-    space = analyse_space(make(alpha), 12)
+    space = find_space(make(alpha), 12)
     assert space.euler_characteristic == len(space.components) - space.holes
     assert all(c.closed_surfaces == 0 for c in space.components)
     _, q = fold_vertex(space.scene.vertex, space.mesh.fold_angles)
@@ -262,11 +262,11 @@ def test_topology_of_known_complexes():
 
 def test_bad_input_is_refused_in_one_line(tmp_path):
     with pytest.raises(OptionError, match="size = 4"):
-        analyse_space(degree6("pi/4"), 4)
+        find_space(degree6("pi/4"), 4)
     with pytest.raises(OptionError, match="contact"):
-        analyse_space(degree6("pi/4", contact="none"))
+        find_space(degree6("pi/4", contact="none"))
     with pytest.raises(OptionError, match="symmetry"):
-        analyse_space(degree6("pi/4", symmetry="none"))
+        find_space(degree6("pi/4", symmetry="none"))
 
 
 def test_command_writes_json_and_figures(tmp_path):

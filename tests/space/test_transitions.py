@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import degree6, degree8
-from origami_nlp.space import analyse_space, find_transitions
+from origami_nlp.space import find_space, find_transitions
 from origami_nlp.space.events import find_events
 from origami_nlp.space.transitions import signature_of
 from tests.computed_once import once
@@ -59,7 +59,7 @@ def test_curves_of_events_are_told(events6):
 )
 def test_signatures_on_both_sides(make, alpha, changes):
     below, at, above = (
-        signature_of(analyse_space(make(a), 12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
+        signature_of(find_space(make(a), 12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
     )
     assert below.topology == above.topology
     assert below.corners != above.corners

@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from computed_once import panel_result
 from rich.console import Console
 
-from origami_nlp.contact import report_contacts
+from origami_nlp.contact import find_contacts
 from origami_nlp.critical import compare_minima, find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.landscape import exact_landscape
+from origami_nlp.landscape import find_landscape
 from origami_nlp.pattern import examples
 from origami_nlp.show import (
     Table,
@@ -29,7 +28,8 @@ from origami_nlp.show import (
     pick,
     to_plain,
 )
-from origami_nlp.space import analyse_space
+from origami_nlp.space import find_space
+from tests.computed_once import panel_result
 
 
 class Step(NamedTuple):
@@ -163,9 +163,9 @@ def test_results_travel_and_print_the_same():
     result = panel_result(scene)
     result.model.energy(np.zeros(result.model.size))  # a model that was used
     points = compare_minima(find_critical_points(scene, samples=512), result)
-    contacts = report_contacts(result, segments=True, check=False)
-    results = [result, points, contacts, contacts.segments, analyse_space(scene, 16)]
-    for found in [*results, exact_landscape(result, 31)]:
+    contacts = find_contacts(result, segments=True, check=False)
+    results = [result, points, contacts, contacts.segments, find_space(scene, 16)]
+    for found in [*results, find_landscape(result, 31)]:
         again = pickle.loads(pickle.dumps(found))
         assert repr(again) == repr(found) and len(repr(found)) > 40
     again = pickle.loads(pickle.dumps(result))

@@ -1,0 +1,33 @@
+from . import cone as cone, sweep as sweep
+from .barriers import Barriers as Barriers, find_barriers as find_barriers
+from .contact import (
+    ContactReport as ContactReport,
+    find_contacts as find_contacts,
+    find_segments as find_segments,
+)
+from .critical import CriticalPoints as CriticalPoints, find_critical_points as find_critical_points
+from .errors import OrigamiError as OrigamiError
+from .folding import examine as examine
+from .kkt import State as State, Stratum as Stratum, classify as classify
+from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
+from .minima import (
+    MinimaResult as MinimaResult,
+    Minimum as Minimum,
+    draw_minima as draw_minima,
+    find_minima as find_minima,
+    write_fold as write_fold,
+    write_mesh as write_mesh,
+)
+from .pattern import (
+    Scene as Scene,
+    Vertex as Vertex,
+    examples as examples,
+    format_scene as format_scene,
+    parse_scene as parse_scene,
+    read_fold_scene as read_fold_scene,
+    read_scene as read_scene,
+)
+from .programme import Model as Model
+from .results import draw as draw, load as load, save as save, to_frame as to_frame
+from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
+from .version import __version__ as __version__
