@@ -130,6 +130,14 @@ def load(path: str | PathLike[str]) -> Any:
     ------
     OptionError
         If the file is no JSON, or of no schema that can be read back.
+
+    Examples
+    --------
+    >>> import os, tempfile, origami_nlp as o
+    >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
+    >>> o.save(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> type(o.load(path)).__name__
+    'MinimaResult'
     """
     from origami_nlp.files import read_limited
 

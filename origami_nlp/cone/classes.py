@@ -117,7 +117,12 @@ def odd_crease_numbers(
 class EnergyClass:
     """Branches of equal energy: a valley flaps, 2j changes around the ring, and a direction.
 
-    cone: degree and rules.  direction: +1 up, -1 down.
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    direction
+        +1 up, -1 down.
     """
 
     cone: Cone

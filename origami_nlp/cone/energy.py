@@ -43,7 +43,12 @@ Pair = tuple[Any, Any]
 class OddCreases:
     """One odd crease of each size P, S, X at elevations s >= 0, and what it adds to A; [..., 3] each.
 
-    size, first, second: the fold angle's size and its derivatives by s.  pull: g * signs, broadcast against size.
+    Attributes
+    ----------
+    size, first, second
+        The fold angle's size and its derivatives by s.
+    pull
+        g * signs, broadcast against size.
     """
 
     size: np.ndarray
@@ -90,8 +95,16 @@ class OddCreases:
 class SideEnergy:
     """Energy of classes of branches of one direction, with one rest state.
 
-    cone: degree and rules.  valleys, changes: of the classes, [m].  direction: +1 up, -1 down.
-    rest: rest angles; arrays of them only where `at` takes a single row.
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    valleys, changes
+        Of the classes, [m].
+    direction
+        +1 up, -1 down.
+    rest
+        Rest angles; arrays of them only where `at` takes a single row.
     """
 
     cone: Cone

@@ -33,9 +33,12 @@ LIMB = 30
 class CountMap:
     """Numbers of branch minima, shape [ratios, elevations] each.
 
-    cone: degree and rules.
-    interior, contact, cut: by kind, see `ConeMinima`; int64 where all numbers fit, else exact
-    Python integers (dtype object).
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    interior, contact, cut
+        By kind, see `ConeMinima`; int64 where all numbers fit, else exact Python integers (dtype object).
     """
 
     cone: Cone

@@ -103,7 +103,12 @@ def _check_rule(name: str, value: object, rules: tuple[str, ...]) -> None:
 class Rest:
     """Rest angles of a cone.
 
-    elevation: v_0, signed.  odd, even: of all odd and all even creases.  Numbers, or arrays that are broadcast [rad].
+    Attributes
+    ----------
+    elevation
+        v_0, signed [rad].
+    odd, even
+        Of all odd and all even creases.  Numbers, or arrays that are broadcast [rad].
     """
 
     elevation: Any
