@@ -13,6 +13,4 @@ CasADi, matplotlib and SymPy only when something needs them.
 
 import lazy_loader
 
-from origami_nlp.version import __version__ as __version__
-
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -318,7 +318,26 @@ def flat_parts(
     stiffness: float,
     angles: list[np.ndarray],
 ) -> list[Segment]:
-    """Cut the metastable stretches out of one curve; their ends are interpolated between points."""
+    """Cut the metastable stretches out of one curve; their ends are interpolated between points.
+
+    Parameters
+    ----------
+    curve
+        With energies.
+    number
+        Of the curve, as `Segment.curve`.
+    total
+        Sum of all stiffnesses.
+    slope, stiffness
+        The thresholds, as for `find_segments`.
+    angles
+        Fold angles of the minima, [N] each [rad].
+
+    Returns
+    -------
+    list of Segment
+        In order of arclength.
+    """
     steep = np.abs(curve.slope) / (math.pi * total)
     bent = np.abs(curve.stiffness) / total
     excess = np.maximum(steep / slope, bent / stiffness) - 1

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-import origami_nlp
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
@@ -25,6 +24,7 @@ from origami_nlp.folding import SNAP, fold_vertex, layer_problem, ordered
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
+from origami_nlp.version import __version__
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
@@ -43,7 +43,7 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
     states = [_state_frame(scene, k, m) for k, m in enumerate(result.minima, start=1)]
     data: dict[str, Any] = {
         "file_spec": 1.1,
-        "file_creator": f"origami_nlp {origami_nlp.__version__}",
+        "file_creator": f"origami_nlp {__version__}",
         "file_classes": ["singleModel"],
         "file_title": scene.name or "origami vertex",
         "edges_vertices": edges,
