@@ -18,7 +18,7 @@ import pytest
 import origami_nlp
 
 PACKAGE = Path(origami_nlp.__file__).parent
-ROOMS = "pattern folding files contact space landscape sweep show".split()
+ROOMS = "pattern folding files contact space landscape cone sweep show".split()
 WITH_EXAMPLES = sorted(
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     for path in PACKAGE.rglob("*.py")
@@ -111,9 +111,10 @@ def test_a_public_name_says_all_and_shows_an_example(name):
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_functions_of_a_room_say_all(room):
+def test_functions_and_results_of_a_room_say_all(room):
     face = functions_and_classes(import_module(f"origami_nlp.{room}"))
-    lacks = {name: list(lacking(f)) for name, f in face.items() if inspect.isfunction(f)}
+    said = {n: f for n, f in face.items() if inspect.isfunction(f) or is_dataclass(f)}
+    lacks = {name: list(lacking(f)) for name, f in said.items()}
     assert not {name: what for name, what in lacks.items() if what}
 
 

@@ -1,8 +1,8 @@
 """Barriers: for each pair of minima the lowest pass between them, and a path through it.
 
-A graph of admissible states (`barriers_graph`) and its merge tree (`barriers_merge_tree`) say where sublevel
+A graph of admissible states (`graph`) and its merge tree (`merge_tree`) say where sublevel
 sets of the energy first meet; Newton on the KKT system makes the top of each lowest path an exact pass
-(`barriers_pass`, `barriers_refine`).  `barriers_full` looks at the same pairs without the symmetry.
+(`passes`, `refine`).  `full` looks at the same pairs without the symmetry.
 """
 
 from __future__ import annotations

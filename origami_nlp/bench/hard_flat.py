@@ -70,7 +70,7 @@ def known_state(
     )
     verdict, note = f"{m.kind}, dimension {m.local_dimension}", ""
     if bound < far <= 1.001 * SAME:
-        note = "a flat folding within 1e-6 is taken for the same state (solve.search.SAME)"
+        note = "a flat folding within 1e-6 is taken for the same state (minima.search)"
     return Outcome(setting, measured, verdict, True, result.search.iterations, note=note)
 
 

@@ -121,6 +121,10 @@ class EnergyClass:
     ----------
     cone
         Degree and rules.
+    valleys
+        Number a of valley flaps.
+    changes
+        Number 2j of changes between valley and mountain around the ring.
     direction
         +1 up, -1 down.
     """
@@ -196,6 +200,11 @@ def energy_classes(cone: Cone | int) -> list[EnergyClass]:
     ----------
     cone
         A `Cone`, or its degree.
+
+    Returns
+    -------
+    list of EnergyClass
+        The classes.
 
     Raises
     ------

@@ -316,7 +316,22 @@ def finite_quotient(odd: Any, even: Any) -> np.ndarray:
 
 
 def class_energy(branches: EnergyClass, t: Any, elevation: Any) -> EnergyAt:
-    """Evaluate one class at t = |v| >= 0 and rest elevations v_0, broadcast against each other [rad]."""
+    """Evaluate the energy of one class of branches.
+
+    Parameters
+    ----------
+    branches
+        The class.
+    t
+        |v| >= 0 [rad].
+    elevation
+        Rest elevation v_0, signed [rad], broadcast against `t`.
+
+    Returns
+    -------
+    EnergyAt
+        Energy and its derivatives by t, per k_odd.
+    """
     nu = np.asarray(elevation, dtype=float)
     own = np.array([branches.valleys]), np.array([branches.changes])
     rest = Rest(nu, *branches.cone.rest_angles(nu))

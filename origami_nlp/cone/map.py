@@ -37,8 +37,14 @@ class CountMap:
     ----------
     cone
         Degree and rules.
+    ratios
+        r = k_even/k_odd of the rows.
+    elevations
+        Rest elevations nu_0 of the columns [rad].
     interior, contact, cut
         By kind, see `ConeMinima`; int64 where all numbers fit, else exact Python integers (dtype object).
+    depth
+        Least depth of a minimum that counts, (U_flat - U)/U_flat.
     """
 
     cone: Cone

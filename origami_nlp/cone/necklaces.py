@@ -140,6 +140,11 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     mirrors_differ
         See `foldings`.
 
+    Returns
+    -------
+    int
+        Exact, however large.
+
     Raises
     ------
     OptionError

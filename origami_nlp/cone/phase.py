@@ -127,6 +127,11 @@ def phase_diagram(
 def check_size(size: object) -> None:
     """Complain about a size of a map that is no number of points.
 
+    Parameters
+    ----------
+    size
+        What a user gave.
+
     Raises
     ------
     OptionError

@@ -49,6 +49,8 @@ class PhaseBoundary:
 
     Attributes
     ----------
+    branches
+        The class.
     kind
         See the module.
     rest_elevation

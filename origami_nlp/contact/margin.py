@@ -111,6 +111,8 @@ class CreaseMargin:
 class LoadMargin:
     """The load margin of one state.
 
+    Attributes
+    ----------
     status
         ``exact``: contacts with unique multipliers; `norm` is where one opens.  ``zero``: a closed contact
         carries nothing, so that arbitrarily small loads open it.  ``unbounded``: the contacts lock

@@ -3,7 +3,7 @@
 Kawasaki's and Maekawa's conditions are necessary.  A sector smaller than both neighbours must have one mountain
 and one valley, and may then be crimped: folded away, so that two creases and two sectors fewer are left, which
 fold flat exactly when the whole does (Bern and Hayes, "The complexity of flat origami", 1996).  Where equal
-sectors leave no such choice, the layers are ordered (`model.embedding.examine`).
+sectors leave no such choice, the layers are ordered (`examine`).
 """
 
 from __future__ import annotations

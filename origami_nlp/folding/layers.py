@@ -42,6 +42,8 @@ class LayerProblem:
         Constraints, each a tuple of pairs and the set of truth values that they may take.
     fixed
         Pairs whose order the folds decide.
+    feasible
+        False where no order exists whatever the pairs.
     """
 
     segments: dict[tuple[int, int], list[tuple[Strand, int]]]

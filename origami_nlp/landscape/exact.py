@@ -1,7 +1,7 @@
 """A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
 
-The energy is evaluated on a grid (`tell.landscape`); what bounds it is not: the admissible region is put together from
-contact boundaries traced to rounding (`judge.boundary_lines`), so that the grid's size decides how smooth the colours
+The energy is evaluated on a grid (`chart.landscape`); what bounds it is not: the admissible region is put together from
+contact boundaries traced to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
 are and nothing else.
 """
 
@@ -192,7 +192,7 @@ def find_landscape(
 
 
 def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stretch, ...]:
-    """Find the metastable stretches of every boundary line, with the thresholds of `judge.segments`."""
+    """Find the metastable stretches of every boundary line, with the thresholds of `find_segments`."""
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
     out = []

@@ -47,7 +47,19 @@ def energy_colours() -> Colormap:
 
 @dataclass(frozen=True)
 class PanelStyle:
-    """Sizes in points: star (a marker), line (a boundary), text; numbers: whether minima are numbered."""
+    """Sizes in points.
+
+    Attributes
+    ----------
+    star
+        Of a marker.
+    line
+        Width of a boundary.
+    text
+        Font size.
+    numbers
+        Whether minima are numbered.
+    """
 
     star: float = 15.0
     line: float = 1.1

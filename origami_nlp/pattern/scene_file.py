@@ -1,7 +1,7 @@
 """Scenes as TOML files: read with every mistake named, written so that reading gives the same
 scene.
 
-The file is data: text angles go through `state.angles.parse_angle`, nothing is evaluated.
+The file is data: text angles go through `parse_angle`, nothing is evaluated.
 """
 
 from __future__ import annotations

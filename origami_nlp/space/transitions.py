@@ -4,7 +4,7 @@ Two searches that share only the geometry of the half-chain, and neither is told
 
 - the sweep: X is analysed at many sector angles; where its signature (topology, corners, and the loops of its picture
   in the paper's chart) differs between neighbours, bisection closes in on the change;
-- the events: KKT points of the sector angle (`space_events`), exact to rounding.
+- the events: KKT points of the sector angle (`events`), exact to rounding.
 
 A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at one
 sector angle only).  Brackets without event, and events without change, are reported, not hidden.  Each transition is
