@@ -114,7 +114,7 @@ def run_sweep(
     """Run what is left of a sweep, adding to the store in a folder.
 
     Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
-    goes on from there.
+    goes on from there.  In a script, call it under ``if __name__ == "__main__":``: workers import the script anew.
 
     Parameters
     ----------
