@@ -19,6 +19,7 @@ from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
 from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -157,9 +158,8 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
     energy = float(g.energy[v]) if v in work.exact else merge.height
     x = g.states[v] if v in work.exact else states[int(model.energies(states).argmax())]
     kind = work.kind_of(merge)
-    critical = critical_at(model, x) if kind not in ("mesh", "flat state", "singular") else None
-    contacts = model.closed(x)
-    rows = (contacts.combinations() or [contacts.base])[0]
+    at = State(model, x)
+    critical = critical_at(at) if kind not in ("mesh", "flat state", "singular") else None
     sides = side_of_flat(model.expand(np.array([work.minima[i], work.minima[j]])))
     if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
         why = "proved: admissible states above and below the flat state meet there only"
@@ -173,7 +173,7 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
         energy,
         kind,
         tuple(model.expand(x).tolist()),
-        tuple(model.name(row) for row in rows),
+        tuple(model.name(row) for row in at.pieces[0]),
         critical.residual if critical else math.nan,
         model.expand(states),
         model.energies(states),

@@ -27,12 +27,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.numerics import CLOSES, TOUCHES
 from origami_nlp.pattern import Scene
-
-SHUT = 1e-9
-"""A crease this close to +-pi [rad] is shut: polished states are there to rounding."""
-EQUAL = 1e-12
-"""Sectors that differ by less [rad] are equal."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +68,12 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         hinges = (shut + 1) % 6
         side = np.sign(phi[shut[0]])
         if (
-            np.abs(phi[shut] - side * math.pi).max() > SHUT
-            or np.abs(sectors[shut] - sectors[shut - 1]).max() > EQUAL
-            or abs(phi[hinges].sum() + side * math.pi) > 3 * SHUT
+            np.abs(phi[shut] - side * math.pi).max() > TOUCHES
+            or np.abs(sectors[shut] - sectors[shut - 1]).max() > CLOSES
+            or abs(phi[hinges].sum() + side * math.pi) > 3 * TOUCHES
         ):
             continue
-        wide = hinges[side * phi[hinges] > SHUT]
+        wide = hinges[side * phi[hinges] > TOUCHES]
         if len(wide) != 1:
             return None
         one, two = (h for h in hinges if h != wide[0])

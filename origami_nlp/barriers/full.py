@@ -25,15 +25,18 @@ import numpy as np
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
+from origami_nlp.barriers.thin import last_thin
 from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
-from origami_nlp.numerics import null_space
+from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
 from origami_nlp.show import pick
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
+MEET = 1e-9
+"""Bounds from above and below that differ by less, relative, are one: a path is sampled, its top an exact pass."""
 MOST_STATES = 1500
 """A thin set that has more samples than this is not sampled to its end, and bounds nothing."""
 
@@ -131,7 +134,7 @@ def full_pass(
     for number, state in zip(numbers, states, strict=True):
         if number not in known_exits:
             known_exits[number] = proved_exit(model, state) or exits(
-                model, model.reduce(state), [model.reduce(y) for y in (at, *others)]
+                State(model, model.reduce(state)), [model.reduce(y) for y in (at, *others)]
             )
         out = known_exits[number]
         if out.held and not out.complete:
@@ -143,13 +146,13 @@ def full_pass(
             known_by = out.proof or f"{out.sampled} states of it sampled"
             bounds.append((out.lowest, f"lowest exit of the {what} ({known_by})"))
     lower, why = max(bounds, key=lambda b: b[0])
-    if upper > lower + 1e-9 * max(abs(upper), model.scale):
+    slack = MEET * max(abs(upper), model.scale)
+    if upper > lower + slack:
         why = "; ".join([why, *open_sets])
     index = None
     if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
-        critical = critical_at(model, model.reduce(at))
+        critical = critical_at(State(model, model.reduce(at)))
         index = critical.index if critical else None
-    slack = 1e-9 * max(abs(upper), model.scale)
     if upper <= lower + slack:
         verdict = "same"
     else:
@@ -159,68 +162,61 @@ def full_pass(
     )
 
 
-def proved_exit(model: Model, state: np.ndarray) -> Exits | None:
+def proved_exit(model: Model, fold_angles: np.ndarray) -> Exits | None:
     """Return the exits of the thin set of three closed flaps around a state [N], or None if it is on none."""
-    found = flap_exit(model.scene, state)
+    found = flap_exit(model.scene, fold_angles)
     if found is None:
         return None
-    held = thin_at(State(model, model.reduce(state)))
+    held = thin_at(State(model, model.reduce(fold_angles)))
     proof = f"proved: phi_{found.hinge} = 0 at every way out"
     return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
 
 
-def exits(
-    model: Model,
-    x: np.ndarray,
-    known: Sequence[np.ndarray] = (),
-    spacing: float = EXIT_SPACING,
-) -> Exits:
-    """Sample the thin set around x [n] evenly, and return its lowest exit.
+def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPACING) -> Exits:
+    """Sample the thin set around a state evenly, and return its lowest exit.
 
     Every step along the set is pulled back onto it; a step to a state that is no longer thin has passed an exit,
-    which is then bisected.  Steps to inadmissible states end the set there.  Those of `known` that are exits
+    which is then bisected.  Steps to inadmissible states end the set there.  Those of `known` [n] that are exits
     of this set count as well: samples have to beat them.
     """
-    held = thin_at(State(model, x))
+    model, held = at.programme, thin_at(at)
     if not held:
         return Exits((), 0, math.inf, None, model.freedom)
-    seen = [x]
-    frontier, count, dimension = [x], 1, 0
-    lowest, state = math.inf, None
-    for y in known:
-        if model.energy(y) < lowest and _is_exit(model, y, held):
-            lowest, state = model.energy(y), y
+
+    def is_thin(state: State) -> bool:
+        return set(held) <= set(thin_at(state))
+
+    seen = [at.x]
+    frontier, count, dimension = [at], 1, 0
+    lowest, lowest_at = math.inf, None
+    for other in map(at.at, known):
+        shut = set(held) <= set(other.contacts.base)
+        if other.energy < lowest and shut and not is_thin(other):
+            lowest, lowest_at = other.energy, other.x
     while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
         here = frontier.pop()
-        local = model.local(here)
-        _, a = local.openings(held)
-        tangent = null_space(np.vstack([local.closure_jacobian, a]))
+        _, slopes = here.local.openings(held)
+        tangent = null_space(np.vstack([here.local.closure_jacobian, slopes]))
         dimension = max(dimension, tangent.shape[1])
         for step in _steps(tangent):
-            y, residual = project(model, here + spacing * step, held)
+            y, residual = project(model, here.x + spacing * step, held)
             near = np.linalg.norm(np.array(seen) - y, axis=1).min() < 0.7 * spacing
-            if residual > 1e-11 or near:
+            if residual > CLOSES or near:
                 continue
             seen.append(y)
-            if (np.abs(y) > model.bound + 1e-12).any() or model.refuses(y):
+            there = at.at(y)
+            if (np.abs(y) > model.bound + OUTSIDE).any() or there.refused:
                 continue
-            if set(held) <= set(thin_at(State(model, y))):
-                frontier.append(y)
+            if is_thin(there):
+                frontier.append(there)
                 count += 1
                 continue
-            if min(model.energy(here), model.energy(y)) >= lowest:
+            if min(here.energy, there.energy) >= lowest:
                 continue
-            out = _last_thin(model, here, y, held)
-            energy = model.energy(out)
-            if energy < lowest:
-                lowest, state = energy, out
-    return Exits(held, count, lowest, state, dimension, not frontier)
-
-
-def _is_exit(model: Model, x: np.ndarray, held: tuple[Contact, ...]) -> bool:
-    """Tell whether the contacts `held` are closed at x and need not stay so."""
-    contacts = model.closed(x)
-    return set(held) <= set(contacts.base) and not set(held) <= set(thin_at(State(model, x)))
+            out = at.at(last_thin(here, y, is_thin, held)[1])
+            if out.energy < lowest:
+                lowest, lowest_at = out.energy, out.x
+    return Exits(held, count, lowest, lowest_at, dimension, not frontier)
 
 
 def _steps(tangent: np.ndarray) -> list[np.ndarray]:
@@ -228,19 +224,3 @@ def _steps(tangent: np.ndarray) -> list[np.ndarray]:
     if not d:
         return []
     return [tangent @ np.array(v) for v in itertools.product((-1.0, 0.0, 1.0), repeat=d) if any(v)]
-
-
-def _last_thin(
-    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Contact, ...]
-) -> np.ndarray:
-    """Bisect to where the set stops being thin (to the tolerance of `thin_at`)."""
-    low, high = thin, thick
-    for _ in range(24):
-        middle, residual = project(model, 0.5 * (low + high), held)
-        if residual > 1e-12:
-            break
-        if set(held) <= set(thin_at(State(model, middle))):
-            low = middle
-        else:
-            high = middle
-    return high

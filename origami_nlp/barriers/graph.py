@@ -20,14 +20,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES
-from origami_nlp.programme import Model
+from origami_nlp.numerics import CLOSES, SAME
+from origami_nlp.programme import Model, Programme
 
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
 BISECTIONS = 20
-FLAT = 1e-9
-"""A state with no larger fold angle [rad] is the flat state."""
 ASIDE = 0.15
 """How far an edge may go aside to pass a bent boundary, as a share of its length."""
 
@@ -67,7 +65,7 @@ def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
     attains: the flat state.  Limits of embedded polygons inherit both formulas.
     """
     phi = np.asarray(fold_angles, dtype=float)
-    flat = np.abs(phi).max(axis=-1) <= FLAT
+    flat = np.abs(phi).max(axis=-1) <= SAME
     return np.where(flat, 0, np.sign(phi.sum(axis=-1))).astype(int)
 
 
@@ -132,7 +130,7 @@ def grow(
     return StateGraph(x, energy, edges, middle, height, spacing, complete)
 
 
-def close(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def close(model: Programme, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pull states [K, n] onto loop closure; return them and which of them close."""
     x, residual = project(model, x, steps=12)
     x = np.where(np.abs(np.abs(x) - math.pi) <= CLOSES, np.copysign(math.pi, x), x)
@@ -149,7 +147,7 @@ def _directions(freedom: int) -> np.ndarray:
     return d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
-def _tangents(model: Model, x: np.ndarray) -> np.ndarray:
+def _tangents(model: Programme, x: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the tangent space at each state, [K, n, freedom]; more than that where singular
     states have a larger kernel is left out."""
     _, jac = model.closure(x)
@@ -169,7 +167,7 @@ def _step_out(
     ahead = frontier[:, None] + spacing * np.einsum("kni,di->kdn", tangents, directions)
     origin = np.repeat(frontier, len(directions), axis=0)
     ahead = ahead.reshape(-1, model.size)
-    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) < 1e-9).any():
+    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) <= SAME).any():
         extra = _around(model, spacing)  # the flat state: its tangent cone is no space
         origin = np.vstack([origin, np.zeros_like(extra)])
         ahead = np.vstack([ahead, extra])
@@ -195,7 +193,7 @@ def _step_out(
     return np.array(out).reshape(-1, model.size)
 
 
-def _around(model: Model, spacing: float) -> np.ndarray:
+def _around(model: Programme, spacing: float) -> np.ndarray:
     """Return points around the flat state in all directions of the fold-angle space."""
     d = np.array(
         [v for v in itertools.product((-1, 0, 1), repeat=model.size) if any(v)], dtype=float
@@ -203,7 +201,7 @@ def _around(model: Model, spacing: float) -> np.ndarray:
     return spacing * d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
-def _cut_back(model: Model, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
+def _cut_back(model: Programme, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
     """Return admissible states on the way from `inside` to `outside`, as far as that goes."""
     low, high = np.zeros(len(inside)), np.ones(len(inside))
     best = np.array(inside)
@@ -277,7 +275,7 @@ def _near(x: np.ndarray, spacing: float) -> np.ndarray:
     return np.unique(np.sort(edges[length <= 1.8 * spacing], axis=1), axis=0)
 
 
-def _across(model: Model, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _across(model: Programme, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return tangent vectors of length |b - a| across the edge from a to b, [K, n]."""
     if not len(a):
         return np.zeros_like(a)
@@ -293,11 +291,11 @@ def _across(model: Model, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _reach(
-    model: Model, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
+    model: Programme, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Close the states `want` [K, n]; tell which are admissible and within `stray` [K] of them."""
     y, good = close(model, want)
-    good &= np.linalg.norm(y - want, axis=1) <= stray + 1e-12
+    good &= np.linalg.norm(y - want, axis=1) <= stray + CLOSES
     if only is not None:
         good &= only
     good[good] = model.admissible(y[good])

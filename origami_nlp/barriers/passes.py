@@ -15,9 +15,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.kkt import State, follow, judge_branch, newton, project
-from origami_nlp.numerics import CURVED
-from origami_nlp.programme import Contact, Model
+from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
+from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
+from origami_nlp.programme import Contact, Programme, fold_limit
 from origami_nlp.show import pick
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
@@ -127,39 +127,39 @@ class Descent:
     lands_on: int | None
 
 
-def critical_near(model: Model, starts: np.ndarray, reach: float) -> list[Critical]:
+def critical_near(model: Programme, starts: np.ndarray, reach: float) -> list[Critical]:
     """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
     found: list[Critical] = []
     tried: set[tuple[int, tuple[Contact, ...]]] = set()
     for k, x in enumerate(starts):
-        contacts = model.closed(x, reach)
         sets: list[tuple[Contact, ...]] = [()]
-        for rows in contacts.combinations() or [contacts.base]:
+        for rows in State(model, x, reach).pieces:
             sets += [(row,) for row in rows]
             sets += list(itertools.combinations(rows, 2))
         for rows in dict.fromkeys(sets):
             if len(rows) > model.freedom or (k, rows) in tried:
                 continue
             tried.add((k, rows))
-            state, _ = newton(model, x, rows)
-            if state is None or not state.converged or np.abs(state.x - x).max() > reach:
+            polished, _ = newton(model, x, rows)
+            if polished is None or not polished.converged or np.abs(polished.x - x).max() > reach:
                 continue
-            if any(np.abs(state.x - c.x).max() <= 1e-7 for c in found):
+            if any(np.abs(polished.x - c.x).max() <= SAME for c in found):
                 continue
-            what = critical_at(model, state.x)
-            if what is not None and what.index == 1 and not model.refuses(state.x):
+            state = State(model, polished.x)
+            what = critical_at(state)
+            if what is not None and what.index == 1 and not state.refused:
                 found.append(what)
     return found
 
 
-def critical_at(model: Model, x: np.ndarray) -> Critical | None:
+def critical_at(state: State) -> Critical | None:
     """Judge a polished state: its index on the pieces of the feasible set; None if it is not stationary on each."""
-    state = State(model, x)
+    model, x = state.programme, state.x
     judged = [judge_branch(state.on(rows)) for rows in state.pieces]
     size = 1.0 + float(np.abs(state.gradient).max())
     residual = max(b.multipliers.residual for b in judged) / size
     residual = max(residual, state.residual)
-    if residual > 1e-9:
+    if residual > BALANCED:
         return None
     index, direction = 0, None
     for b in judged:
@@ -168,28 +168,28 @@ def critical_at(model: Model, x: np.ndarray) -> Critical | None:
         if below >= index:
             index, direction = below, b.direction
     if not state.regular:
-        kind: PassKind = "flat state" if np.abs(x).max() <= 1e-9 else "singular"
+        kind: PassKind = "flat state" if np.abs(x).max() <= SAME else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
         kind = "corner"
     else:
         kind = "contact saddle" if judged[0].rows else "saddle"
     if direction is None and index:
-        direction = _bent_down(model, x, judged[0].rows)
+        direction = _bent_down(state.on(judged[0].rows))
     if direction is not None:
         direction = direction / np.linalg.norm(direction)
     return Critical(x, judged[0].rows, index, residual, kind, direction)
 
 
-def _bent_down(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray | None:
-    """Return the direction of lowest curvature with `rows` held closed."""
-    from origami_nlp.path import evaluate  # only where a verdict left it out
-
-    point = evaluate(model, x, rows)
-    return None if point is None else point.tangent / np.sqrt(model.multiplicity)
+def _bent_down(piece: Stratum) -> np.ndarray | None:
+    """Return the direction of lowest curvature that keeps the contacts closed, [n]; None where nothing moves."""
+    z = piece.tangent
+    if not z.shape[1]:
+        return None
+    return z @ np.linalg.eigh(z.T @ piece.hessian @ z)[1][:, 0] / piece.state.programme.root
 
 
 def slide(
-    model: Model, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
+    model: Programme, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
 ) -> Descent | None:
     """Descend from an admissible state; None if the start is not admissible."""
     try:
@@ -197,12 +197,12 @@ def slide(
     except ValueError:
         return None
     near = [float(np.abs(path.end - m).max()) for m in minima]
-    lands = int(np.argmin(near)) if near and min(near) <= 1e-5 else None
+    lands = int(np.argmin(near)) if near and min(near) <= ENDS else None
     return Descent(path.states, lands)
 
 
 def both_sides(
-    model: Model, pass_: Critical, minima: Sequence[np.ndarray]
+    model: Programme, pass_: Critical, minima: Sequence[np.ndarray]
 ) -> tuple[Descent, Descent] | None:
     """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state."""
     if pass_.direction is None:
@@ -214,7 +214,7 @@ def both_sides(
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
             y = np.clip(y, -model.bound, model.bound)
             lower = model.energy_change(pass_.x, y) < 0
-            if residual <= 1e-12 and lower and not model.refuses(y):
+            if residual <= CLOSES and lower and not model.refuses(y):
                 down = slide(model, y, minima)
                 if down is not None:
                     sides.append(down)
@@ -225,19 +225,22 @@ def both_sides(
 
 
 def leg_is_below(
-    model: Model, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
+    model: Programme, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
 ) -> np.ndarray | None:
     """Return states on the straight way from `top` to x, pulled onto closure, if all are admissible and not above
     `level` (rounding allowed); else None."""
     t = np.linspace(0, 1, steps + 1)[1:-1, None]
     out = []
     for want in top + t * (x - top):
-        y, residual = project(model, want, ())
-        if residual > 1e-11 or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
+        y, residual = project(model, want)
+        over = np.flatnonzero(np.abs(y) > model.bound)
+        if model.has_limits and len(over):  # between two states on a wall: stay on it
+            y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])
+        if residual > CLOSES or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
             return None
-        out.append(np.clip(y, -model.bound, model.bound))
+        out.append(y)
     states = np.array(out)
-    slack = 1e-12 * max(abs(level), model.scale)
+    slack = LEVEL * max(abs(level), model.scale)
     if not model.admissible(states).all() or (model.energies(states) > level + slack).any():
         return None
     return states

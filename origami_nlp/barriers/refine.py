@@ -25,6 +25,7 @@ from origami_nlp.barriers.passes import (
 )
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.kkt import State, flat_foldings, thin_at
+from origami_nlp.numerics import LEVEL, SAME
 from origami_nlp.programme import Model
 
 MOST_ROUNDS = 6
@@ -43,7 +44,7 @@ class RefinedGraph:
         known = list(minima)
         self.exact: dict[int, Critical] = {}
         for x in [*flat_foldings(model), *(s for c in self.curves for s in c.states[[0, -1]])]:
-            if not model.refuses(x) and all(np.abs(x - k).max() > 1e-9 for k in known):
+            if not model.refuses(x) and all(np.abs(x - k).max() > SAME for k in known):
                 known.append(x)
         self.singular = range(len(minima), len(known))
         thin = [v for v, x in enumerate(known) if thin_at(State(model, x))]
@@ -53,7 +54,7 @@ class RefinedGraph:
             self.graph.energy, self.graph.edges, self.graph.height, range(len(minima))
         )
         for v in self.singular:
-            flat = np.abs(known[v]).max() <= 1e-9
+            flat = np.abs(known[v]).max() <= SAME
             kind: PassKind = "flat state" if flat else "singular"
             self.exact[v] = Critical(known[v], (), 1, math.nan, kind)
 
@@ -66,7 +67,7 @@ class RefinedGraph:
             here = np.arange(at, at + len(curve.states))
             for v in range(first):
                 gap = np.linalg.norm(curve.states - self.graph.states[v], axis=1)
-                if gap.min() <= 1e-9:
+                if gap.min() <= SAME:
                     links.append((v, int(here[gap.argmin()])))
                 elif v < len(self.minima) and gap.min() <= 0.03:
                     near = np.argsort(gap)[:2]
@@ -125,7 +126,7 @@ class RefinedGraph:
     def top(self, merge: Merge) -> int:
         """Return the vertex at the top of a merging edge: the exact pass if one end is one."""
         g = self.graph
-        slack = 1e-12 * max(abs(merge.height), self.model.scale)
+        slack = LEVEL * max(abs(merge.height), self.model.scale)
         for v in g.edges[merge.edge].tolist():
             if v in self.exact and abs(g.energy[v] - merge.height) <= slack:
                 return v
@@ -176,7 +177,7 @@ class RefinedGraph:
         while True:
             tree = merge_tree(g.energy, g.edges, height, range(len(self.minima)))
             found = tree.barrier(merge.first[0], merge.second[0])
-            if found is None or found.height >= level - 1e-13 * max(abs(level), self.model.scale):
+            if found is None or found.height >= level - LEVEL * max(abs(level), self.model.scale):
                 break
             if v in g.edges[found.edge] or close_by[found.edge] > 4 * self.spacing:
                 break
@@ -196,7 +197,7 @@ class RefinedGraph:
             if (
                 on[0] != on[1]
                 and len(ends) == 1
-                and np.abs(ends[0] - self.graph.states[v]).max() < 1e-9
+                and np.abs(ends[0] - self.graph.states[v]).max() <= SAME
             ):
                 return True
         return False

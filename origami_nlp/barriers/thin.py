@@ -7,18 +7,20 @@ curves instead; where a curve stops being thin it has reached the body, and that
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.kkt import State, project, states_on_limits, thin_at
+from origami_nlp.numerics import CLOSES
 from origami_nlp.path import follow_boundary
 from origami_nlp.programme import Contact, Model
 
-SAME = 0.02
+ON_CURVE = 0.02
 """A state this close [rad] to a curve with the same closed contacts lies on it."""
 SNAP = 2e-6
-"""`thin_at` tells slopes from 1e-9 on, so that it finds an end to about this [rad]."""
+"""`thin_at` tells slopes from `INDEPENDENT` on, so that it finds an end to about this [rad]."""
 SHORTEST = 1e-13
 """Ends of a thin curve are bisected to this length [rad]."""
 
@@ -42,28 +44,31 @@ def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ())
         return []
     curves: list[ThinCurve] = []
     for x in (*known, *states_on_limits(model, np.random.default_rng(seed))):
-        held = thin_at(State(model, x))
-        if not held or model.refuses(x):
+        state = State(model, x)
+        held = thin_at(state)
+        if not held or state.refused:
             continue
         if any(c.held == held and _on(c.states, x) for c in curves):
             continue
-        curve = follow_boundary(model, x, held, stop_at_release=False)
+        curve = follow_boundary(State(model, x).on(held), stop_at_release=False)
         if curve is None or curve.dimension != 1:
             continue
-        curves += _thin_part(model, x, held, model.reduce(curve.fold_angles))
+        curves += _thin_part(state, held, model.reduce(curve.fold_angles))
     return curves
 
 
 def _on(states: np.ndarray, x: np.ndarray) -> bool:
-    return float(np.abs(states - x).max(axis=1).min()) <= SAME
+    return float(np.abs(states - x).max(axis=1).min()) <= ON_CURVE
 
 
-def _thin_part(
-    model: Model, x: np.ndarray, held: tuple[Contact, ...], states: np.ndarray
-) -> list[ThinCurve]:
-    """Cut a followed curve to the stretch around x on which it is thin."""
-    here = int(np.abs(states - x).max(axis=1).argmin())
-    thin = [thin_at(State(model, y)) == held for y in states]
+def _thin_part(at: State, held: tuple[Contact, ...], states: np.ndarray) -> list[ThinCurve]:
+    """Cut a followed curve [m, n] to the stretch around a state on which it is thin."""
+
+    def is_thin(state: State) -> bool:
+        return thin_at(state) == held
+
+    here = int(np.abs(states - at.x).max(axis=1).argmin())
+    thin = [is_thin(at.at(y)) for y in states]
     if not thin[here]:
         return []
     parts, opens = [], []
@@ -76,35 +81,38 @@ def _thin_part(
         # the last sample of a curve may be the end itself, which is thick where the body begins
         opens.append(k + step != stop)
         if k + step != stop:
-            run.append(_last_thin(model, states[k], states[k + step], held))
+            low, high = last_thin(at.at(states[k]), states[k + step], is_thin, held)
+            run.append(_snap(at.at(0.5 * (low + high)), held))
         else:
-            run[-1] = _snap(model, run[-1], held)
+            run[-1] = _snap(at.at(run[-1]), held)
         parts.append(run)
     whole = np.array(parts[0][::-1] + parts[1][1:])
     return [ThinCurve(held, whole, (opens[0], opens[1]))]
 
 
-def _last_thin(
-    model: Model, thin: np.ndarray, thick: np.ndarray, held: tuple[Contact, ...]
-) -> np.ndarray:
-    """Bisect between a thin state and one where the set is thick."""
-    low, high = thin, thick
-    while np.abs(high - low).max() > SHORTEST:
-        middle, residual = project(model, 0.5 * (low + high), held)
-        if residual > 1e-12 or max(np.abs(middle - low).max(), np.abs(middle - high).max()) >= (
-            np.abs(high - low).max()
-        ):
+def last_thin(
+    thin: State, thick: np.ndarray, is_thin: Callable[[State], bool], held: tuple[Contact, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bisect between a state where a set is thin and one [n] where it is not, both with `held` closed.
+
+    Returns the last state seen on either side, as near to each other as projection tells them apart.
+    """
+    low, high = thin.x, thick
+    while (apart := np.abs(high - low).max()) > SHORTEST:
+        middle, residual = project(thin.programme, 0.5 * (low + high), held)
+        if residual > CLOSES or max(np.abs(middle - end).max() for end in (low, high)) >= apart:
             break
-        if thin_at(State(model, middle)) == held:
+        if is_thin(thin.at(middle)):
             low = middle
         else:
             high = middle
-    return _snap(model, 0.5 * (low + high), held)
+    return low, high
 
 
-def _snap(model: Model, state: np.ndarray, held: tuple[Contact, ...]) -> np.ndarray:
+def _snap(state: State, held: tuple[Contact, ...]) -> np.ndarray:
     """Set fold angles within the tolerance of `thin_at` of a multiple of pi/2 to it, where that closes."""
-    whole = 0.5 * math.pi * np.round(state / (0.5 * math.pi))
-    snapped, residual = project(model, np.where(np.abs(state - whole) <= SNAP, whole, state), held)
-    near = residual <= 1e-12 and np.abs(snapped - state).max() <= 2 * SNAP
-    return snapped if near and not model.refuses(snapped) else state
+    model, x = state.programme, state.x
+    whole = 0.5 * math.pi * np.round(x / (0.5 * math.pi))
+    snapped, residual = project(model, np.where(np.abs(x - whole) <= SNAP, whole, x), held)
+    near = residual <= CLOSES and np.abs(snapped - x).max() <= 2 * SNAP
+    return snapped if near and not model.refuses(snapped) else x

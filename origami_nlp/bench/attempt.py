@@ -10,7 +10,8 @@ import numpy as np
 
 from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
-from origami_nlp.programme import Model
+from origami_nlp.numerics import ANSWERED
+from origami_nlp.programme import Model, Solvable
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -72,11 +73,11 @@ class Method:
         return f"{self.name}, {self.setting}" if self.setting else self.name
 
 
-FEASIBLE = 1e-6
+FEASIBLE = ANSWERED
 """An answer that violates a constraint by more is not claimed, whatever a solver's status says."""
 
 
-def draw_starts(model: Model, seed: int, count: int) -> tuple[list[StartPoint], float]:
+def draw_starts(model: Solvable, seed: int, count: int) -> tuple[list[StartPoint], float]:
     """Return the package's starts for `seed`, and the seconds that one took to draw and project."""
     rng = np.random.default_rng([seed, 1])
     begin = time.process_time()
@@ -96,7 +97,10 @@ def draw_starts(model: Model, seed: int, count: int) -> tuple[list[StartPoint], 
 
 
 def keep_apart(
-    model: Model, x: np.ndarray, pairs: Pairs, solve_once: Callable[[np.ndarray, Pairs], Attempt]
+    model: Solvable,
+    x: np.ndarray,
+    pairs: Pairs,
+    solve_once: Callable[[np.ndarray, Pairs], Attempt],
 ) -> Attempt:
     """Solve; facet pairs that the answer makes cross get a plane, and it is solved again.
 
@@ -109,7 +113,7 @@ def keep_apart(
         building += answer.building
         if answer.x is None:
             break
-        crossed = model.crossed(answer.x, 1e-6)
+        crossed = model.crossed(answer.x, ANSWERED)
         if not crossed or set(crossed) <= set(pairs):
             break
         pairs = tuple(sorted({*pairs, *crossed}))

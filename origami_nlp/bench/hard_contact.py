@@ -8,9 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
-from origami_nlp.bench.hard_flat import ROUNDING, nearest, regular_at_pi
+from origami_nlp.bench.hard_flat import nearest, regular_at_pi
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
+from origami_nlp.numerics import ROUNDED
 from origami_nlp.pattern import Scene, examples
 from origami_nlp.programme import Model
 
@@ -42,8 +43,8 @@ def _weakly_active() -> Iterator[Outcome]:
         error = abs(pushes[0] - moment) if pushes else math.inf
         # the rest angle is rounded to 4e-16: so is the moment
         measured = (
-            Measured("angles", float(np.abs(state.x - x).max()), ROUNDING),
-            Measured("multiplier", error, max(1e-12, ROUNDING)),
+            Measured("angles", float(np.abs(state.x - x).max()), ROUNDED),
+            Measured("multiplier", error, max(1e-12, ROUNDED)),
         )
         pinned = what.kind == "contact-pinned"
         right = what.verdict == "minimum" and (pinned if moment >= 1e-10 else not moment or True)
@@ -66,8 +67,8 @@ def _handles() -> Iterator[Outcome]:
         ranges = [c.multiplier_range for c in m.contacts]
         open_ended = sum(math.isinf(high) for _, high in ranges)
         measured = (
-            Measured("angles", far, ROUNDING),
-            Measured("energy", abs(m.energy / energy - 1), ROUNDING),
+            Measured("angles", far, ROUNDED),
+            Measured("energy", abs(m.energy / energy - 1), ROUNDED),
         )
         verdict = (
             f"{m.kind}, dimension {m.local_dimension}, {len(ranges)} rows, {open_ended} unbounded"

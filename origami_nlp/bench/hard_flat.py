@@ -11,35 +11,25 @@ from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.kkt import BATCH, State, classify, polish, project
 from origami_nlp.minima import (
-    SAME,
     MinimaResult,
     Minimum,
     Record,
     find_minima,
     solve_without_crossing,
 )
+from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
-from origami_nlp.programme import Contact, Model
-
-ROUNDING = 1e-14
-"""Bound on fold angles that are known exactly [rad]."""
-EPS = float(np.finfo(float).eps)
+from origami_nlp.programme import Model
 
 
 def _vertex(sectors: tuple[str, ...]) -> Vertex:
     return Vertex(parse_angles(sectors, "sector_angles"))
 
 
-def rows_closed(model: Model, x: np.ndarray) -> tuple[Contact, ...]:
-    """Return the contacts closed at a polished state, on its first smooth piece."""
-    contacts = model.closed(x)
-    return (contacts.combinations() or [contacts.base])[0]
-
-
 def exact_state(model: Model, x: np.ndarray) -> Reference | None:
     """Return the 50-digit solution next to a polished state x [n], None where there is none."""
     try:
-        return solve_reference(model, x, rows_closed(model, x))
+        return solve_reference(model, x, State(model, x).pieces[0])
     except Unsolved:
         return None
 
@@ -55,7 +45,7 @@ def nearest(result: MinimaResult, fold_angles: object) -> tuple[Minimum | None, 
 
 
 def known_state(
-    setting: str, scene: Scene, fold_angles: object, energy: float, bound: float = ROUNDING
+    setting: str, scene: Scene, fold_angles: object, energy: float, bound: float = ROUNDED
 ) -> Outcome:
     """Search a scene for a state that is known exactly and must be a minimum of it."""
     result = find_minima(scene)
@@ -66,11 +56,11 @@ def known_state(
     measured = (
         Measured("angles", far, bound),
         Measured("energy", abs(m.energy - energy) / max(energy, unit), bound),
-        Measured("closure", m.closure_residual, ROUNDING),
+        Measured("closure", m.closure_residual, ROUNDED),
     )
     verdict, note = f"{m.kind}, dimension {m.local_dimension}", ""
     if bound < far <= 1.001 * SAME:
-        note = "a flat folding within 1e-6 is taken for the same state (minima.search)"
+        note = f"a flat folding within {SAME:g} is taken for the same state"
     return Outcome(setting, measured, verdict, True, result.search.iterations, note=note)
 
 
@@ -88,7 +78,7 @@ def _flat_starts() -> Iterator[Outcome]:
         what = classify(State(model, state.x), polished=state.converged)
         exact = exact_state(model, state.x)
         left = float(np.abs(state.x).max())
-        measured = [Measured("closure", state.closure_residual, ROUNDING)]
+        measured = [Measured("closure", state.closure_residual, ROUNDED)]
         if exact is not None:
             measured.append(Measured("angles", exact.angle_error(state.x), 1e-12))
         else:
@@ -114,7 +104,7 @@ def _flat_answers() -> Iterator[Outcome]:
         m, far = nearest(result, np.zeros(n))
         assert m is not None
         lower = sum(other.energy <= 1e-20 for other in result.minima)
-        measured = (Measured("angles", far, ROUNDING), Measured("energy", m.energy, 1e-25))
+        measured = (Measured("angles", far, ROUNDED), Measured("energy", m.energy, 1e-25))
         verdict = f"{m.kind}, dimension {m.local_dimension}, {lower} state of energy 0"
         right = m.kind == "degenerate" and lower == 1
         right = right and m.local_dimension == Model(scene).freedom
@@ -155,7 +145,7 @@ def _next_to_pi() -> Iterator[Outcome]:
         angle = math.pi - distance
         rest = (angle, 0.0, angle, 0.0)
         scene = Scene(_vertex(("pi/2",) * 4), (1.0,) * 4, rest, "none")
-        bound = max(ROUNDING, 2 * EPS + min(distance, 4 * EPS / max(distance, 1e-300)))
+        bound = max(ROUNDED, 2 * EPS + min(distance, 4 * EPS / max(distance, 1e-300)))
         yield known_state(f"book of degree 4, pi - {distance:g}", scene, rest, 0.0, bound)
     for sign, distance in ((1, 1e-6), (1, 1e-12), (-1, 1e-12), (1, 0.0)):
         scene, state = regular_at_pi(sign * (math.pi - distance))
@@ -172,7 +162,7 @@ def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     frozen = np.zeros_like(x, dtype=bool)
     frozen[:, 2] = True
     x, residual = project(model, x, frozen=frozen)
-    for state in x[residual <= 1e-12]:
+    for state in x[residual <= CLOSES]:
         state[2] = angle
         rank = np.linalg.svd(model.closure(state)[1], compute_uv=False).min()
         if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and not model.refuses(state):

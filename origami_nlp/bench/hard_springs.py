@@ -9,12 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.bench.hard_case import HardCase, Measured, Outcome
-from origami_nlp.bench.hard_flat import EPS, ROUNDING, exact_state, known_state
+from origami_nlp.bench.hard_flat import exact_state, known_state
 from origami_nlp.errors import SceneError
-from origami_nlp.kkt import StartStream
+from origami_nlp.kkt import StartStream, State
 from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Contact, Model
+from origami_nlp.programme import Model
 
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:
@@ -30,7 +31,7 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
         angles.append(exact.angle_error(x))
         energies.append(exact.energy_error(m.energy))
         if len(exact.multipliers):
-            ours = double_multipliers(model, x, exact.rows)
+            ours = State(model, x).on(exact.rows).forces
             largest = max(1.0, float(np.abs(exact.multipliers).max()))
             pushes.append(float(np.abs(ours - exact.multipliers).max()) / largest)
     unpolished = sum(not m.polished for m in result.minima)
@@ -43,14 +44,6 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
     note = f"{singular} singular, not compared" if singular else ""
     right = bool(result.minima) and not unpolished
     return Outcome(setting, measured, kinds or "none", right, result.search.iterations, note=note)
-
-
-def double_multipliers(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray:
-    """Return the package's multipliers of independent `rows` at x, as the polish computes them, [r]."""
-    local = model.local(x)
-    _, slopes = local.openings(rows)
-    jac = np.vstack([local.closure_jacobian, slopes])
-    return np.linalg.lstsq(jac.T, local.gradient, rcond=1e-10)[0][len(local.closure) :]
 
 
 def _ratios() -> Iterator[Outcome]:
@@ -87,7 +80,7 @@ def _scales() -> Iterator[Outcome]:
                 for a, b in zip(m.contacts, u.contacts, strict=False)
             ]
             exact = math.frexp(factor)[0] == 0.5
-            bound = 0.0 if exact else ROUNDING
+            bound = 0.0 if exact else ROUNDED
             measured = (
                 Measured("angles", far, bound),
                 Measured("energy", energy, bound),

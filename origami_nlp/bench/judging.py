@@ -18,9 +18,9 @@ from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
 from origami_nlp.folding import examine
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
-from origami_nlp.numerics import null_space
+from origami_nlp.numerics import ENDS
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.programme import Model, Programme
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""
@@ -86,9 +86,8 @@ class Judge:
 
     def _reference(self, x: np.ndarray) -> tuple[Reference | None, str]:
         model = self.model
-        contacts = model.closed(x)
         problem = ""
-        for rows in contacts.combinations() or [contacts.base]:
+        for rows in State(model, x).pieces:
             try:
                 return solve_reference(model, x, rows), ""
             except Unsolved as error:
@@ -143,7 +142,7 @@ class Judge:
         state = polish(model, answer) if answer.succeeded else None
         if state is None or np.abs(state.x - x).max() > NEAR:
             return "not stationary"
-        if self._nearest(state.x)[1] <= 1e-6:  # a sloppy answer whose polish is known
+        if self._nearest(state.x)[1] <= ENDS:  # a sloppy answer whose polish is known
             return ""
         what = classify(State(model, state.x), polished=state.converged)
         if what.verdict == "minimum":
@@ -165,14 +164,14 @@ class Judge:
         return Outcome(index, "", exact.angle_error(x), abs(change) / size, multiplier, eigenvalue)
 
 
-def _slope(model: Model, exact: Reference) -> float:
+def _slope(model: Programme, exact: Reference) -> float:
     """Return the energy that the digits beyond a double of the exact state make."""
     k, rest = model.parameters.stiffness, model.parameters.rest
     return float(model.scale * np.sum(k * (exact.x - rest) * exact.x_rest))
 
 
 def errors_of_derivatives(
-    model: Model, x: np.ndarray, exact: Reference, own: np.ndarray | None
+    model: Programme, x: np.ndarray, exact: Reference, own: np.ndarray | None
 ) -> tuple[float, float]:
     """Return the relative errors of contact multipliers and of reduced-Hessian eigenvalues at an answer x.
 
@@ -182,14 +181,12 @@ def errors_of_derivatives(
     rows = exact.rows
     if not len(exact.eigenvalues) and not len(exact.multipliers):
         return math.nan, math.nan
-    local = model.local(x)
-    _, a = local.openings(rows)
-    m = len(local.closure)
-    both = np.vstack([local.closure_jacobian, a])
-    lam = np.linalg.lstsq(both.T, local.gradient, rcond=None)[0]
+    state = State(model, x)
+    both = np.vstack([state.local.closure_jacobian, state.local.openings(rows)[1]])
+    lam = np.linalg.lstsq(both.T, state.local.gradient, rcond=None)[0]
     multiplier = math.nan
     if len(exact.multipliers):
-        found = lam[m:].copy()
+        found = lam[model.equation_count :].copy()
         if own is not None:
             for r, row in enumerate(rows):
                 if row.kind == "limit":
@@ -198,11 +195,8 @@ def errors_of_derivatives(
         multiplier = float(np.abs(found - exact.multipliers).max()) / size
     if not len(exact.eigenvalues):
         return multiplier, math.nan
-    root = np.sqrt(model.multiplicity)
-    kept = [r for r, row in enumerate(rows) if row in exact.loaded]
-    z = null_space(np.vstack([local.closure_jacobian, a[kept]]) / root)
-    h = model.hessian(x, -lam[:m], -model.weights(rows, lam[m:])) / np.outer(root, root)
-    values = model.scale * np.linalg.eigvalsh(z.T @ h @ z)
+    z = state.on([row for row in rows if row in exact.loaded]).tangent
+    values = model.scale * np.linalg.eigvalsh(z.T @ state.on(rows).hessian_with(lam) @ z)
     if len(values) != len(exact.eigenvalues):
         return multiplier, math.nan
     size = float(np.abs(exact.eigenvalues).max())

@@ -92,10 +92,9 @@ class _Prepare:
             nlp: ca.Function | dict[str, ca.SX] = built.oracle
             lower, upper = built.lower, built.upper
         else:
-            x, p = ca.SX.sym("phi", n), model.functions.p
-            energy = 0.5 * ca.sum1(p[-2 * n : -n] * (x - p[-n:]) ** 2)
-            g = closure_residual(self._form, model, x)
-            nlp = {"x": x, "p": p, "f": energy, "g": g}
+            f = model.functions
+            g = closure_residual(self._form, model, f.x)
+            nlp = {"x": f.x, "p": f.p, "f": f.energy, "g": g}
             lower = upper = np.zeros(g.shape[0])
         options = {"print_time": False, "error_on_fail": False, **ipopt_options(TOLERANCE)}
         solver = ca.nlpsol("closure", "ipopt", nlp, options)

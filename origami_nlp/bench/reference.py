@@ -15,7 +15,8 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.bench.exact_piece import ExactPiece, Jet
-from origami_nlp.programme import Contact, Model
+from origami_nlp.numerics import SAME
+from origami_nlp.programme import Contact, Model, Programme
 
 DIGITS = 50
 WORKING = 60
@@ -24,8 +25,6 @@ INDEPENDENT = 1e-6
 """A constraint whose gradient keeps less than this off the span of the earlier ones is left out."""
 FARTHEST = 1e-3
 """A solution farther from the polished state than this [rad] is another one."""
-FLAT = 1e-9
-"""States whose fold angles are all this close to multiples of pi are flat foldings, known exactly."""
 
 
 class Unsolved(ArithmeticError):
@@ -86,7 +85,7 @@ def solve_reference(model: Model, start: np.ndarray, rows: tuple[Contact, ...]) 
             except Unsolved as error:
                 problem = problem or str(error)
         flat = np.round(start / math.pi)
-        if np.abs(start - math.pi * flat).max() <= FLAT:
+        if np.abs(start - math.pi * flat).max() <= SAME:  # a flat folding, known exactly
             x = np.array([mp.pi * int(m) for m in flat])
             return _finish(model, piece, x, rows, (), np.zeros(0, dtype=object), unique=False)
         raise Unsolved(problem)
@@ -110,7 +109,7 @@ def _constraints(
 
 
 def _independent(
-    model: Model, x: np.ndarray, rows: tuple[Contact, ...], turn: int
+    model: Programme, x: np.ndarray, rows: tuple[Contact, ...], turn: int
 ) -> tuple[tuple[int, ...], bool]:
     """Choose independent constraints: positions in (rows, closure); and tell whether these are all.
 
@@ -220,7 +219,7 @@ def _finish(
     )
 
 
-def _reduced(model: Model, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
+def _reduced(model: Programme, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
     """Return the eigenvalues of the Hessian on the kernel of `gradients`, in the metric of all N fold angles."""
     root = np.array([mp.sqrt(int(m)) for m in model.multiplicity])
     n, m = len(root), len(gradients)

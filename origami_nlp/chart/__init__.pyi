@@ -11,7 +11,6 @@ from .axes import (
 from .boundary_lines import (
     Boundary as Boundary,
     BoundaryLine as BoundaryLine,
-    chart_points as chart_points,
     trace_boundary as trace_boundary,
     with_energy as with_energy,
 )
@@ -19,6 +18,7 @@ from .chart import (
     Chart as Chart,
     admissible as admissible,
     chart_of as chart_of,
+    chart_points as chart_points,
     crease_number as crease_number,
     family_of as family_of,
     wedge_elevation as wedge_elevation,

@@ -3,7 +3,7 @@
 Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
 edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
 missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
-(`boundary_curve.advance`: closure and contact to 1e-13 at every point) both ways, to where another contact
+(`path.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
 closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
 """
 
@@ -14,26 +14,25 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.chart.boundary_walk import LONGEST, walk
-from origami_nlp.chart.chart import Chart, chart_of, crease_number, wedge_elevation
+from origami_nlp.chart.boundary_walk import STEPS, walk
+from origami_nlp.chart.chart import Chart, chart_of, chart_points
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, thin_at
-from origami_nlp.path import BoundaryCurve, Point, correct, evaluate
+from origami_nlp.kkt import State, Stratum, thin_at
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED
+from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import (
     Contact,
     Model,
 )
 
-CLOSED = 1e-6
-"""Gap [rad] of a contact at a bisected point, before Newton closes it."""
 CORNER = 1e-4
-"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is rounding."""
-SAME, SHORT = 1e-7, 1e-3
-"""States closer than this [rad] are one corner; shorter lines are dropped."""
-HIDDEN = 1e-6
-"""Extent [rad] in the chart of a line that is one point there."""
+"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `TOUCHES`."""
+SHORT = 1e-3
+"""Shorter lines [rad] are dropped."""
+ASIDE = 1e-3
+"""Step [rad] by which a contact is moved along to see whether the chart shows it."""
 NEAR = 0.35
 """A bisected point within this many cells of a line belongs to it."""
 
@@ -65,7 +64,7 @@ class BoundaryLine:
     @property
     def hidden(self) -> bool:
         """Whether all its states share one point of the chart."""
-        return bool(np.ptp(self.points, axis=0).max() < HIDDEN)
+        return bool(np.ptp(self.points, axis=0).max() < SETTLED)
 
 
 @dataclass(frozen=True)
@@ -137,32 +136,16 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
 def with_energy(model: Model, line: BoundaryLine) -> BoundaryCurve:
     """Evaluate a scene's energy, its derivatives and the contact moments along a line."""
     at = model.reduce(line.fold_angles)
-    root = np.sqrt(model.multiplicity)
-    along = np.gradient(at * root, axis=0)
+    along = np.gradient(at * model.root, axis=0)
     points: list[Point] = []
     kept = []
     for k, x in enumerate(at):
         size = float(np.linalg.norm(along[k]))
-        point = evaluate(model, x, line.rows, along[k] / size) if size > 0 else None
+        point = evaluate(State(model, x).on(line.rows), along[k] / size) if size > 0 else None
         if point is not None and point.dimension == 1:
             points.append(point)
             kept.append(k)
-    weights = np.array([model.weight(row) for row in line.rows])
-    return BoundaryCurve(
-        contacts=line.contacts,
-        rows=line.rows,
-        s=line.s[kept],
-        fold_angles=line.fold_angles[kept],
-        energy=np.array([model.energy(p.x) for p in points]),
-        slope=model.scale * np.array([p.slope for p in points]),
-        stiffness=model.scale * np.array([p.stiffness for p in points]),
-        springs=model.scale * np.array([p.springs for p in points]),
-        multipliers=model.scale * np.array([p.multipliers for p in points]) / weights,
-        pressed=np.array([p.pressed for p in points], dtype=bool),
-        start=line.start,
-        end=line.end,
-        dimension=1,
-    )
+    return boundary_of(line.rows, points, line.s[kept], 1.0, (line.start, line.end))
 
 
 # ---------------------------------------------------------------- pieces between corners
@@ -176,30 +159,31 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
     corners = [(ln.fold_angles[k], ln.points[k]) for ln in lines for k in (0, -1)]
     for phi, point in corners:
         x = model.reduce(phi)
-        values, _ = model.local(x).openings(line.rows)
-        if np.abs(values).max() > CORNER:
+        held = State(model, x).on(line.rows)
+        if np.abs(held.openings).max() > CORNER:
             continue
-        exact = correct(model, x, line.rows)
-        if exact is None or np.abs(exact - x).max() > 10 * CORNER:
+        exact = correct(held)
+        if exact is None or np.abs(exact.x - x).max() > 10 * CORNER:
             continue
-        x = exact
-        away = np.linalg.norm((at - x) * np.sqrt(model.multiplicity), axis=1)
+        x = exact.x
+        away = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(away.argmin())
-        if away[k] <= SAME:
+        if away[k] <= SETTLED:
             cuts.add(k)
-        elif away[k] <= LONGEST and 0 < k < len(s) - 1:
+        elif away[k] <= STEPS.longest and 0 < k < len(s) - 1:
             k += bool(away[k + 1] < away[k - 1])
             at, points = np.insert(at, k, x, axis=0), np.insert(points, k, point, axis=0)
-            s = np.insert(s, k, s[k - 1] + float(away[k - 1] if away[k - 1] <= LONGEST else 0.0))
+            s = np.insert(
+                s, k, s[k - 1] + float(away[k - 1] if away[k - 1] <= STEPS.longest else 0.0)
+            )
             cuts = {c + (c >= k) for c in cuts} | {k}
     out = []
     ends = sorted(cuts)
     for i, (a, b) in enumerate(itertools.pairwise(ends)):
         if s[b] - s[a] < SHORT or b - a < 2:
             continue
-        middle = at[(a + b) // 2]
-        closed = model.closed(middle)
-        rows = (closed.combinations() or [closed.base])[0] or line.rows
+        middle = State(model, at[(a + b) // 2])
+        rows = middle.pieces[0] or line.rows
         here = slice(a, b + 1)
         out.append(
             BoundaryLine(
@@ -211,7 +195,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
                 s[here] - s[a],
                 line.start if i == 0 else "another boundary ends here",
                 line.end if b == ends[-1] else "another boundary ends here",
-                bool(thin_at(State(model, middle))),
+                bool(thin_at(middle)),
             )
         )
     return out
@@ -224,14 +208,12 @@ def _line_at(
     chart: Chart, model: Model, branch: int, fold_angles: np.ndarray
 ) -> BoundaryLine | None:
     """Trace the boundary through a bisected state [N]; None at a corner, or where no contact closes."""
-    x = model.reduce(fold_angles)
-    contacts = model.closed(x, CLOSED)
-    choices = contacts.combinations() or [contacts.base]
-    for row in dict.fromkeys(row for rows in choices for row in rows):
-        start = correct(model, x.copy(), (row,))
-        if start is None or np.abs(start - x).max() > 1e-3 or model.refuses(start):
+    at = State(model, model.reduce(fold_angles), NEAR_CONTACT)
+    for row in dict.fromkeys(row for rows in at.pieces for row in rows):
+        start = correct(at.on((row,)))
+        if start is None or np.abs(start.x - at.x).max() > BESIDE or start.refused:
             continue
-        line = _trace(chart, model, branch, start, (row,))
+        line = _trace(chart, branch, start.on((row,)))
         if line is not None:
             return line
     return None
@@ -254,11 +236,11 @@ def _thin_lines(
                 known = [ln for ln in (*lines, *found) if ln.branch == branch]
                 if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
                     continue
-                start = model.reduce(states[k])
-                rows = thin_at(State(model, start))
-                if not rows or model.refuses(start):
+                start = State(model, model.reduce(states[k]))
+                rows = thin_at(start)
+                if not rows or start.refused:
                     continue
-                line = _trace(chart, model, branch, start, rows)
+                line = _trace(chart, branch, start.on(rows))
                 if line is not None:
                     found.append(line)
     return found
@@ -269,52 +251,42 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
     found: list[BoundaryLine] = []
     for line in lines:
         for phi in line.fold_angles[[0, -1]]:
-            x = model.reduce(phi)
-            closed = model.closed(x)
-            for row in dict.fromkeys(r for rows in closed.combinations() or [] for r in rows):
-                if not _stays(chart, model, x, row):
+            at = State(model, model.reduce(phi))
+            for row in dict.fromkeys(r for rows in at.pieces for r in rows):
+                if not _stays(chart, at.on((row,))):
                     continue
                 # dependent contacts describe one line twice
                 if any(distance_from(phi[None], ln.fold_angles)[0] < SHORT for ln in found):
                     continue
-                new = _trace(chart, model, line.branch, x, (row,))
+                new = _trace(chart, line.branch, at.on((row,)))
                 if new is not None and new.length > SHORT:
                     found.append(new)
     return found
 
 
-def _stays(chart: Chart, model: Model, x: np.ndarray, row: Contact) -> bool:
-    """Tell whether moving from x along the zero set of `row` stays on the same point of the chart."""
-    point = evaluate(model, x, (row,))
+def _stays(chart: Chart, held: Stratum) -> bool:
+    """Tell whether moving from a state with a contact held stays on the same point of the chart."""
+    point = evaluate(held)
     if point is None or point.dimension != 1:
         return False
-    y = correct(model, x + 1e-3 * point.tangent / np.sqrt(model.multiplicity), (row,))
-    if y is None:
+    programme = held.state.programme
+    beside = held.state.at(held.state.x + ASIDE * point.tangent / programme.root)
+    moved = correct(beside.on(held.contacts))
+    if moved is None:
         return False
-    both = chart_points(chart, model.expand(np.array([x, y])))
-    return bool(np.ptp(both, axis=0).max() < HIDDEN)
+    both = chart_points(chart, programme.expand(np.array([held.state.x, moved.x])))
+    return bool(np.ptp(both, axis=0).max() < SETTLED)
 
 
-def _trace(
-    chart: Chart, model: Model, branch: int, x: np.ndarray, rows: tuple[Contact, ...]
-) -> BoundaryLine | None:
-    """Follow `rows` from the admissible state x [n] both ways; None where no motion keeps them closed."""
-    walked = walk(model, x, rows)
+def _trace(chart: Chart, branch: int, held: Stratum) -> BoundaryLine | None:
+    """Follow contacts from an admissible state both ways; None where no motion keeps them closed."""
+    walked = walk(held)
     if walked is None:
         return None
-    phi = model.expand(walked.states)
-    names = tuple(model.name(row) for row in rows)
+    programme = held.state.programme
+    phi = programme.expand(walked.states)
+    names = tuple(programme.name(row) for row in held.contacts)
     points = chart_points(chart, phi)
-    return BoundaryLine(names, rows, branch, points, phi, walked.s, walked.start, walked.end)
-
-
-def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
-    """Return the chart coordinates of states [m, N], shape [m, 2]."""
-    if chart.kind == "degree6":
-        return fold_angles[:, [_crease(chart, 1), _crease(chart, 2)]]
-    elevation = [wedge_elevation(chart.scene, phi) for phi in fold_angles]
-    return np.stack([fold_angles[:, _crease(chart, 1)], elevation], axis=-1)
-
-
-def _crease(chart: Chart, ray: int) -> int:
-    return crease_number(chart.scene, ray) - 1
+    return BoundaryLine(
+        names, held.contacts, branch, points, phi, walked.s, walked.start, walked.end
+    )

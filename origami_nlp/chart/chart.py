@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
-from origami_nlp.folding import crossing_depth, fold_vertex
-from origami_nlp.numerics import quaternion as quat
+from origami_nlp.folding import fold_vertex, pair_depths
+from origami_nlp.numerics import OUTSIDE, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
 
-CROSSING = 1e-9
-"""Facets that cross deeper than this (sine of an angle) are excluded; touching ones are not."""
-SAME_LINE = 1e-6
-"""Creases whose directions differ by less (sine of the angle) lie on one line for `family_of`."""
+AROUND = np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
+"""Elevations [rad] beside that of a state: rounding moves one on the fold J = 0 to where the chart has no state."""
+TIE = 1e-2
+"""Branches that miss a state by as much [rad] to within this share it: beside J = 0 they are that close."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +64,8 @@ class Chart:
     def locate(self, fold_angles: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
         """Branches on which the state [N] lies (the best first) and its coordinates (x, y)."""
         phi = np.asarray(fold_angles, dtype=float)
-        if self.kind == "degree6":
-            x, y = (float(phi[crease_number(self.scene, r) - 1]) for r in (1, 2))
-            return (0,), (x, y)
-        return _locate_on_wedge(self, phi)
+        x, y = chart_points(self, phi).tolist()
+        return ((0,) if self.kind == "degree6" else _branches(self, phi, x, y)), (x, y)
 
 
 def chart_of(scene: Scene) -> Chart | None:
@@ -90,6 +88,15 @@ def wedge_point(scene: Scene, elevation: Any, phi2: Any, sign: int) -> ChartPoin
     return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
 
 
+def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
+    """Return the chart coordinates (x, y) of states [..., N], shape [..., 2]."""
+    scene = chart.scene
+    x = fold_angles[..., crease_number(scene, 1) - 1]
+    if chart.kind == "degree6":
+        return np.stack([x, fold_angles[..., crease_number(scene, 2) - 1]], axis=-1)
+    return np.stack([x, wedge_elevation(scene, fold_angles)], axis=-1)
+
+
 def crease_number(scene: Scene, ray: int) -> int:
     """Crease number (1-based) of a ray of the wedge."""
     crease = scene.group.rays[ray].crease
@@ -107,17 +114,14 @@ def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     good = np.isfinite(phi).all(axis=-1)
     if scene.contact == "none":
         return good
-    good &= (np.abs(phi) <= math.pi + 1e-12).all(axis=-1)
+    good &= (np.abs(phi) <= math.pi + OUTSIDE).all(axis=-1)
     if scene.contact != "full":
         return good
     alive = np.flatnonzero(good)
     creases, _ = fold_vertex(scene.vertex, phi[alive])
-    ends = np.roll(creases, -1, axis=-2)
-    for i, j in facet_pairs(scene):
-        first = np.stack([creases[:, i], ends[:, i]], axis=-2)
-        second = np.stack([creases[:, j], ends[:, j]], axis=-2)
-        keep = crossing_depth(first, second) <= CROSSING
-        alive, creases, ends = alive[keep], creases[keep], ends[keep]
+    for pair in facet_pairs(scene):  # one by one: most states of a grid are refused by the first
+        keep = pair_depths(creases, [pair])[:, 0] <= OUTSIDE
+        alive, creases = alive[keep], creases[keep]
     good[:] = False
     good[alive] = True
     return good
@@ -153,14 +157,14 @@ def family_of(scene: Scene, phi: np.ndarray) -> str:
     creases, _ = fold_vertex(scene.vertex, phi)
     for i, j in pairs:
         a, b = creases[i - 1], creases[j - 1]
-        if np.linalg.norm(np.cross(a, b)) < SAME_LINE:
+        if np.linalg.norm(np.cross(a, b)) < SETTLED:
             how = "form one straight line" if a @ b < 0 else "coincide"
             return f"creases {i} and {j} {how}, about which the vertex folds freely"
     return ""
 
 
-def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> float:
-    """Return the elevation upsilon of crease 1 of a D_n state with a wedge of three creases [rad].
+def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
+    """Return the elevation upsilon of crease 1 of D_n states [..., N] with a wedge of three creases [rad], [...].
 
     In the frame of the folded wedge (ray 1 at e1) the last mirror has the inward normal H n_k,
     n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
@@ -169,29 +173,28 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> float:
     n = scene.group.order
     azimuth, h = 0.0, quat.IDENTITY
     for r, ray in enumerate(scene.group.rays):
-        half = fold_angles[crease_number(scene, r) - 1] / (2 if r == 1 else 4)
+        half = fold_angles[..., crease_number(scene, r) - 1] / (2 if r == 1 else 4)
         axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
-        h = quat.multiply(h, quat.fold(math.cos(half), math.sin(half), axis))  # type: ignore[assignment]
+        h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
         azimuth += ray.sector
     normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
-    return math.atan2(normal[2], normal[0])
+    return np.arctan2(normal[2], normal[0])
 
 
-def _locate_on_wedge(chart: Chart, phi: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
+def _branches(chart: Chart, phi: np.ndarray, x: float, y: float) -> tuple[int, ...]:
+    """Branches of a wedge's chart on which the state [N] at (x, y) lies, the best first."""
     scene = chart.scene
-    wedge = np.array([phi[crease_number(scene, r) - 1] for r in range(3)])
-    v = wedge_elevation(scene, phi)
-    # on the fold J = 0, where the branches meet, rounding can move v to where no state is: look around
-    nearby = v + np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
+    ends = phi[[crease_number(scene, 0) - 1, crease_number(scene, 2) - 1]]
+    nearby = y + AROUND
     misfit, own = [], []
     for sign in chart.signs:
-        point = wedge_point(scene, nearby, wedge[1], sign)
-        error = np.abs(point.value - wedge[[0, 2]]).max(axis=-1)
+        point = wedge_point(scene, nearby, x, sign)
+        error = np.abs(point.value - ends).max(axis=-1)
         error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
         misfit.append(float(error.min()))
         own.append(bool(point.own_side[0]))
-    tie = abs(misfit[0] - misfit[1]) < 1e-2 if np.isfinite(misfit).all() else misfit[0] == misfit[1]
+    tie = abs(misfit[0] - misfit[1]) < TIE if np.isfinite(misfit).all() else misfit[0] == misfit[1]
     order = [0, 1] if misfit[0] <= misfit[1] else [1, 0]
     if tie:
         order.sort(key=lambda k: (not own[k], misfit[k]))
-    return tuple(order if tie else order[:1]), (float(wedge[1]), v)
+    return tuple(order if tie else order[:1])

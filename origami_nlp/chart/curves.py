@@ -1,4 +1,10 @@
-"""One-dimensional sets of closed states, traced by a predictor and a Newton corrector."""
+"""One-dimensional sets of closed states, at even distances, straight through the states where they cross.
+
+Not by `path.trace`: at a crossing (the flat state is one for every vertex) closure loses rank, there is no one tangent,
+and steps that are halved onto the singular state never pass it.  Here every step has the same length, and a tangent is
+what of the last direction closure leaves, so that a curve jumps over the crossing and each branch keeps its own way.
+Evenly spaced states are also what a landscape draws.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +13,21 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt import StartStream
+from origami_nlp.kkt import StartStream, project
+from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.programme import Model, Programme
 
-CLOSED = 1e-12
-"""Largest entry of loop closure at a traced point."""
 STARTS = 96
 """Projected random states from which curves are looked for; the same every time."""
 SHORTEST = 8
 """Pieces with fewer points are dropped."""
 LONGEST = 6000
 """Points after which a curve is given up as endless."""
+CROSSING = 1e-3
+"""Singular values of closure below this: near enough to a crossing that a step may meet another branch."""
+NEWTON = 12
+"""Steps of the corrector; from the predicted point it needs two to four."""
 
 
 def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
@@ -40,7 +49,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     curves: list[np.ndarray] = []
     for start in itertools.islice(StartStream(model, 0), STARTS):
         x, residual = _correct(model, start.x)
-        if residual > CLOSED or np.abs(x).max() > math.pi + 1e-12:
+        if residual > CLOSES or np.abs(x).max() > math.pi + OUTSIDE:
             continue
         if any(np.linalg.norm(c - x, axis=1).min() < step for c in curves):
             continue
@@ -54,25 +63,17 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
 
 
-def _correct(model: Model, x: np.ndarray, held: int | None = None) -> tuple[np.ndarray, float]:
-    """Newton onto loop closure (least change); variable `held` stays. Returns state and residual."""
-    residual = math.inf
-    for _ in range(12):
-        g, jac = model.closure(x)
-        residual = float(np.abs(g).max())
-        if residual <= 1e-14:
-            break
-        if held is not None:
-            jac = jac.copy()
-            jac[:, held] = 0.0
-        x = x - np.linalg.pinv(jac, rcond=1e-8) @ g
-    return x, residual
+def _correct(model: Programme, x: np.ndarray, still: int | None = None) -> tuple[np.ndarray, float]:
+    """Move a state onto closure; variable `still` stays.  Returns state and residual."""
+    frozen = None if still is None else np.arange(model.size) == still
+    y, residual = project(model, x, frozen=frozen, steps=NEWTON)
+    return y, float(residual)
 
 
-def _tangent(model: Model, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
+def _tangent(model: Programme, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
     """Unit tangent at x; where curves cross, the one most nearly along `before`."""
     _, s, vt = np.linalg.svd(model.closure(x)[1])
-    null = vt[int((s > 1e-3).sum()) :]
+    null = vt[int((s > CROSSING).sum()) :]
     if before is None:
         return null[0] if len(null) == 1 else None
     t = null.T @ (null @ before)
@@ -81,7 +82,7 @@ def _tangent(model: Model, x: np.ndarray, before: np.ndarray | None) -> np.ndarr
 
 
 def _walk(
-    model: Model, x: np.ndarray, tangent: np.ndarray, step: float
+    model: Programme, x: np.ndarray, tangent: np.ndarray, step: float
 ) -> tuple[list[np.ndarray], bool]:
     """Follow the curve from x until it leaves |phi| <= pi; tells whether it came back to x."""
     start, points = x, []
@@ -89,7 +90,7 @@ def _walk(
         for stretch in (1.0, 2.0, 0.5, 4.0):  # a crossing point can spoil one Newton step, not all
             y, residual = _correct(model, x + stretch * step * tangent)
             moved = y - x
-            if residual <= CLOSED and 0.2 * step < np.linalg.norm(moved) < 8 * step:
+            if residual <= CLOSES and 0.2 * step < np.linalg.norm(moved) < 8 * step:
                 break
         else:
             break
@@ -107,20 +108,20 @@ def _walk(
     return points, False
 
 
-def _end_point(model: Model, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
+def _end_point(model: Programme, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
     """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
     room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), 1e-300)
     room[np.abs(y) <= math.pi] = math.inf
     k = int(np.argmin(room))
     z = x + room[k] * (y - x)
     z[k] = math.copysign(math.pi, y[k])
-    z, residual = _correct(model, z, held=k)
-    if residual > CLOSED or np.abs(z).max() > math.pi + 1e-9:
+    z, residual = _correct(model, z, k)
+    if residual > CLOSES or np.abs(z).max() > math.pi + OUTSIDE:
         return None
     return np.clip(z, -math.pi, math.pi)
 
 
-def _keep(model: Model, curve: np.ndarray) -> list[np.ndarray]:
+def _keep(model: Programme, curve: np.ndarray) -> list[np.ndarray]:
     """Cut a curve where it leaves the sheet q = +1 or passes a mirror or axis contact."""
     good = [model.on_sheet(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
     pieces = []

@@ -23,6 +23,7 @@ from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine
+from origami_nlp.numerics import TOUCHES
 from origami_nlp.pattern import Scene
 
 
@@ -99,7 +100,7 @@ class Landscape:
             place = _place_on_curve(self, phi)
         else:
             place = _place_on_area(self, phi)
-        return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + 1e-9))
+        return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + TOUCHES))
 
 
 def landscape(scene: Scene, size: int = 401) -> Landscape:

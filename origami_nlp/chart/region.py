@@ -6,16 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.chart.boundary_lines import Boundary
+from origami_nlp.chart.boundary_lines import CORNER, Boundary
 from origami_nlp.chart.chart import chart_of
 from origami_nlp.chart.grid import allowed
 from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
-
-CORNER = 1e-4
-"""Ends of lines closer than this [rad] are one corner of the polygons."""
 
 SLIVER = 1e-10
 """Faces with less area [rad^2] are rounding between two lines that touch."""

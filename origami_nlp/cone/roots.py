@@ -17,13 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.cone.energy import OddCreases, SideEnergy
+from origami_nlp.numerics import EPS
 
 CELLS = 12
 """Cells a branch starts with; counts do not depend on it."""
 HALVINGS = 26
 """A cell is halved at most this often: 2^-26 = 1.5e-8 = sqrt(eps) of the branch's twelfth, where the two zeros of a
 fold are one to rounding (F is eps of its terms at sqrt(eps) from a double zero)."""
-EPS = float(np.finfo(float).eps)
 TIE = 64 * EPS
 """|F| below this share of the terms it sums is taken for 0: three sizes and the even creases, each product of a few
 factors right to 4 eps, add up to less."""

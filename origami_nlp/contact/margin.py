@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -216,7 +216,7 @@ def _cap(model: Programme) -> float:
     return 2 * math.pi * model.scale * float(model.parameters.stiffness.sum())
 
 
-def under_load(model: Programme, load: np.ndarray) -> Programme:
+def under_load(model: Programme, load: np.ndarray) -> Any:
     """The model with energy U - load . y, for a load [n] in the metric of all N fold angles, over `scale`."""
     return model.loaded(model.root * load)
 

@@ -22,8 +22,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
-from origami_nlp.kkt import project
+from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Contact, Model
@@ -35,6 +36,8 @@ STIFFNESS = 5e-2
 """Largest |d2U/ds2| / (sum k) of a metastable segment."""
 SAMPLES = 12
 """Random states tried on each contact when boundaries without a stable state are looked for."""
+FROM_AFAR = 30
+"""Newton steps that take them there."""
 
 
 @dataclass(frozen=True)
@@ -207,31 +210,31 @@ def find_segments(
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []
     for number, minimum in enumerate(result.minima, start=1):
-        x = model.reduce(np.array(minimum.fold_angles))
+        state = State(model, model.reduce(np.array(minimum.fold_angles)))
         pinned = any(contact.multiplier_range[1] > 0 for contact in minimum.contacts)
-        for rows in _held(model, x, one_at_a_time=not pinned):
-            known = _on_known(model, x, rows, curves)
+        for held in _held(state, one_at_a_time=not pinned):
+            known = _on_known(held, curves)
             if known is not None:
                 if number not in states[known]:
                     states[known] = (*states[known], number)
                 continue
-            curve = follow_boundary(model, x, rows, stop_at_release=pinned and not every_boundary)
+            curve = follow_boundary(held, stop_at_release=pinned and not every_boundary)
             if curve is not None and len(curve.s) > 1:
                 curves.append(curve)
                 states.append((number,))
     if every_boundary:
         for line in _chart_lines(result.scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
-            if _on_known(model, middle, line.rows, curves) is not None:
+            if _on_known(State(model, middle).on(line.rows), curves) is not None:
                 continue
             curve = with_energy(model, line)
             if len(curve.s) > 1:
                 curves.append(curve)
                 states.append(())
-        for x, row in _boundary_states(model, np.random.default_rng(seed)):
-            if _on_known(model, x, (row,), curves) is not None:
+        for held in _boundary_states(model, np.random.default_rng(seed)):
+            if _on_known(held, curves) is not None:
                 continue
-            curve = follow_boundary(model, x, (row,), stop_at_release=False)
+            curve = follow_boundary(held, stop_at_release=False)
             if curve is not None and len(curve.s) > 1:
                 curves.append(curve)
                 states.append(())
@@ -247,32 +250,28 @@ def find_segments(
     )
 
 
-def _held(model: Model, x: np.ndarray, *, one_at_a_time: bool) -> list[tuple[Contact, ...]]:
+def _held(state: State, *, one_at_a_time: bool) -> list[Stratum]:
     """Return the sets of contacts to hold at a state; alternatives that describe one boundary are both listed."""
-    contacts = model.closed(x)
-    choices = contacts.combinations() or [contacts.base]
-    choices = [rows for rows in choices if rows]
+    choices = [rows for rows in state.pieces if rows]
     if one_at_a_time:
         choices = list(dict.fromkeys((row,) for rows in choices for row in rows))
-    return choices
+    return [state.on(rows) for rows in choices]
 
 
-def _on_known(
-    model: Model, x: np.ndarray, rows: tuple[Contact, ...], curves: list[BoundaryCurve]
-) -> int | None:
-    """Return the curve that already runs along x with the same contacts closed, if there is one."""
-    root = np.sqrt(model.multiplicity)
+def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
+    """Return the curve that already runs along a state with the same contacts closed, if there is one."""
+    model, x = held.state.programme, held.state.x
     for number, curve in enumerate(curves):
-        at = model.reduce(curve.fold_angles)
-        distance = np.linalg.norm((at - x) * root, axis=1)
+        at = curve.states
+        distance = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(distance.argmin())
-        step = np.abs(np.diff(curve.s)).max(initial=1e-3)
+        step = np.abs(np.diff(curve.s)).max(initial=BESIDE)
         if distance[k] > step:
             continue
         # the same boundary may be described by other contacts: they stay closed along it
         near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
-        values = [local.openings(rows)[0] for y, local in ((y, model.local(y)) for y in near)]
-        if np.abs(values).max() <= 1e-7:
+        values, _ = model.local(near).openings(held.contacts)
+        if np.abs(values).max() <= NEAR_CONTACT:
             return number
     return None
 
@@ -284,30 +283,20 @@ def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
     return trace_boundary(scene).lines
 
 
-def _boundary_states(
-    model: Model, rng: np.random.Generator
-) -> Iterator[tuple[np.ndarray, Contact]]:
+def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum]:
     """Yield admissible states with one contact held closed, spread at random over every contact."""
-    rows = [Contact("limit", v, side) for v in range(model.size) for side in (-1, 1)]
     if not model.has_limits or model.freedom != 2:
-        rows = []
-    for index, gap in enumerate(model.structure.gaps):
-        sides = (1, -1) if gap.type == "facet-pair" else (1,)
-        rows += [Contact("gap", index, side) for side in sides] if rows else []
-    for row in rows:
+        return
+    gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
+    for row in (*model.limits, *gaps):
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
-            y, residual = project(model, x, (row,))
-            if residual > 1e-11 or (np.abs(y) > math.pi).any():
+            exact = correct(State(model, x).on((row,)), FROM_AFAR)
+            if exact is None or exact.refused:
                 continue
-            exact = correct(model, y, (row,))
-            if exact is None or model.refuses(exact):
-                continue
-            touching = model.closed(exact)
-            sets = touching.combinations() or [touching.base]
             # a crease in the plane of a facet, but beside it, is no contact
-            if any(row in choice for choice in sets):
-                yield exact, row
+            if any(row in choice for choice in exact.pieces):
+                yield exact.on((row,))
 
 
 def flat_parts(
@@ -354,7 +343,7 @@ def flat_parts(
         on = []
         for state, phi in enumerate(angles, start=1):
             distance = np.linalg.norm(curve.fold_angles[inside] - phi, axis=1).min()
-            if distance <= 1e-6:
+            if distance <= NEAR_CONTACT:
                 on.append(state)
         out.append(
             Segment(

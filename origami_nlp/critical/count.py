@@ -6,42 +6,36 @@ import numpy as np
 
 from origami_nlp.critical.link import RADII, Link, link_of
 from origami_nlp.critical.result import Kind
-from origami_nlp.programme import Model
+from origami_nlp.kkt import State
+from origami_nlp.programme import Parameters
 
 SHARP = 1e-4
 """Slopes along the ends of a link (relative to the largest) above this are decided at first order."""
 
 
-def springs(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Weighted stiffness (scaled) and rest angles of the model's variables, [n] each."""
-    return model.parameters.stiffness, model.parameters.rest
-
-
-def links_of(model: Model, x: np.ndarray, doubts: list[str]) -> tuple[Link, ...]:
+def links_of(state: State, doubts: list[str]) -> tuple[Link, ...]:
     """Sample the links of a state, or record why they are not known."""
     try:
-        return tuple(link_of(model, x, radius) for radius in RADII)
+        return tuple(link_of(state, radius) for radius in RADII)
     except ValueError as error:
-        doubts.append(f"the link of {in_degrees(model, x)} is not known: {error}")
+        doubts.append(f"the link of {in_degrees(state.x)} is not known: {error}")
         return ()
 
 
 def count_links(
-    model: Model, links: tuple[Link, ...], doubts: list[str]
+    springs: Parameters, links: tuple[Link, ...], doubts: list[str]
 ) -> tuple[None, int, Kind, str]:
-    """Return (no index, contribution, kind, how) from the links of a state at several radii."""
+    """Return (no index, contribution, kind, how) from the links of a state at several radii, under other springs."""
     if not links:
         return None, 0, "undecided", "link not known"
-    stiffness, rest = springs(model)
+    stiffness, rest = springs.stiffness, springs.rest
     counts = [link.lower(stiffness, rest) for link in links]
     chi, empty, whole = counts[-1]
     contribution = 1 - chi
     radii = " and ".join(f"{link.radius:g}" for link in links)
     how = f"sampled link at radii {radii} rad"
     if len(set(counts)) > 1:
-        doubts.append(
-            f"links of {in_degrees(model, links[0].center)} disagree between radii {radii}"
-        )
+        doubts.append(f"links of {in_degrees(links[0].center)} disagree between radii {radii}")
     elif links[-1].pieces == 0:
         how = "the link is empty"
     elif _first_order(links, stiffness, rest):
@@ -87,6 +81,6 @@ def shape_of(link: Link) -> str:
     return "link: " + ", ".join(parts)
 
 
-def in_degrees(model: Model, x: np.ndarray) -> str:
+def in_degrees(x: np.ndarray) -> str:
     """Write the fold angles of the model's variables in degrees, for a doubt."""
     return "(" + ", ".join(f"{v:.3f}" for v in np.degrees(x)) + ") deg"

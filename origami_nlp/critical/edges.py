@@ -10,31 +10,26 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt import project
-from origami_nlp.numerics import bracketed_roots
-from origami_nlp.programme import Contact, Model, held
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import CLOSES, RANK, SETTLED, TOUCHES, bracketed_roots
+from origami_nlp.path import End, Steps, trace
+from origami_nlp.programme import Contact, Programme, held
 
-STEP = 0.06
-"""Length [rad] of the steps along a curve, shorter where it bends."""
 SEEDS = 96
 """Random states projected onto each contact."""
-MOST_POINTS = 4000
+STEPS = Steps(
+    first=0.06, longest=0.06, shortest=1e-9, turn=0.14, sharpest=0.1414, growth=1.5, most=4000
+)
+"""Along straight lines, so short that a step turns a curve by 8 degrees at most."""
 KNOWN = 1e-2
 """A seed closer than this [rad] to a traced curve of its contact lies on it."""
 LOOKS = 3
 """The order of layers is looked at at so many points between two events of an edge."""
-SURE = 1e-9
-"""Openings below this have no sign: contacts that stay closed together all along."""
-
-
-SAME = 1e-7
-"""Ends nearer than this [rad] are one state."""
-CLOSE = 1e-6
-"""Events of a curve nearer than this [rad] are one."""
 
 
 @dataclass(frozen=True)
@@ -55,28 +50,17 @@ class Edge:
         return float(np.linalg.norm(np.diff(self.x, axis=0), axis=1).sum())
 
 
-def possible_rows(model: Model) -> tuple[Contact, ...]:
-    """Every contact of the model; facet pairs on one side only, the curve being the same for both."""
-    rows = [Contact("limit", v, s) for v in range(model.size) for s in (-1, 1)]
-    rows = rows if model.has_limits else []
-    first: dict[tuple[str, tuple[int, ...]], int] = {}
-    for index, gap in enumerate(model.structure.gaps):
-        if first.setdefault((gap.type, gap.rays), index) == index:
-            rows.append(Contact("gap", index, 1))
-    return tuple(rows)
-
-
-def trace_edges(model: Model, rng: np.random.Generator, seeds: int = SEEDS) -> tuple[Edge, ...]:
+def trace_edges(model: Programme, rng: np.random.Generator, seeds: int = SEEDS) -> tuple[Edge, ...]:
     """Find and trace every edge of X."""
     edges: list[Edge] = []
-    rows = possible_rows(model)
+    rows = (*model.limits, *model.gaps)
     for position, row in enumerate(rows):
         start = rng.uniform(-math.pi, math.pi, (seeds, model.size))
         x, residual = project(model, start, (row,))
-        x = x[(residual <= 1e-12) & model.admissible(x)]
+        x = x[(residual <= CLOSES) & model.admissible(x)]
         # where an earlier contact is closed as well, this curve is that contact's
         earlier, _ = model.local(x).openings(rows[:position])
-        x = x[(np.abs(earlier) > SURE).all(axis=1)]
+        x = x[(np.abs(earlier) > TOUCHES).all(axis=1)]
         traced = np.zeros((0, model.size))
         for state in x:
             if len(traced) and _distance(traced, state) < KNOWN:
@@ -101,62 +85,75 @@ def _dense(curve: np.ndarray) -> np.ndarray:
     return np.concatenate(out)
 
 
-def tangent_of(model: Model, x: np.ndarray, row: Contact) -> np.ndarray | None:
-    """Unit tangent [n] of a contact's curve at x; None where closure and contact are dependent."""
-    _, jac = model.constraints(x[None], (row,))
-    _, sizes, v = np.linalg.svd(jac[0])
-    return None if sizes[-1] <= 1e-7 else v[-1]
+@dataclass(frozen=True)
+class _At:
+    """A point of a contact's curve and its tangent, which the next step follows straight on."""
+
+    x: np.ndarray
+    tangent: np.ndarray
+
+    @property
+    def bend(self) -> np.ndarray:
+        return np.zeros_like(self.x)
 
 
-def _trace(model: Model, start: np.ndarray, row: Contact) -> tuple[np.ndarray, np.ndarray, bool]:
+@dataclass(frozen=True)
+class _Line:
+    """A contact's curve in the programme's variables, for the tracer; see `path.Curve`."""
+
+    model: Programme
+    row: Contact
+
+    @property
+    def root(self) -> np.ndarray:
+        return np.ones(self.model.size)
+
+    def correct(self, x: np.ndarray) -> np.ndarray | None:
+        y, residual = _correct(self.model, x, self.row)
+        return y if residual <= CLOSES else None
+
+    def frame(self, x: np.ndarray, along: np.ndarray) -> _At | None:
+        """Return the point at x; None where closure and contact are dependent."""
+        _, sizes, v = np.linalg.svd(self.model.constraints(x, (self.row,))[1])
+        return _At(x, np.copysign(1.0, v[-1] @ along) * v[-1]) if sizes[-1] > RANK else None
+
+    def inside(self, points: Sequence[_At]) -> int:
+        """How many of the points, from the first on, are within the bounds of all fold angles."""
+        over = np.abs([p.x for p in points]) - self.model.bound
+        over[:, [self.row.index] if self.row.is_limit else []] = -1
+        good = over.max(axis=1) <= TOUCHES
+        return len(points) if good.all() else int(np.argmin(good))
+
+    def at_bound(self, a: _At, b: _At) -> _At:
+        """Return the point between a and b at which a fold angle reaches its bound."""
+        v = int((np.abs(b.x) - self.model.bound).argmax())
+        limit = Contact("limit", v, 1 if b.x[v] > 0 else -1)
+        return _At(_meet(self.model, a.x, b.x, self.row, limit), b.tangent)
+
+
+def _trace(
+    model: Programme, start: np.ndarray, row: Contact
+) -> tuple[np.ndarray, np.ndarray, bool]:
     """Trace a contact's curve both ways to the fold limits: states, tangents, and whether it closes."""
-    first = tangent_of(model, start, row)
-    if first is None:
+    line = _Line(model, row)
+    first = line.frame(start, np.zeros(model.size))
+    end = End(line.inside, "fold limit", line.at_bound)
+    found = None if first is None else trace(line, first, STEPS, [end])
+    if found is None:
         return start[None], np.zeros((1, model.size)), False
-    ahead, loop = _one_way(model, start, first, row)
-    behind = [] if loop else _one_way(model, start, -first, row)[0]
-    x = [p for p, _ in reversed(behind)] + [start] + [p for p, _ in ahead]
-    t = [-d for _, d in reversed(behind)] + [first] + [d for _, d in ahead]
-    return np.array(x), np.array(t), loop
+    tangents = found.signs[:, None] * np.array([p.tangent for p in found.frames])
+    return found.states, tangents, found.closed
 
 
-def _one_way(
-    model: Model, start: np.ndarray, tangent: np.ndarray, row: Contact
-) -> tuple[list[tuple[np.ndarray, np.ndarray]], bool]:
-    """Trace from `start` along `tangent`; returns points with tangents, and whether the curve closed."""
-    out: list[tuple[np.ndarray, np.ndarray]] = []
-    x, t, h, first = start, tangent, STEP, tangent
-    while len(out) < MOST_POINTS:
-        y, residual = _correct(model, x + h * t, row)
-        new = tangent_of(model, y, row) if residual <= 1e-12 else None
-        new = None if new is None else np.copysign(1.0, new @ t) * new
-        moved = float(np.linalg.norm(y - x))
-        if new is None or new @ t < 0.99 or not 0.5 * h <= moved <= 2 * h:
-            h /= 2
-            if h < 1e-9:  # the curve is singular here
-                return out, False
-            continue
-        over = np.abs(y) - model.bound
-        over[[row.index] if row.is_limit else []] = -1
-        if over.max() > SURE:
-            v = int(over.argmax())
-            out.append((_meet(model, x, y, row, Contact("limit", v, 1 if y[v] > 0 else -1)), new))
-            return out, False
-        if len(out) > 3 and np.linalg.norm(y - start) < 0.75 * h and new @ first > 0.9:
-            out.append((start, first))
-            return out, True
-        out.append((y, new))
-        x, t, h = y, new, min(STEP, 1.5 * h)
-    return out, False
-
-
-def _correct(model: Model, x: np.ndarray, row: Contact) -> tuple[np.ndarray, float]:
+def _correct(model: Programme, x: np.ndarray, row: Contact) -> tuple[np.ndarray, float]:
     """Project one state onto a contact's curve."""
     y, residual = project(model, x[None], (row,), steps=8)
     return y[0], float(residual[0])
 
 
-def _meet(model: Model, a: np.ndarray, b: np.ndarray, row: Contact, other: Contact) -> np.ndarray:
+def _meet(
+    model: Programme, a: np.ndarray, b: np.ndarray, row: Contact, other: Contact
+) -> np.ndarray:
     """Return the state on the contact's curve between a and b at which `other` closes, by bracketing.
 
     Newton on both contacts would slide along sets where they are dependent.
@@ -171,19 +168,21 @@ def _meet(model: Model, a: np.ndarray, b: np.ndarray, row: Contact, other: Conta
     return held(at, (row, other))
 
 
-def _cut(model: Model, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: bool) -> list[Edge]:
+def _cut(
+    model: Programme, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: bool
+) -> list[Edge]:
     """Cut a traced curve at every event, and keep the parts that belong to X.
 
     Events: another contact's opening changes sign, or the curve of a contact that is closed all along crosses
     itself (det (C; t) changes sign, C the Jacobian of closure and that contact): there a handle may begin.
     Between events the touching features stay the same.
     """
-    rows = tuple(r for r in possible_rows(model) if r != row)
+    rows = tuple(r for r in (*model.limits, *model.gaps) if r != row)
     values, _ = model.local(x).openings(rows)
     events: dict[int, list[np.ndarray]] = {}
-    sure = np.abs(values) > SURE
+    sure = np.abs(values) > TOUCHES
     changes = sure[:-1] & sure[1:] & ((values[:-1] > 0) != (values[1:] > 0))
-    along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= SURE).all()]
+    along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= TOUCHES).all()]
     for contact in (row, *along_all):
         node = _orientation(model, x, tangent, contact)
         for k in np.flatnonzero((node[:-1] > 0) != (node[1:] > 0)):
@@ -193,7 +192,7 @@ def _cut(model: Model, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: b
     for k, r in zip(*np.nonzero(changes), strict=True):
         at = _meet(model, x[k], x[k + 1], row, rows[r])
         known = events.setdefault(int(k), [])
-        if all(np.abs(at - other).max() > CLOSE for other in known):
+        if all(np.abs(at - other).max() > SETTLED for other in known):
             known.append(at)
     cuts: list[tuple[int, np.ndarray]] = []
     for cell in sorted(events):
@@ -210,20 +209,20 @@ def _cut(model: Model, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: b
     for cell, at in [*cuts, (len(x) - 2, x[-1])]:
         points = np.concatenate([points, x[begin : cell + 1], at[None]])
         along = np.concatenate([along, tangent[begin : cell + 2]])
-        if loop or np.abs(points[-1] - points[0]).max() > SAME:
+        if loop or np.abs(points[-1] - points[0]).max() > SETTLED:
             kept += _inside(model, Edge(row, points, along, loop))
         begin, points, along = cell + 1, at[None], tangent[cell : cell + 1]
     return kept
 
 
-def _orientation(model: Model, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
+def _orientation(model: Programme, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
     """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
     _, jac = model.constraints(x, (row,))
     return np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))
 
 
 def _crossing(
-    model: Model, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Contact, held: Contact
+    model: Programme, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Contact, held: Contact
 ) -> np.ndarray:
     """Return the state of row's curve between a and b at which closure and `held` lose rank."""
 
@@ -237,14 +236,14 @@ def _crossing(
     return _correct(model, a + share * (b - a), row)[0]
 
 
-def _inside(model: Model, edge: Edge) -> list[Edge]:
+def _inside(model: Programme, edge: Edge) -> list[Edge]:
     """Return the edge if it belongs to X, nothing if not, and its parts that do if it changes on the way."""
     x = edge.x
     if len(x) <= 3:  # between close events: look half-way
         x = np.array([x[0], _correct(model, 0.5 * (x[0] + x[-1]), edge.row)[0], x[-1]])
     inner = np.unique(np.linspace(1, len(x) - 2, LOOKS).round().astype(int))
     pairs = model.admissible(x)[1:-1]
-    layers = np.array([pairs[k - 1] and _belongs(model, x[k], edge.row) for k in inner])
+    layers = np.array([pairs[k - 1] and _belongs(State(model, x[k]), edge.row) for k in inner])
     if pairs.all() and layers.all():
         return [edge]
     if not layers.any():
@@ -260,16 +259,16 @@ def _inside(model: Model, edge: Edge) -> list[Edge]:
     ]
 
 
-def _belongs(model: Model, x: np.ndarray, row: Contact) -> bool:
-    """Tell whether x belongs to X, layers included, and `row` is a contact that touches there."""
-    if model.refuses(x):
-        return False
-    return row.is_limit or touches(model, x, row)
+def _belongs(state: State, row: Contact) -> bool:
+    """Tell whether a state belongs to X, layers included, and `row` is a contact that touches there."""
+    return not state.refused and touches(state, row)
 
 
-def touches(model: Model, x: np.ndarray, row: Contact) -> bool:
-    """Tell whether a gap whose value vanishes at x is a contact: a facet's plane may be met beside the facet."""
-    found = model.closed(x)
+def touches(state: State, row: Contact) -> bool:
+    """Tell whether a contact whose opening vanishes touches: a facet's plane may be met beside the facet."""
+    if row.is_limit:
+        return True
+    found = state.contacts
     rows = [*found.base, *(r for options in found.branches for o in options for r in o)]
     rows += [again for again, _ in found.implied]
     return any(r.kind == row.kind and r.index == row.index for r in rows)

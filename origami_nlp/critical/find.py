@@ -20,8 +20,8 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_whole
-from origami_nlp.critical.count import count_links, in_degrees, links_of, shape_of, springs
-from origami_nlp.critical.edges import Edge, tangent_of, touches
+from origami_nlp.critical.count import count_links, in_degrees, links_of, shape_of
+from origami_nlp.critical.edges import Edge, touches
 from origami_nlp.critical.link import RADII, closed_rows
 from origami_nlp.critical.points import KktPoints, kkt_newton
 from origami_nlp.critical.result import (
@@ -30,22 +30,19 @@ from origami_nlp.critical.result import (
     CriticalPoints,
     Kind,
     MinimaComparison,
-    Stratum,
+    Part,
 )
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
-from origami_nlp.kkt import find_multipliers
+from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import distinct, null_space
+from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY, distinct
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
+from origami_nlp.programme import Contact, Model, Programme
 
-SAME = 1e-6
-"""KKT points that differ by less [rad] are one."""
 FIRM = 1e-7
 """Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
-MATCH = 1e-4
-"""Minima of two lists that differ by less [rad] are one."""
-
+LEVEL = 1e-9
+"""Slopes along an edge, relative to the largest torque, below this have no sign."""
 
 MOST_SAMPLES = 10_000_000
 """Random states that memory bears."""
@@ -121,27 +118,29 @@ def _interior_points(
     # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
     tips = [v.x for v in strata.vertices if v.links and len(v.links[0].circles) != 1]
     out = []
-    for state, error in zip(x, residual, strict=True):
-        if _touching(model, state):
+    for state, error in zip((State(model, y) for y in x), residual, strict=True):
+        if any(touches(state, row) for row in closed_rows(state)):
             continue  # the strata of closed contacts are looked at by themselves
-        if any(np.abs(state - tip).max() <= RADII[-1] for tip in tips):
+        if any(np.abs(state.x - tip).max() <= RADII[-1] for tip in tips):
             continue
-        local = model.local(state)
-        lam = np.linalg.lstsq(local.closure_jacobian.T, local.gradient, rcond=1e-10)[0]
-        h = model.lagrangian_hessian(state, lam, ())
-        z = null_space(local.closure_jacobian)
-        curvature = np.linalg.eigvalsh(z.T @ h @ z)
-        index, contribution, kind, how = count_links(model, links_of(model, state, doubts), doubts)
-        if np.abs(curvature).min() > FIRM * springs(model)[0].min():
+        plane = state.on().tangent
+        curvature = np.linalg.eigvalsh(plane.T @ state.on().hessian @ plane)
+        index, contribution, kind, how = count_links(
+            model.parameters, links_of(state, doubts), doubts
+        )
+        if np.abs(curvature).min() > _firm(model):
             index = int((curvature < 0).sum())
             regular: Kind = ("minimum", "saddle", "maximum")[index]
             if all_links and contribution != (-1) ** index:
-                doubts.append(f"link and index disagree at {in_degrees(model, state)}")
+                doubts.append(f"link and index disagree at {in_degrees(state.x)}")
             contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
-        out.append(
-            _point(model, state, index, contribution, "interior", kind, (), (), float(error), how)
-        )
+        out.append(_point(state, index, contribution, "interior", kind, (), (), float(error), how))
     return out
+
+
+def _firm(model: Programme) -> float:
+    """Return the multiplier and curvature, scaled, from which they decide."""
+    return FIRM * float((model.parameters.stiffness / model.multiplicity).min())
 
 
 def _edge_points(
@@ -152,7 +151,6 @@ def _edge_points(
     all_links: bool,
 ) -> list[CriticalPoint]:
     """Critical points along the edges, handles included."""
-    stiffness, rest = springs(model)
     out: list[CriticalPoint] = []
     found = np.zeros((0, model.size))
     for row in dict.fromkeys(edge.row for edge in strata.edges):
@@ -160,19 +158,19 @@ def _edge_points(
         edges = [(edge, side) for edge, side in edges if edge.row == row]
         starts = np.concatenate([edge.x for edge, _ in edges])
         x, multipliers, residual = _distinct(model, kkt_newton(model, starts, (row,)))
-        for state, push, error in zip(x, multipliers[:, 0], residual, strict=True):
-            known = np.concatenate([vertices, found])
-            if len(known) and np.abs(known - state).max(axis=1).min() <= SAME:
+        for y, push, error in zip(x, multipliers[:, 0], residual, strict=True):
+            state, known = State(model, y), np.concatenate([vertices, found])
+            if len(known) and np.abs(known - y).max(axis=1).min() <= SETTLED:
                 continue
-            if model.refuses(state) or not _is_on(model, state, row):
+            if state.refused or not touches(state, row):
                 continue
-            found = np.concatenate([found, state[None]])
-            side = min(edges, key=lambda e: np.abs(e[0].x - state).max(axis=1).min())[1]
+            found = np.concatenate([found, y[None]])
+            side = min(edges, key=lambda e: np.abs(e[0].x - y).max(axis=1).min())[1]
             out.append(
-                _edge_point(model, state, row, side, float(push), float(error), doubts, all_links)
+                _edge_point(state.on((row,)), side, float(push), float(error), doubts, all_links)
             )
         for edge, _ in edges:
-            doubts += _unmet(model, edge, (edge.x - rest) * stiffness, found, vertices)
+            doubts += _unmet(model, edge, found, vertices)
     return out
 
 
@@ -184,132 +182,105 @@ def _warn_of_neighbours(
         if p.stratum in ("interior", "boundary", "handle"):
             x = model.reduce(np.array(p.fold_angles))
             if np.abs(vertices - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
-                doubts.append(f"{in_degrees(model, x)} lies inside the sampled link of a vertex")
-
-
-def _is_on(model: Model, x: np.ndarray, row: Contact) -> bool:
-    """Tell whether the row is a contact at x, not only a facet's plane met beside the facet."""
-    return row.is_limit or touches(model, x, row)
+                doubts.append(f"{in_degrees(x)} lies inside the sampled link of a vertex")
 
 
 def _edge_point(
-    model: Model,
-    x: np.ndarray,
-    row: Contact,
-    side: int,
-    push: float,
-    residual: float,
-    doubts: list[str],
-    all_links: bool,
+    held: Stratum, side: int, push: float, residual: float, doubts: list[str], all_links: bool
 ) -> CriticalPoint:
     """Judge one critical point of an edge; `side` is the sign of the opening inside X, 0 on handles and slits."""
-    local = model.local(x)
-    _, a = local.openings((row,))
-    weights = np.linalg.lstsq(
-        np.vstack([local.closure_jacobian, a]).T, local.gradient, rcond=1e-10
-    )[0]
-    tangent = tangent_of(model, x, row)
-    assert tangent is not None  # Newton does not settle where closure and contact are dependent
-    h = model.lagrangian_hessian(x, weights, (row,))
-    curvature = float(tangent @ h @ tangent)
-    soft = float(springs(model)[0].min())
-    index = int(curvature < 0) if abs(curvature) > FIRM * soft else None
-    stratum: Stratum = "boundary" if side else "handle"
+    state, row, model = held.state, held.contacts[0], held.state.programme
+    assert held.dimension == 1  # Newton does not settle where closure and contact are dependent
+    curvature, firm = held.stiffness, _firm(model)
+    index = int(curvature < 0) if abs(curvature) > firm else None
+    part: Part = "boundary" if side else "handle"
     # a handle is held from two sides: its multipliers are not unique
     moment = (side * push * model.scale / model.weight(row),) if side else ()
-    contacts = _contact_names(model, x) or (model.name(row),)
-    by_formula = side and index is not None and abs(push) > FIRM * soft
+    contacts = _contact_names(state) or (model.name(row),)
+    by_formula = side and index is not None and abs(push) > firm
     if not by_formula or all_links:
-        _, contribution, kind, how = count_links(model, links_of(model, x, doubts), doubts)
+        _, contribution, kind, how = count_links(model.parameters, links_of(state, doubts), doubts)
     if by_formula:
         pushes = side * push > 0
         expected = (-1) ** index if pushes else 0  # type: ignore[operator]
         if all_links and contribution != expected:
-            doubts.append(f"link and multiplier disagree at {in_degrees(model, x)}")
+            doubts.append(f"link and multiplier disagree at {in_degrees(state.x)}")
         contribution = expected
         kind = "regular" if not pushes else ("minimum", "saddle")[index]  # type: ignore[index]
         how = (
             f"multiplier {'> 0' if pushes else '< 0: not essential'}, index {index} along the edge"
         )
-    return _point(model, x, index, contribution, stratum, kind, contacts, moment, residual, how)
+    return _point(state, index, contribution, part, kind, contacts, moment, residual, how)
 
 
-def _unmet(
-    model: Model, edge: Edge, pull: np.ndarray, found: np.ndarray, vertices: np.ndarray
-) -> list[str]:
+def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray) -> list[str]:
     """Name sign changes of dU/ds along an edge at which no critical point was found."""
+    pull = model.parameters.torque(edge.x)
     slope = np.einsum("kj,kj->k", pull, edge.tangent)
-    size = 1e-9 * float(np.abs(pull).max())
+    size = LEVEL * float(np.abs(pull).max())
     known = np.concatenate([found, vertices])
     out = []
     for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
         if max(abs(slope[k]), abs(slope[k + 1])) <= size:
             continue
         a, b = edge.x[k], edge.x[k + 1]
-        reach = 1.5 * float(np.linalg.norm(b - a)) + SAME
+        reach = 1.5 * float(np.linalg.norm(b - a)) + SETTLED
         away = np.linalg.norm(known - 0.5 * (a + b), axis=1).min(initial=np.inf)
         if away > reach:
             name = model.name(edge.row)
-            out.append(
-                f"dU/ds changes sign on '{name}' near {in_degrees(model, a)}: no point found"
-            )
+            out.append(f"dU/ds changes sign on '{name}' near {in_degrees(a)}: no point found")
     return out
 
 
 def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
-    x = vertex.x
-    contacts = model.closed(x)
-    rows = tuple(dict.fromkeys((*contacts.base, *(r for o in contacts.branches for r in o[0]))))
-    local = model.local(x)
-    _, a = local.openings(rows)
-    z = null_space(local.closure_jacobian)
-    found = find_multipliers((a @ z).T, z.T @ local.gradient)
+    state = State(model, vertex.x)
+    rows = _descriptions(state)
+    held = state.on(rows)
+    found = held.multiplier_set
     multipliers: tuple[float, ...] = ()
-    if rows and found.residual <= 1e-9 and (found.smallest >= 0).all():
+    size = 1.0 + float(np.abs(state.gradient).max())
+    if rows and found.residual <= STATIONARY * size and (found.smallest >= 0).all():
         weights = np.array([model.weight(r) for r in rows])
         values = found.smallest * model.scale / weights
         multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
     names = tuple(dict.fromkeys(model.name(r) for r in rows))
     if vertex.reason:
-        doubts.append(f"the link of {in_degrees(model, x)} is not known: {vertex.reason}")
-    _, contribution, kind, how = count_links(model, vertex.links, doubts)
+        doubts.append(f"the link of {in_degrees(vertex.x)} is not known: {vertex.reason}")
+    _, contribution, kind, how = count_links(model.parameters, vertex.links, doubts)
     smooth = bool(vertex.links) and all(
         len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links
     )
-    stratum: Stratum = "corner" if smooth else "singular"
-    closure = float(np.abs(local.closure).max())
+    part: Part = "corner" if smooth else "singular"
     if not smooth and vertex.links:
         how += "; " + shape_of(vertex.links[-1])
-    return _point(model, x, None, contribution, stratum, kind, names, multipliers, closure, how)
+    return _point(state, None, contribution, part, kind, names, multipliers, state.residual, how)
 
 
 def _distinct(model: Model, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[model.admissible(points.x[order])] if len(order) else order
-    order = order[distinct(points.x[order], SAME)]
+    order = order[distinct(points.x[order], SETTLED)]
     return points.x[order], points.multipliers[order], points.residual[order]
 
 
-def _touching(model: Model, x: np.ndarray) -> bool:
-    """Tell whether any contact is closed at x, to the accuracy at which KKT points are told apart."""
-    return any(_is_on(model, x, row) for row in closed_rows(model, x))
+def _descriptions(state: State) -> tuple[Contact, ...]:
+    """Return the closed contacts of a state, one description for each."""
+    found = state.contacts
+    return tuple(dict.fromkeys((*found.base, *(r for o in found.branches for r in o[0]))))
 
 
-def _contact_names(model: Model, x: np.ndarray) -> tuple[str, ...]:
-    """Name the closed contacts of a state, one description for each."""
-    found = model.closed(x)
-    rows = [*found.base, *(r for options in found.branches for r in options[0])]
-    return tuple(dict.fromkeys(model.name(row) for row in rows))
+def _contact_names(state: State) -> tuple[str, ...]:
+    """Name the closed contacts of a state."""
+    return tuple(dict.fromkeys(state.programme.name(row) for row in _descriptions(state)))
 
 
 def _point(
-    model: Model,
-    x: np.ndarray,
+    state: State,
     index: int | None,
     contribution: int,
-    stratum: Stratum,
+    part: Part,
     kind: Kind,
     contacts: tuple[str, ...],
     multipliers: tuple[float, ...],
@@ -317,14 +288,12 @@ def _point(
     how: str,
 ) -> CriticalPoint:
     """Pack a point in the scene's units."""
-    fold_angles = tuple(model.expand(x + 0.0).tolist())
-    energy = model.energy(x)
     return CriticalPoint(
-        fold_angles,
-        energy,
+        tuple((state.fold_angles + 0.0).tolist()),
+        state.energy,
         index,
         contribution,
-        stratum,
+        part,
         kind,
         contacts,
         multipliers,
@@ -340,7 +309,7 @@ def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoint
     for j, other in enumerate(minima.minima):
         for k in here:
             apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
-            if apart <= MATCH:
+            if apart <= BESIDE:
                 pairs.append((k, j))
                 break
     lists = MinimaComparison(

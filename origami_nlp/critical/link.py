@@ -21,20 +21,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt import project
-from origami_nlp.numerics import bracketed_roots, null_space
-from origami_nlp.programme import Contact, Model
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import FOLLOWED, RANK, ROUNDED, SETTLED, bracketed_roots, null_space
+from origami_nlp.programme import Contact, Programme
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
 SAMPLES = 480
 """Directions sampled on each circle, besides those in which contacts stay closed."""
-CLOSED = 1e-8
-"""Opening [rad] below which a contact counts as closed at the state itself."""
-SAME = 1e-6
-"""Directions in which contacts stay closed that differ by less [rad] are one."""
-SINGULAR = 1e-7
-"""Singular values of closure below this (largest are about 1) mean that closure loses rank."""
+DEGENERATE = 1e-9
+"""Eigenvalues of closure's quadratic form (the largest are about 1) below this leave the cone unknown."""
 
 
 Placing = Callable[[np.ndarray], np.ndarray]
@@ -57,7 +53,7 @@ class Link:
     the tip of a double cone.
     """
 
-    model: Model
+    model: Programme
     center: np.ndarray
     radius: float
     circles: tuple[Circle, ...]
@@ -103,24 +99,24 @@ def _lone(mask: np.ndarray) -> int:
     return int((mask & ~np.roll(mask, 1) & ~np.roll(mask, -1)).sum())
 
 
-def closed_rows(model: Model, x: np.ndarray, tolerance: float = CLOSED) -> tuple[Contact, ...]:
-    """Return every contact whose opening vanishes at x [n], touching or not."""
-    every = (*model.limits, *model.every_gap)
-    values, _ = model.local(x).openings(every)
-    return tuple(c for c, v in zip(every, values, strict=True) if abs(v) <= tolerance)
+def closed_rows(state: State) -> tuple[Contact, ...]:
+    """Return every contact whose opening vanishes at a state, touching or not."""
+    every = (*state.programme.limits, *state.programme.every_gap)
+    openings = state.on(every).openings
+    return tuple(c for c, v in zip(every, openings, strict=True) if abs(v) <= state.tolerance)
 
 
-def link_of(model: Model, x: np.ndarray, radius: float, samples: int = SAMPLES) -> Link:
-    """Sample the link of the admissible state x [n] at one radius.
+def link_of(state: State, radius: float, samples: int = SAMPLES) -> Link:
+    """Sample the link of an admissible state at one radius.
 
     Raises
     ------
     ValueError
         Where closure loses more than one rank, or its quadratic form is degenerate: the cone is unknown.
     """
-    rows = closed_rows(model, x)
+    model, rows = state.programme, closed_rows(state)
     circles = []
-    for place in _placings(model, x, radius):
+    for place in _placings(state, radius):
         # an irrational shift keeps samples off the symmetric directions in which contacts stay closed
         theta = (np.arange(samples) + 0.382) * (2 * np.pi / samples)
         roots = _roots(model, place, theta, rows)
@@ -138,11 +134,11 @@ def link_of(model: Model, x: np.ndarray, radius: float, samples: int = SAMPLES) 
         circles.append(
             Circle(np.concatenate([at, special])[order], np.concatenate([inside, good])[order])
         )
-    return Link(model, x, radius, tuple(circles))
+    return Link(model, state.x, radius, tuple(circles))
 
 
 def _on_contacts(
-    model: Model, place: Placing, roots: np.ndarray, rows: tuple[Contact, ...], radius: float
+    model: Programme, place: Placing, roots: np.ndarray, rows: tuple[Contact, ...], radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the states at which contacts stay closed, and whether they belong to X (layers ordered)."""
     at = place(roots) if len(roots) else np.zeros((0, model.size))
@@ -150,16 +146,16 @@ def _on_contacts(
     values, _ = model.local(at).openings(rows)
     for k in range(len(at)):
         held = tuple(
-            row for row, v in zip(rows, values[k], strict=True) if abs(v) <= 2 * SAME * radius
+            row for row, v in zip(rows, values[k], strict=True) if abs(v) <= 2 * SETTLED * radius
         )
         snapped, residual = project(model, at[k : k + 1], held, steps=6)
-        if residual[0] <= 1e-13 and model.admissible(snapped)[0]:
+        if residual[0] <= FOLLOWED and model.admissible(snapped)[0]:
             at[k], good[k] = snapped[0], (not model.refuses(snapped[0]))
     return at, good
 
 
 def _roots(
-    model: Model, place: Placing, theta: np.ndarray, rows: tuple[Contact, ...]
+    model: Programme, place: Placing, theta: np.ndarray, rows: tuple[Contact, ...]
 ) -> np.ndarray:
     """Return the angles at which a row changes sign on the circle, sorted and distinct."""
     if not rows:
@@ -175,14 +171,14 @@ def _roots(
 
     low = theta[cell]
     found = np.sort(bracketed_roots(opening, low, low + 2 * np.pi / len(theta)) % (2 * np.pi))
-    return found[np.concatenate([[True], np.diff(found) > SAME])]
+    return found[np.concatenate([[True], np.diff(found) > SETTLED])]
 
 
-def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
+def _placings(state: State, radius: float) -> list[Placing]:
     """Return one function theta [K] -> states [K, n] for each circle of directions."""
-    _, jac = model.closure(x)
+    model, x, jac = state.programme, state.x, state.local.closure_jacobian
     u, sizes, _ = np.linalg.svd(jac)
-    lost = int((sizes <= SINGULAR).sum())
+    lost = int((sizes <= RANK).sum())
     if lost == 0:
         z = null_space(jac)
         if z.shape[1] != 2:
@@ -194,7 +190,7 @@ def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
     kernel = np.linalg.svd(jac)[2][len(sizes) - 1 :].T
     hessian = model.lagrangian_hessian(x, -left, (), 0.0)
     form, axes = np.linalg.eigh(kernel.T @ hessian @ kernel)
-    if np.abs(form).min() <= 1e-9 or len(form) != 3:
+    if np.abs(form).min() <= DEGENERATE or len(form) != 3:
         raise ValueError("the quadratic form of closure is degenerate")
     sign = np.sign(np.median(np.sign(form)))
     alone = int(np.argmin(sign * form))
@@ -214,14 +210,14 @@ def _placings(model: Model, x: np.ndarray, radius: float) -> list[Placing]:
 
 
 def _over_plane(
-    model: Model, x: np.ndarray, radius: float, z: np.ndarray, theta: np.ndarray
+    model: Programme, x: np.ndarray, radius: float, z: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
     """Return the closed states over a circle in the tangent plane z [n, 2]."""
     y = x + radius * np.stack([np.cos(theta), np.sin(theta)], axis=1) @ z.T
     fixed = np.broadcast_to(z.T, (len(y), 2, model.size))
     for _ in range(6):
         g, jac = model.closure(y)
-        if np.abs(g).max(initial=0.0) <= 1e-15:
+        if np.abs(g).max(initial=0.0) <= ROUNDED:
             break
         right = np.concatenate([-g, np.zeros((len(y), 2))], axis=1)
         y = y + np.linalg.solve(np.concatenate([jac, fixed], axis=1), right[..., None])[..., 0]

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.numerics import ROUNDED, STATIONARY
 from origami_nlp.programme import Contact, Programme, held
 
 LONGEST_STEP = 0.3
 """Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
 MOST_STEPS = 25
-REACHED = 1e-10
-"""A KKT point is reached when the last step [rad] and the residuals are below this."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def kkt_newton(model: Programme, start: np.ndarray, rows: tuple[Contact, ...] = 
         x[todo] += step * np.minimum(1.0, LONGEST_STEP / np.maximum(length, 1e-300))[:, None]
         for row in rows:
             row.hold(x)
-        settled = good & (length <= REACHED) & (residual[todo] <= REACHED)
+        settled = good & (length <= model.step_noise) & (residual[todo] <= STATIONARY)
         reached[todo[settled]] = True
         inside = (np.abs(x[todo]) <= model.bound + 1.0).all(axis=1)
         todo = todo[good & ~settled & inside]
@@ -77,4 +76,4 @@ def _solve(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     try:
         return np.linalg.solve(a, b[..., None])[..., 0]
     except np.linalg.LinAlgError:
-        return np.einsum("kij,kj->ki", np.linalg.pinv(a, rcond=1e-14), b)
+        return np.einsum("kij,kj->ki", np.linalg.pinv(a, rcond=ROUNDED), b)

@@ -13,7 +13,7 @@ from origami_nlp.show import Piece, Table, Told, check_schema, from_plain, pick
 
 SCHEMA = "origami-nlp/critical/1"
 
-Stratum = Literal["interior", "boundary", "corner", "handle", "singular"]
+Part = Literal["interior", "boundary", "corner", "handle", "singular"]
 Kind = Literal["minimum", "saddle", "maximum", "regular", "pinch", "undecided"]
 ROUNDING = 1e-15
 """Multipliers smaller than this [N m] are rounding and are stated as 0."""
@@ -58,7 +58,7 @@ class CriticalPoint:
     energy: float
     index: int | None
     contribution: int
-    stratum: Stratum
+    stratum: Part
     kind: Kind
     contacts: tuple[str, ...]
     multipliers: tuple[float, ...]

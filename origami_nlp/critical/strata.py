@@ -13,20 +13,20 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.critical.edges import Edge, possible_rows, trace_edges
+from origami_nlp.critical.edges import Edge, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import flat_foldings, project
-from origami_nlp.numerics import distinct
+from origami_nlp.kkt import State, flat_foldings, project
+from origami_nlp.numerics import CLOSES, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.programme import Model, Programme
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""
 CORNER_SEEDS = 24
 """Random states projected onto each pair of contacts."""
-SAME = 1e-7
-"""States that differ by less [rad] are one vertex."""
+LOOSE = 1e-4
+"""Singular values below this share of the largest do not move a vertex: contacts and closure are dependent there."""
 
 
 @dataclass(frozen=True)
@@ -85,55 +85,55 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
     rng = np.random.default_rng(seed)
     cloud, residual = project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
-    cloud = cloud[(residual <= 1e-12) & model.admissible(cloud)]
+    cloud = cloud[(residual <= CLOSES) & model.admissible(cloud)]
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
     found = [*flat_foldings(model), *_corners(model, rng), *ends]
-    states = np.array([_settled(model, x) for x in found]).reshape(-1, model.size)
-    states = states[distinct(states, SAME)]
-    keep = [x for x in states if not model.refuses(x)]
+    states = np.array([_settled(State(model, x, SETTLED)) for x in found]).reshape(-1, model.size)
+    states = states[distinct(states, SETTLED)]
+    keep = [at for at in (State(model, x) for x in states) if not at.refused]
     sides = tuple(_side(model, edge) for edge in edges)
-    return Strata(model, cloud, edges, sides, tuple(_vertex(model, x) for x in keep))
+    return Strata(model, cloud, edges, sides, tuple(_vertex(state) for state in keep))
 
 
-def _settled(model: Model, x: np.ndarray) -> np.ndarray:
+def _settled(state: State) -> np.ndarray:
     """Close a vertex to rounding, with its fold limits held; contacts and closure may be dependent there."""
-    rows = tuple(row for row in closed_rows(model, x, SAME) if row.is_limit)
-    y, residual = project(model, x[None], rows, steps=6, dependent=1e-4)
-    return y[0] if residual[0] <= 1e-13 and np.abs(y[0] - x).max() <= SAME else x
+    x, rows = state.x, tuple(row for row in closed_rows(state) if row.is_limit)
+    y, residual = project(state.programme, x[None], rows, steps=6, dependent=LOOSE)
+    return y[0] if residual[0] <= FOLLOWED and np.abs(y[0] - x).max() <= SETTLED else x
 
 
-def _side(model: Model, edge: Edge) -> int:
+def _side(model: Programme, edge: Edge) -> int:
     """Return the sign of the contact's opening in X beside the middle of an edge, 0 if X is on neither or both."""
-    circles = link_of(model, edge.x[len(edge.x) // 2], RADII[-1], 24).circles
+    circles = link_of(State(model, edge.x[len(edge.x) // 2]), RADII[-1], 24).circles
     if len(circles) != 1:
         return 0
     values = model.local(circles[0].x).openings((edge.row,))[0][:, 0]
     inside = circles[0].inside
-    signs = np.unique(np.sign(values[inside & (np.abs(values) > 1e-9)]))
+    signs = np.unique(np.sign(values[inside & (np.abs(values) > OUTSIDE)]))
     return int(signs[0]) if len(signs) == 1 else 0
 
 
-def _vertex(model: Model, x: np.ndarray) -> StratumVertex:
+def _vertex(state: State) -> StratumVertex:
     """Look at the link of a vertex."""
     try:
-        return StratumVertex(x, tuple(link_of(model, x, radius) for radius in RADII))
+        return StratumVertex(state.x, tuple(link_of(state, radius) for radius in RADII))
     except ValueError as error:
-        return StratumVertex(x, (), str(error))
+        return StratumVertex(state.x, (), str(error))
 
 
-def _corners(model: Model, rng: np.random.Generator) -> list[np.ndarray]:
+def _corners(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
     """Return the admissible states at which two contacts close whose gradients and closure's are independent."""
     corners: list[np.ndarray] = []
-    for pair in itertools.combinations(possible_rows(model), 2):
+    for pair in itertools.combinations((*model.limits, *model.gaps), 2):
         if pair[0].is_limit and pair[1].is_limit and pair[0].index == pair[1].index:
             continue
         start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
         x, residual = project(model, start, pair)
-        x = x[(residual <= 1e-13) & model.admissible(x)]
+        x = x[(residual <= FOLLOWED) & model.admissible(x)]
         if not len(x):
             continue
-        x = x[distinct(x, SAME)]
+        x = x[distinct(x, SETTLED)]
         _, jac = model.constraints(x, pair)
-        corners += list(x[np.linalg.svd(jac, compute_uv=False)[:, -1] > 1e-6])
+        corners += list(x[np.linalg.svd(jac, compute_uv=False)[:, -1] > RANK])
     return corners

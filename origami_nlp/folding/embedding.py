@@ -12,6 +12,7 @@ Written with NumPy from the fold angles alone, independent of the CasADi model.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +20,8 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import cross, quaternion as quat
+from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
 from origami_nlp.pattern import Vertex
-
-SNAP = 1e-8
-"""Distance on the unit sphere below which two features are taken to touch [rad]."""
-
 
 LARGEST_TOLERANCE = 0.01
 """Wider, and facets that stand apart would be ordered as if they touched [rad]."""
@@ -124,6 +121,16 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
+def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
+    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
+
+    rays [..., R, 3], pairs of positions [P, 2] -> [..., P].
+    """
+    arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
+    first, second = np.asarray(pairs).T % rays.shape[-2]
+    return crossing_depth(arcs[..., first, :, :], arcs[..., second, :, :])
+
+
 def _check_elements(elements: object) -> None:
     if not isinstance(elements, tuple | list) or not all(
         isinstance(e, tuple) and len(e) == 2 and isinstance(e[0], int) and isinstance(e[1], bool)
@@ -138,7 +145,7 @@ def examine(
     vertex: Vertex,
     fold_angles: np.ndarray,
     *,
-    tolerance: float = SNAP,
+    tolerance: float = TOUCHES,
     elements: tuple[tuple[int, bool], ...] = (),
 ) -> Embedding:
     """Tell whether a state of a vertex is admissible with full contact, and why not if not.
@@ -150,7 +157,7 @@ def examine(
     fold_angles
         Of one state, shape [N] [rad], valley positive.
     tolerance
-        Distance below which features touch [rad], 0 to 0.01.
+        Distance on the unit sphere below which features touch [rad], 0 to 0.01.
     elements
         Of a group (`Symmetry.elements`) that the fold angles have.  Touching layers must then have an order with that
         symmetry as well: equal fold angles do not make a stack symmetric.
@@ -196,11 +203,10 @@ def examine(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
     n = len(phi)
-    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
     i, j = np.triu_indices(n, 2)
     apart = ~((i == 0) & (j == n - 1))
     i, j = i[apart], j[apart]
-    depth = crossing_depth(arcs[i], arcs[j])
+    depth = pair_depths(creases, np.stack([i, j], axis=-1))
     if depth.size and depth.max() > tolerance:
         m = int(depth.argmax())
         return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")

@@ -22,7 +22,7 @@ import numpy as np
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
 from origami_nlp.kkt.state import Stratum
-from origami_nlp.numerics import CURVED, RANK, STATIONARY, nearest_in_cone, null_space
+from origami_nlp.numerics import CURVED, INDEPENDENT, RANK, STATIONARY, nearest_in_cone, null_space
 from origami_nlp.programme import Contact
 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
@@ -127,7 +127,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             break
         for sign in (1.0, -1.0):
             d = sign * vectors[:, column]
-            if (weak @ d >= -1e-9).all() and regular and multipliers.unique:
+            if (weak @ d >= -INDEPENDENT).all() and regular and multipliers.unique:
                 return say(
                     "saddle", "negative curvature along a feasible direction", 0, values, d / root
                 )
@@ -166,10 +166,10 @@ def cone(
             continue
         y = nearest_in_cone(rows[i], rows)
         opens = float(np.linalg.norm(y))  # how fast row i can open, at unit speed
-        if opens > 1e-9:
+        if opens > INDEPENDENT:
             y /= opens
             interior += y
-            free += [k for k in range(r) if rows[k] @ y > 1e-9 and k not in free]
+            free += [k for k in range(r) if rows[k] @ y > INDEPENDENT and k not in free]
     held = [i for i in range(r) if i not in free]
     space = null_space(rows[held]) if held else np.eye(t)
     if space.shape[1] == 0:
@@ -188,7 +188,7 @@ def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
 
 def _closure_multipliers(jac: np.ndarray, right: np.ndarray, regular: bool) -> list[np.ndarray]:
     """Solve J' lam = right; where J loses rank, also try shifts along its left kernel."""
-    lam = np.linalg.lstsq(jac.T, right, rcond=1e-9)[0]
+    lam = np.linalg.lstsq(jac.T, right, rcond=INDEPENDENT)[0]
     if regular:
         return [lam]
     left = null_space(jac.T)

@@ -12,10 +12,10 @@ from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import FOLLOWED, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import BALANCED, CLOSES, FOLLOWED, LEVEL, STATIONARY, UNPOLISHED
 from origami_nlp.programme import Contact, Programme
 
-AT_REST = 1e-24
+AT_REST = CLOSES**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
 MOST_SETS, MOST_FAILED = 100, 6
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
@@ -294,7 +294,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
         return lower
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(state, rows)
-    noise = 1e-12 * max(state.energy, model.scale)
+    noise = LEVEL * max(state.energy, model.scale)
     where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.admissible} admissible states"
     if found.state is not None and found.lowest < -noise:
         return Classification(
@@ -318,7 +318,7 @@ def _forces(state: State, branch: BranchJudgement) -> tuple[ContactForce, ...]:
     for contact, same in state.contacts.implied:
         also.setdefault(same, []).append(model.name(contact))
     m = branch.multipliers
-    stationary = m.residual <= 1e-8 * (1 + float(np.abs(m.smallest).max(initial=0)))
+    stationary = m.residual <= BALANCED * (1 + float(np.abs(m.smallest).max(initial=0)))
     for r, contact in enumerate(branch.rows):
         who = model.words(contact, state.x)
         text = who.text

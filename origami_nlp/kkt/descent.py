@@ -17,7 +17,16 @@ from origami_nlp.kkt.neighbours import search_spheres
 from origami_nlp.kkt.polishing import Solve, exact_beside, polish
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State, Stratum
-from origami_nlp.numerics import BESIDE, CLOSES, NEAR_CONTACT, nearest, null_space
+from origami_nlp.numerics import (
+    BESIDE,
+    CLOSES,
+    INDEPENDENT,
+    LEVEL,
+    NEAR_CONTACT,
+    ROUNDED,
+    nearest,
+    null_space,
+)
 from origami_nlp.programme import Contact, Programme
 
 LONGEST = 0.1
@@ -30,6 +39,12 @@ MOST_GUESSES = 8
 """Sets of closed contacts that are tried when the end of a path is polished."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
+
+
+DECREASE = 1e-4
+"""Share of the decrease to first order that a step must bring (Armijo's rule)."""
+RISE = 1e-7
+"""Relative rise of the energy that is allowed to the end of a path when it is polished."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +108,7 @@ def follow(
 
 def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
     """Keep the states whose energy falls by more than rounding, and the end in place of what is level with it."""
-    noise = 4e-16 * max(model.energy(states[0]), model.scale)
+    noise = 4e-16 * max(model.energy(states[0]), model.scale)  # two roundings
     kept = [states[0]]
     for y in states[1:]:
         if model.energy_change(kept[-1], y) < -noise:
@@ -111,7 +126,7 @@ def _lower_neighbour(
     model: Programme, x: np.ndarray, direction: np.ndarray | None
 ) -> np.ndarray | None:
     """Return an admissible state near x with lower energy: along `direction` if that works, else by search."""
-    noise = 1e-13 * max(model.energy(x), model.scale)
+    noise = LEVEL * max(model.energy(x), model.scale)
     if direction is not None:
         for step in (1e-3, 3e-3, 1e-4):
             for sign in (1.0, -1.0):
@@ -142,7 +157,7 @@ def _step(model: Programme, x: np.ndarray, length: float) -> tuple[np.ndarray, f
             break  # only where looking ahead to contacts that will close led nowhere
         d = _pull(state.on(rows))
         size = float(np.linalg.norm(d))
-        if size < 1e-14:
+        if size < ROUNDED:
             continue
         slope = float(state.local.gradient @ d)
         held = _kept(state.on(rows), d)
@@ -154,7 +169,7 @@ def _step(model: Programme, x: np.ndarray, length: float) -> tuple[np.ndarray, f
             if (
                 residual <= CLOSES
                 and np.abs(model.closure(y)[0]).max() <= CLOSES
-                and change < 1e-4 * step * slope
+                and change < DECREASE * step * slope
                 and not model.refuses(y)
             ):
                 if best is None or change < best[0]:
@@ -184,7 +199,7 @@ def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
     return tuple(
         c
         for c, g in zip(piece.contacts, slopes, strict=True)
-        if abs(g @ d) <= 1e-9 * np.linalg.norm(d)
+        if abs(g @ d) <= INDEPENDENT * np.linalg.norm(d)
     )
 
 
@@ -203,7 +218,7 @@ def _polish_nearby(model: Programme, x: np.ndarray) -> np.ndarray | None:
             done = exact_beside(model, done)
         close = np.abs(done.x - x).max() <= BESIDE
         # the path may stand a contact tolerance inside a closed contact, so a little below the exact state
-        lower = model.energy_change(x, done.x) <= 1e-7 * max(model.energy(x), model.scale)
+        lower = model.energy_change(x, done.x) <= RISE * max(model.energy(x), model.scale)
         if done.converged and close and lower:
             return done.x
     return None

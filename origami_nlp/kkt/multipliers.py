@@ -13,7 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import extremes, has_ray, nearest, nonnegative_least_squares, refined
+from origami_nlp.numerics import (
+    INDEPENDENT,
+    ROUNDED,
+    STATIONARY,
+    extremes,
+    has_ray,
+    nearest,
+    nonnegative_least_squares,
+    refined,
+)
 
 
 @dataclass(frozen=True)
@@ -39,7 +48,7 @@ UNBALANCED = 1e-3
 """A residual above this (relative) is no rounding of any solver: nothing balances, and no range is looked for."""
 
 
-def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> Multipliers:
+def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY) -> Multipliers:
     """Describe {mu >= 0: B mu = c}, shapes [t, r] and [t]."""
     r = b.shape[1]
     size = 1.0 + float(np.abs(c).max(initial=0.0))
@@ -48,14 +57,14 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = 1e-11) -> 
         return Multipliers(
             float(np.abs(c).max(initial=0.0)), True, empty, empty, empty, np.zeros((1, 0))
         )
-    if np.linalg.matrix_rank(b, tol=1e-9) == r:
+    if np.linalg.matrix_rank(b, tol=INDEPENDENT) == r:
         mu = np.linalg.lstsq(b, c, rcond=None)[0]
         clipped = np.where(np.abs(mu) <= 0.1 * tolerance * size, 0.0, mu)
         residual = float(np.abs(b @ np.maximum(mu, 0.0) - c).max())
         return Multipliers(residual, True, clipped, clipped, clipped, clipped[None])
     # dependent rows: keep the part of the equations that is more than rounding
     u, singular, vt = np.linalg.svd(b)
-    rank = int((singular > 1e-9).sum())
+    rank = int((singular > INDEPENDENT).sum())
     basis, rows = u[:, :rank], vt[:rank]
     missed = float(np.abs(c - basis @ (basis.T @ c)).max())
     b, c = basis.T @ b, basis.T @ c
@@ -79,7 +88,7 @@ def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:
     is returned where rounding leaves no better point.
     """
     _, singular, vt = np.linalg.svd(b)
-    rank = int((singular > 1e-9).sum())
+    rank = int((singular > INDEPENDENT).sum())
     kernel = vt[rank:].T
     size = float(np.abs(found).max(initial=0.0))
     if size == 0.0 or kernel.shape[1] == 0:
@@ -90,6 +99,6 @@ def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:
     if z is None:
         return found
     mu = p + kernel @ z
-    mu = refined(b, b @ unit, np.where(mu <= 1e-13, 0.0, mu))
-    closer = np.abs(b @ (mu - unit)).max() <= 1e-12
+    mu = refined(b, b @ unit, np.where(mu <= 10 * ROUNDED, 0.0, mu))
+    closer = np.abs(b @ (mu - unit)).max() <= 100 * ROUNDED
     return mu * size if closer and np.linalg.norm(mu) <= np.linalg.norm(unit) else found

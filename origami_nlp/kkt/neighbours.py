@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import FOLLOWED
+from origami_nlp.numerics import FOLLOWED, LEVEL
 from origami_nlp.programme import Contact
 
 RADII = (1e-3, 3e-3, 1e-2)
@@ -68,7 +68,7 @@ def search_spheres(
     """
     model, x = at.programme, at.x
     energy = model.energy(x)
-    noise = 1e-12 * max(energy, model.scale)
+    noise = LEVEL * max(energy, model.scale)
     lowest, state, count, smallest, dimension = math.inf, None, 0, math.inf, 0
     seen: set[tuple[Contact, ...]] = set()
     for y, held, radius in _neighbours(at, rows, np.random.default_rng(seed), radii):

@@ -15,18 +15,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt.projection import project
-from origami_nlp.numerics import BESIDE, CLOSES, EPS, FOLLOWED, ROUNDED, STATIONARY
-from origami_nlp.pattern import ROUNDING
+from origami_nlp.numerics import (
+    ANSWERED,
+    BESIDE,
+    CLOSES,
+    DEPENDENT,
+    EPS,
+    FOLLOWED,
+    RANK,
+    ROUNDED,
+    STATIONARY,
+    SUMMED,
+    UNPOLISHED,
+)
 from origami_nlp.programme import Contact, Programme, fold_limit, held
 
 MOST_STEPS = 12
 MOST_REPAIRS = 8
-RANK = 1e-14
-"""Relative singular values of the KKT matrix below this count as zero (dependent contacts)."""
-PULL = 1e-14
-"""Multipliers below minus this (relative) pull: the contact is dropped, however little it would open."""
-DEPENDENT = 1e-10
-"""Singular values of closure and contacts below this count as zero."""
 RESOLVED = 0.1
 """A state is told from a singular one at a distance of which its uncertainty is at most this share."""
 LONGEST_STEP = 0.5
@@ -79,7 +84,7 @@ class Polished:
 def polish(model: Programme, answer: Solve, guess: tuple[Contact, ...] | None = None) -> Polished:
     """Polish one answer of IPOPT; `guess` gives the active set to try first, where it is known."""
     guess = model.guess(answer.x, answer.pull, answer.pair_force) if guess is None else guess
-    firm = tuple(row for row in guess if not row.is_limit or abs(answer.pull[row.index]) > 1e-6)
+    firm = tuple(row for row in guess if not row.is_limit or abs(answer.pull[row.index]) > ANSWERED)
     fallback: Polished | None = None
     for first in dict.fromkeys((guess, firm, ())):
         result, consistent = _repair(model, answer.x, first)
@@ -121,11 +126,11 @@ def _at_singular_folding(model: Programme, state: Polished) -> Polished:
     A state of lower energy stays where it is if closed states really lead there from the folding.
     """
     flat = math.pi * np.round(state.x / math.pi)
-    y = np.where(np.abs(state.x - flat) <= 1e-5, flat, state.x)
+    y = np.where(np.abs(state.x - flat) <= UNPOLISHED, flat, state.x)
     if (y == state.x).all():
         return state
     residual, jacobian = model.closure(y)
-    singular = np.linalg.svd(jacobian, compute_uv=False).min() <= 1e-9
+    singular = np.linalg.svd(jacobian, compute_uv=False).min() <= RANK
     if not singular or np.abs(residual).max() > ROUNDED:
         return state
     if state.converged and model.energy_change(y, state.x) < 0 and _leads_on(model, y, state.x - y):
@@ -160,7 +165,8 @@ def _repair(
         violated = [c for c in model.beyond(result.x, CLOSES) if c not in key]
         if violated:
             rows = tuple(dict.fromkeys((*key, *violated)))
-        elif len(multipliers) and multipliers.min() < -PULL * max(1, np.abs(multipliers).max()):
+        elif len(multipliers) and multipliers.min() < -ROUNDED * max(1, np.abs(multipliers).max()):
+            # it pulls, however little it would open
             drop = int(multipliers.argmin())
             rows = key[:drop] + key[drop + 1 :]
         else:
@@ -182,7 +188,7 @@ def newton(
         local = model.local(x)
         values, gradients = local.openings(rows)
         jacobian = np.vstack([local.closure_jacobian, gradients])
-        multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=1e-10)[0]
+        multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=DEPENDENT)[0]
         m = len(local.closure)
         stationarity = local.gradient - jacobian.T @ multipliers
         # relative to the size of the terms that cancel
@@ -193,7 +199,7 @@ def newton(
         count = len(jacobian)
         system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((count, count))]])
         right = -np.concatenate([stationarity, local.closure, values])
-        step = np.linalg.lstsq(system, right, rcond=RANK)[0][: model.size]
+        step = np.linalg.lstsq(system, right, rcond=ROUNDED)[0][: model.size]
         length = float(np.linalg.norm(step))
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
@@ -207,12 +213,12 @@ def newton(
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
             break
-        if length <= 1e-16:
+        if length <= EPS / 2:
             break
         x = held(x + step, rows)
     assert best is not None
     merit, state, row_multipliers = best
-    if not state.converged and merit > 1e-5:
+    if not state.converged and merit > UNPOLISHED:
         return None, np.zeros(0)
     return state, row_multipliers
 
@@ -220,7 +226,7 @@ def newton(
 def _uncertainty(hessian: np.ndarray, jacobian: np.ndarray, multipliers: np.ndarray) -> float:
     """Bound how far [rad] the exact KKT point lies, given rounding of sector angles and torques.
 
-    Special relations of the sector angles hold to `ROUNDING`, and so does closure.  Beside a singular state, at
+    Special relations of the sector angles hold to `SUMMED`, and so does closure.  Beside a singular state, at
     distance s, closure has a singular value s and multipliers grow as 1/s: closure knows the state across its
     set to r / s, which turns the tangent by r / s^2, and the balance along the set is known to |torque| r / s^2
     only.
@@ -230,10 +236,10 @@ def _uncertainty(hessian: np.ndarray, jacobian: np.ndarray, multipliers: np.ndar
     across = vt[:rank].T / singular[:rank]  # moves by one unit of each independent constraint
     along = vt[rank:].T
     torque = 1.0 + float(np.abs(multipliers).max(initial=0.0))
-    error = ROUNDING * float(np.abs(across).sum(axis=1).max(initial=0.0))
+    error = SUMMED * float(np.abs(across).sum(axis=1).max(initial=0.0))
     if along.shape[1]:
         stiffness = np.abs(np.linalg.eigvalsh(along.T @ hessian @ along)).min()
-        tilt = ROUNDING * np.abs(along.T @ hessian @ across).sum() + EPS * torque
+        tilt = SUMMED * np.abs(along.T @ hessian @ across).sum() + EPS * torque
         error += float(tilt / max(stiffness, 1e-300))
     return error
 
@@ -250,5 +256,5 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
 
 def _closed_exactly(x: np.ndarray) -> np.ndarray:
     """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds)."""
-    shut = np.abs(np.abs(x) - math.pi) <= 2e-15
+    shut = np.abs(np.abs(x) - math.pi) <= 9 * EPS
     return np.where(shut, np.copysign(math.pi, x), x)

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import ROUNDED
+from origami_nlp.numerics import ROUNDED, TOUCHES
 from origami_nlp.programme import Contact, Programme, held
 
-DEPENDENT = 1e-8
-"""Singular values below this share of the largest are left out: what closure does not resolve does not move."""
+DEPENDENT = TOUCHES
+"""Singular values below this share of the largest are left out, those that closure has this far [rad] from a singular
+state: what it does not resolve does not move."""
 LONGEST = 1.0
 """Steps are cut to this length [rad], within which a product of folds is nearly linear."""
 

@@ -16,10 +16,10 @@ import math
 
 import numpy as np
 
+from origami_nlp.numerics import INDEPENDENT, ROUNDED
+
 MOST_SUBSETS = 20_000
 """Candidates for extreme rays of a cone that are looked at; beyond, nothing is decided."""
-POSITIVE = 1e-9
-"""Values of unit rays and forms above this count as positive."""
 
 
 def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
@@ -40,11 +40,11 @@ def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
     rays = extreme_rays(rows)
     for form in forms:
         size = float(np.abs(form).max(initial=0.0))
-        if size <= POSITIVE:
+        if size <= INDEPENDENT:
             continue
         q = form / size
         values = np.linalg.eigvalsh(q)
-        if values[0] > POSITIVE or values[-1] < -POSITIVE:
+        if values[0] > INDEPENDENT or values[-1] < -INDEPENDENT:
             return True
         if rays is None:
             continue
@@ -53,7 +53,7 @@ def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
         table = rays @ q @ rays.T
         for sign in (1.0, -1.0):
             # positive on each ray, and on none of their pairs negative: positive on the cone that they span
-            if (sign * np.diag(table) > POSITIVE).all() and (sign * table >= -1e-14).all():
+            if (sign * np.diag(table) > INDEPENDENT).all() and (sign * table >= -ROUNDED).all():
                 return True
     return False
 
@@ -62,8 +62,11 @@ def extreme_rays(rows: np.ndarray) -> np.ndarray | None:
     """Return the extreme rays [k, t] of the pointed cone rows d >= 0, or None if it is not, or has too many."""
     t = rows.shape[1]
     norms = np.linalg.norm(rows, axis=1)
-    rows = rows[norms > POSITIVE] / norms[norms > POSITIVE, None]
-    if np.linalg.matrix_rank(rows, tol=POSITIVE) < t or math.comb(len(rows), t - 1) > MOST_SUBSETS:
+    rows = rows[norms > INDEPENDENT] / norms[norms > INDEPENDENT, None]
+    if (
+        np.linalg.matrix_rank(rows, tol=INDEPENDENT) < t
+        or math.comb(len(rows), t - 1) > MOST_SUBSETS
+    ):
         return None
     found: list[np.ndarray] = []
     if t == 1:
@@ -72,10 +75,10 @@ def extreme_rays(rows: np.ndarray) -> np.ndarray | None:
         candidates = []
         for subset in itertools.combinations(range(len(rows)), t - 1):
             _, s, vt = np.linalg.svd(rows[list(subset)])
-            if s[-1] > POSITIVE:
+            if s[-1] > INDEPENDENT:
                 candidates += [vt[-1], -vt[-1]]
     for d in candidates:
-        inside = (rows @ d >= -POSITIVE).all()
-        if inside and all(np.abs(d - known).max() > POSITIVE for known in found):
+        inside = (rows @ d >= -INDEPENDENT).all()
+        if inside and all(np.abs(d - known).max() > INDEPENDENT for known in found):
             found.append(d)
     return np.array(found).reshape(-1, t)

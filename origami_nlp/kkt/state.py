@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
-from origami_nlp.numerics import OUTSIDE, RANK, TOUCHES, null_space
+from origami_nlp.numerics import DEPENDENT, OUTSIDE, RANK, ROUNDED, TOUCHES, null_space
 from origami_nlp.programme import ClosedContacts, Contact, Local, Programme
 
 
@@ -202,7 +202,7 @@ class Stratum:
     @cached_property
     def multipliers(self) -> np.ndarray:
         """Forces of closure and contacts that balance the springs best, of smallest norm, [m + r]."""
-        return np.linalg.lstsq(self.jacobian.T, self.state.gradient, rcond=1e-10)[0]
+        return np.linalg.lstsq(self.jacobian.T, self.state.gradient, rcond=DEPENDENT)[0]
 
     @property
     def forces(self) -> np.ndarray:
@@ -263,5 +263,5 @@ class Stratum:
             [[self.hessian, -self.jacobian.T], [self.jacobian, np.zeros((count,) * 2)]]
         )
         right = np.vstack([np.eye(n), np.zeros((count, n))])
-        solution = np.linalg.lstsq(system, right, rcond=1e-14)[0]
+        solution = np.linalg.lstsq(system, right, rcond=ROUNDED)[0]
         return solution[n + len(self.state.jacobian) :], solution[:n]

@@ -18,13 +18,17 @@ from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.starts import BATCH
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
+from origami_nlp.numerics import CLOSES, ENDS, OUTSIDE, ROUNDED, null_space
 from origami_nlp.programme import Contact, Programme
 
 MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
 MOST_ON_A_SET = 4
 """States from which the energy is minimised along one thin set."""
+SHORTEST = 1e-10
+"""A step this short [rad] that does not go down ends a minimisation: Newton does the rest."""
+DECREASE = 1e-4
+"""Share of the decrease to first order that a step must bring (Armijo's rule)."""
 
 
 def handle_minima(model: Programme, seed: int) -> list[np.ndarray]:
@@ -39,7 +43,7 @@ def handle_minima(model: Programme, seed: int) -> list[np.ndarray]:
             continue
         tried[held] = tried.get(held, 0) + 1
         end = minimise_along(model, x, held)
-        if all(np.abs(end - known).max() > 1e-6 for known in ends):
+        if all(np.abs(end - known).max() > ENDS for known in ends):
             ends.append(end)
     return ends
 
@@ -91,15 +95,15 @@ def minimise_along(model: Programme, x: np.ndarray, held: tuple[Contact, ...]) -
             state, _ = newton(model, x, held)
             if state is not None and np.abs(state.x - x).max() <= 0.1:
                 return state.x
-        if size <= 1e-13:
+        if size <= 10 * ROUNDED:
             break
         slope = float(local.gradient @ d)
         step = min(1.0, 0.3 / size)
-        while step * size > 1e-10:
+        while step * size > SHORTEST:
             y, residual = project(model, x + step * d, held)
             change = model.energy_change(x, y) / model.scale
             inside = (np.abs(y) <= math.pi).all()
-            if residual <= CLOSES and inside and change < 1e-4 * step * slope:
+            if residual <= CLOSES and inside and change < DECREASE * step * slope:
                 break
             step /= 2
         else:

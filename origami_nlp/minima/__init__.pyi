@@ -28,7 +28,6 @@ from .result import (
 from .search import (
     FEW_PAIRS as FEW_PAIRS,
     MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
-    SAME as SAME,
     Answer as Answer,
     Record as Record,
     run_one as run_one,

@@ -37,13 +37,15 @@ from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
 from origami_nlp.minima.stopping import enough, expected_undiscovered
 from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 
 FEWEST_STARTS = 128
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 1000
 """Default cap on starts; the report says when the search stopped there."""
+DOWN = 0.05
+"""First step [rad] down either side of a saddle."""
 Progress = Callable[[int, int, float], None]
 """Called as progress(starts, minima found, expected undiscovered answers)."""
 
@@ -129,57 +131,88 @@ def find_minima(
     begin = time.perf_counter()
     model = Model(scene)
     record = Record()
-    verdicts: dict[int, Classification] = {}
-    found, missing = 0, 0.0
-    stopped_by = "cap"
-    # isolated flat foldings, and thin sets at phi = +-pi, are not found by descent
+    _list_states(model, seed, record)
+    missing, stopped_by = 0.0, "rule"
+    # where nothing can move within the symmetry, the listed states are all there is
+    if model.freedom > 0:
+        for new in run_boundaries(model, seed, record):
+            _judge_new(model, new, record)
+        for guess in guesses:
+            new = run_one(model, model.reduce(guess), record, count=False)
+            _judge_new(model, new, record)
+        missing, stopped_by = _start_at_random(
+            model, seed, record, (fewest_starts, max_starts), progress
+        )
+    minima, others, outcomes = _sort_out(model, record)
+    if full:
+        minima = _in_full_space(scene, minima)
+    report = SearchReport(
+        starts=record.starts,
+        feasible_starts=record.feasible_starts,
+        solves=record.solves,
+        statuses=dict(record.statuses),
+        outcomes=outcomes,
+        expected_undiscovered=missing,
+        stopped_by=stopped_by,
+        seconds=time.perf_counter() - begin,
+        seed=seed,
+        rejected=tuple(r for r in others if r.verdict != "undecided"),
+        undecided=tuple(r for r in others if r.verdict == "undecided"),
+        iterations=record.iterations,
+    )
+    return MinimaResult(scene, model, tuple(minima), report)
+
+
+def _list_states(model: Model, seed: int, record: Record) -> None:
+    """Judge the states that no descent finds: isolated flat foldings, hinge sets, thin sets at phi = +-pi."""
     thin = handle_minima if model.freedom > 0 else rigid_states
     # (a lowest state on a hinge set beside its flat folding is the one of the two that may be a minimum)
     listed = itertools.chain(
         rest_state(model), hinge_minima(model), flat_foldings(model), thin(model, seed)
     )
     for state in listed:
-        _judge_new(model, add_state(model, state, record), verdicts, record)
-    if model.freedom <= 0:
-        stopped_by = (
-            "rule"  # nothing can move within the symmetry: the listed states are all there is
-        )
-    else:
-        for new in run_boundaries(model, seed, record):
-            _judge_new(model, new, verdicts, record)
-        for guess in guesses:
-            new = run_one(model, model.reduce(guess), record, count=False)
-            _judge_new(model, new, verdicts, record)
-        stream = run_starts(model, seed, record)
-        while record.starts < max_starts:
-            new = next(stream)
-            _judge_new(model, new, verdicts, record)
-            found = sum(v.verdict == "minimum" for v in verdicts.values())
-            hits = sum(a.hits for a in record.answers if verdicts[id(a)].verdict == "minimum")
-            reached = sum(
-                a.hits > 0 and verdicts[id(a)].verdict == "minimum" for a in record.answers
-            )
-            missing = expected_undiscovered(hits, reached)
-            if progress:
-                progress(record.starts, found, missing)
-            if record.starts >= fewest_starts and enough(hits, reached):
-                stopped_by = "rule"
-                break
+        _judge_new(model, add_state(model, state, record), record)
+
+
+def _start_at_random(
+    model: Model, seed: int, record: Record, starts: tuple[int, int], progress: Progress | None
+) -> tuple[float, str]:
+    """Search from random starts, at least and at most `starts`, until the stopping rule says that it is enough.
+
+    Returns the expected number of answers not yet found, and what stopped the search: ``rule`` or ``cap``.
+    """
+    missing = 0.0
+    for new in itertools.islice(run_starts(model, seed, record), starts[1]):
+        _judge_new(model, new, record)
+        hits = [a.hits for a in record.answers if a.is_minimum]
+        reached = sum(h > 0 for h in hits)
+        missing = expected_undiscovered(sum(hits), reached)
+        if progress:
+            found = len(hits) + sum(a.is_minimum for a in record.listed)
+            progress(record.starts, found, missing)
+        if record.starts >= starts[0] and enough(sum(hits), reached):
+            return missing, "rule"
+    return missing, "cap"
+
+
+def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
+    """Return minima and other states, each in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
     for answer in [*record.listed, *record.answers]:
-        what = _that_closes(model, answer.polished.x, verdicts[id(answer)])
+        p, energy = answer.polished, model.energy(answer.polished.x)
+        phi = model.expand(p.x)
+        assert answer.what is not None
+        what = _that_closes(model.scene.vertex, phi, answer.what)
         outcomes[what.verdict] += answer.hits
-        phi = tuple(model.expand(answer.polished.x).tolist())
-        energy = model.energy(answer.polished.x)
+        angles = tuple(phi.tolist())
         if what.verdict != "minimum":
-            others.append(Rejected(what.verdict, what.reason, phi, energy, answer.hits))
+            others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
             continue
         assert what.kind is not None
-        p = answer.polished
         minima.append(
             Minimum(
                 energy,
-                phi,
+                angles,
                 what.kind,
                 what.local_dimension,
                 p.closure_residual,
@@ -193,31 +226,15 @@ def find_minima(
         )
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
-    if full:
-        minima = _in_full_space(scene, minima)
     others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
-    report = SearchReport(
-        starts=record.starts,
-        feasible_starts=record.feasible_starts,
-        solves=record.solves,
-        statuses=dict(record.statuses),
-        outcomes=dict(outcomes),
-        expected_undiscovered=missing,
-        stopped_by=stopped_by,
-        seconds=time.perf_counter() - begin,
-        seed=seed,
-        rejected=tuple(r for r in others if r.verdict != "undecided"),
-        undecided=tuple(r for r in others if r.verdict == "undecided"),
-        iterations=record.iterations,
-    )
-    return MinimaResult(scene, model, tuple(minima), report)
+    return minima, others, dict(outcomes)
 
 
-def _that_closes(model: Model, x: np.ndarray, what: Classification) -> Classification:
+def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) -> Classification:
     """Let nothing be a minimum whose final numbers do not close, by a product of rotations of their own."""
     if what.verdict != "minimum":
         return what
-    _, q = fold_vertex(model.scene.vertex, model.expand(x))
+    _, q = fold_vertex(vertex, fold_angles)
     residual = float(np.linalg.norm(q[1:]))
     if residual <= CLOSES:
         return what
@@ -233,20 +250,16 @@ def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
     ]
 
 
-def _judge_new(
-    model: Model, new: Answer | None, verdicts: dict[int, Classification], record: Record
-) -> None:
+def _judge_new(model: Model, new: Answer | None, record: Record) -> None:
     """Classify a new answer; from a saddle, go down both sides once."""
     pending = [new] if new else []
     while pending:
         answer = pending.pop()
-        what = classify(State(model, answer.polished.x), polished=answer.polished.converged)
-        verdicts[id(answer)] = what
+        x = answer.polished.x
+        answer.what = what = classify(State(model, x), polished=answer.polished.converged)
         if what.descent is not None and answer.hits:
             for sign in (1.0, -1.0):
-                start = answer.polished.x + sign * 0.05 * what.descent
-                below = run_one(
-                    model, np.clip(start, -model.bound, model.bound), record, count=False
-                )
+                start = np.clip(x + sign * DOWN * what.descent, -model.bound, model.bound)
+                below = run_one(model, start, record, count=False)
                 if below:
                     pending.append(below)

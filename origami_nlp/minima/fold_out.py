@@ -20,9 +20,10 @@ import numpy as np
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.folding import SNAP, fold_vertex, layer_problem, ordered
+from origami_nlp.folding import fold_vertex, layer_problem, ordered
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
+from origami_nlp.numerics import TOUCHES
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
 from origami_nlp.version import __version__
 
@@ -142,7 +143,7 @@ def face_orders(creases: np.ndarray, fold_angles: np.ndarray) -> list[list[int]]
 
     The left of an arc, seen from outside the sphere, is the side of its facet's normal c_i x c_{i+1}.
     """
-    problem = layer_problem(creases, fold_angles, SNAP)
+    problem = layer_problem(creases, fold_angles, TOUCHES)
     order = problem.order() if problem is not None else None
     if problem is None or order is None:
         return []

@@ -14,11 +14,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
-from origami_nlp.numerics import null_space
+from origami_nlp.numerics import BALANCED, ENDS, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
+KEPT = 1e-6
+"""A step keeps a symmetry to this share of it: paths close to 1e-12 and take steps of 1e-6 [rad] or more."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ def _undecided(why: str, eigenvalues: tuple[float, ...], breaking: tuple[float, 
 def _landing(path: Followed, others: tuple[np.ndarray, ...]) -> LandsOn:
     what: Classification = path.what
     near = [float(np.abs(np.asarray(o) - path.end).max()) for o in others]
-    same = int(np.argmin(near)) + 1 if near and min(near) <= 1e-6 else None
+    same = int(np.argmin(near)) + 1 if near and min(near) <= ENDS else None
     return LandsOn(
         tuple(path.end.tolist()), float(path.energies[-1]), str(what.kind), what.reason, same
     )
@@ -169,7 +171,7 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
     return out
 
 
-def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = 1e-6) -> str:
+def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) -> str:
     """Say which elements of the scene's group a change of the fold angles keeps."""
     size = float(np.abs(direction).max())
     kept = [
@@ -195,13 +197,13 @@ def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tupl
         return (), ()
     piece = state.on(state.pieces[0])
     z, mu = state.kernel, piece.multiplier_set
-    if mu.residual > 1e-9 * (1 + np.abs(state.gradient).max()):
+    if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
         return (), ()
     balance = state.gradient - piece.slopes.T @ mu.smallest
     lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
     h = z.T @ piece.hessian_with(np.concatenate([lam, mu.smallest])) @ z
     average = np.mean([np.eye(len(state.x))[p] for _, p in permutations(scene)], axis=0)
-    breaking = null_space(average @ z, 1e-9)
+    breaking = null_space(average @ z, INDEPENDENT)
     scale = state.programme.scale
     full = np.linalg.eigvalsh(h) * scale
     block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * scale

@@ -21,17 +21,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, OUTSIDE, cross
 from origami_nlp.programme import Model
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
 MOST_STATES = 2000
 """Lowest states of sets that are kept, those of lowest energy first."""
-ON_LINE = 1e-12
-"""Sine of the angle below which a crease lies on the hinge line: exact relations hold to 1e-14."""
-INSIDE = 1e-12
-"""Hinges nearer to +-pi [rad] are shut: that state belongs to another set."""
 
 
 def hinge_minima(model: Model) -> list[np.ndarray]:
@@ -52,7 +48,8 @@ def hinge_minima(model: Model) -> list[np.ndarray]:
             continue
         x = fixed.copy()
         x[moving] = lowest
-        inside = (math.pi - np.abs(lowest) > INSIDE).all()
+        # a hinge at +-pi is shut: that state belongs to another set
+        inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
         if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
             states.append(x)  # (a piece of a symmetric state may close once round, or wind)
     states.sort(key=model.energy)
@@ -61,37 +58,41 @@ def hinge_minima(model: Model) -> list[np.ndarray]:
 
 def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, float]]:
     """Yield the polytopes as (fixed fold angles, moving variables, their turn about the line, c)."""
-    n = model.size
-    vertex, group = model.scene.vertex, model.variable_of_crease
-    for kinds in itertools.product((0, 1, 2), repeat=n):  # 0 flat, 1 shut, 2 moving
-        kind = np.array(kinds)
-        moving = kind == 2
-        hinges = moving[group]
-        if hinges.sum() < 2:
-            continue
-        flat = np.where(kind == 1, math.pi, 0.0)
-        creases, q = fold_vertex(vertex, flat[group])
-        line = creases[int(np.argmax(hinges))]
-        off = np.linalg.norm(np.cross(creases, line), axis=1)
-        if (off[hinges] > ON_LINE).any() or np.linalg.norm(np.cross(q[1:], line)) > ON_LINE:
-            continue
-        if (off[(kind == 0)[group]] <= ON_LINE).any():
-            continue  # that crease may turn as well: part of a larger set
-        sigma = np.round(creases @ line)
-        turn = np.bincount(group[hinges], sigma[hinges], n)[moving]
+    n, group = model.size, model.variable_of_crease
+    for moving, shut, line, sigma, q in zip(*_books(model), strict=True):
+        turn = np.bincount(group, sigma * moving[group], n)[moving]
         needed = -2 * math.atan2(q[1:] @ line, q[0])
-        shut = np.flatnonzero(kind == 1)
-        size = np.bincount(group, minlength=n)[shut]
-        for signs in itertools.product((1, -1), repeat=len(shut)):
+        reach = float(np.abs(turn).sum()) * math.pi
+        size = model.multiplicity[shut]
+        for signs in itertools.product((1, -1), repeat=len(size)):
             # each fold by -pi in place of +pi changes the sign of q: half a turn of 4 pi
-            flips = int(size[np.array(signs) < 0].sum()) if len(shut) else 0
-            fixed = flat.copy()
-            fixed[shut] *= signs
-            reach = float(np.abs(turn).sum()) * math.pi
+            flips = int(size[np.array(signs) < 0].sum()) if signs else 0
+            fixed = np.zeros(n)
+            fixed[shut] = math.pi * np.array(signs)
             for k in range(-n, n + 1):
                 c = needed + 2 * math.pi * flips + 4 * math.pi * k
-                if abs(c) < reach - 1e-9:
+                if abs(c) < reach - CLOSES:
                     yield fixed, np.flatnonzero(moving), turn, c
+
+
+def _books(model: Model) -> tuple[np.ndarray, ...]:
+    """Find the ways in which some variables turn about one line while the others stay flat or shut.
+
+    Returns for each of K ways which variables move and which are shut at pi, [K, n] each, the line [K, 3], the
+    direction of each crease along it [K, N] (rounded: +-1 for those that move), and the product of all folds [K, 4].
+    """
+    vertex, group = model.scene.vertex, model.variable_of_crease
+    kinds = np.array(list(itertools.product((0, 1, 2), repeat=model.size)))  # flat, shut, moving
+    kinds = kinds[(kinds[:, group] == 2).sum(axis=1) >= 2]
+    creases, q = fold_vertex(vertex, np.where(kinds == 1, math.pi, 0.0)[:, group])
+    hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
+    line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
+    on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSES
+    about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSES
+    # a flat crease on the line may turn as well: part of a larger set
+    book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)
+    sigma = np.round(np.einsum("kni,ki->kn", creases, line))
+    return tuple(a[book] for a in (kinds == 2, kinds == 1, line, sigma, q))
 
 
 def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) -> np.ndarray | None:
@@ -100,7 +101,7 @@ def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) ->
     x = clip(rest + s turn / weight) for the s at which turn . x, which grows with s, is c.
     """
     if not turn.any():
-        return rest if abs(c) < 1e-9 else None
+        return rest if abs(c) <= CLOSES else None
     slope = turn / weight
 
     def at(s: float) -> np.ndarray:

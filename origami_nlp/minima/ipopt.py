@@ -11,10 +11,11 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.kkt import Solve
+from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import (
     Contact,
     Pairs,
-    Programme,
+    Solvable,
     Structure,
     pose_apart,
     pose_with_gaps,
@@ -60,7 +61,7 @@ def build_solver(structure: Structure, pairs: Pairs | None, tolerance: float) ->
     return Solver(ca.nlpsol("origami", "ipopt", form, options), nlp.lower, nlp.upper)
 
 
-def solve_on_boundary(model: Programme, start: np.ndarray, row: Contact) -> Solve:
+def solve_on_boundary(model: Solvable, start: np.ndarray, row: Contact) -> Solve:
     """Minimise the energy among states that keep one contact closed; facet pairs are not kept apart."""
     programme = build_solver(model.structure, None, tolerance_for(model))
     bound = np.full(model.size, model.bound)
@@ -88,14 +89,14 @@ def solve_on_boundary(model: Programme, start: np.ndarray, row: Contact) -> Solv
     )
 
 
-def tolerance_for(model: Programme) -> float:
+def tolerance_for(model: Solvable) -> float:
     """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
     return max(
-        1e-12, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
+        CLOSES, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
     )
 
 
-def solve(model: Programme, start: np.ndarray, pairs: Pairs = ()) -> Solve:
+def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     """Minimise the energy from `start` [n] with separating planes for `pairs`."""
     programme = build_solver(model.structure, pairs, tolerance_for(model))
     n = model.size

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import (
+    Classification,
     Polished,
     Solve,
     StartStream,
@@ -18,8 +19,8 @@ from origami_nlp.kkt import (
     polish,
 )
 from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.numerics import BESIDE, SAME
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.numerics import ANSWERED, BESIDE, SAME
+from origami_nlp.programme import Contact, Solvable
 
 MOST_PAIR_ROUNDS = 4
 SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
@@ -30,10 +31,16 @@ FEW_PAIRS = 6
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, and how many starts reached it."""
+    """A distinct state that solves ended at: its polish, how many starts reached it, and what it was judged to be."""
 
     polished: Polished
     hits: int = 1
+    what: Classification | None = None
+
+    @property
+    def is_minimum(self) -> bool:
+        """Whether it was judged to be a minimum."""
+        return self.what is not None and self.what.verdict == "minimum"
 
 
 @dataclass
@@ -56,7 +63,7 @@ class Record:
     converged: int = 0
 
 
-def run_starts(model: Programme, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_starts(model: Solvable, seed: int, record: Record) -> Iterator[Answer | None]:
     """Run starts for ever, one for each `next`; yields the new answer, or None where nothing new was found."""
     pairs = model.structure.pairs
     for start in StartStream(model, seed):
@@ -69,7 +76,7 @@ def run_starts(model: Programme, seed: int, record: Record) -> Iterator[Answer |
 
 
 def run_one(
-    model: Programme,
+    model: Solvable,
     x: np.ndarray,
     record: Record,
     *,
@@ -91,7 +98,7 @@ def run_one(
     return _file(model, polish(model, answer), record, count)
 
 
-def run_boundaries(model: Programme, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_boundaries(model: Solvable, seed: int, record: Record) -> Iterator[Answer | None]:
     """Minimise along every contact boundary: where pinned states are, narrow as their basins may be.
 
     A pinned minimum is a minimum among the states that keep its contact closed; a solver that starts in the
@@ -111,7 +118,7 @@ def run_boundaries(model: Programme, seed: int, record: Record) -> Iterator[Answ
 
 
 def _settle_on_boundary(
-    model: Programme, answer: Solve, row: Contact, record: Record
+    model: Solvable, answer: Solve, row: Contact, record: Record
 ) -> Answer | None:
     """Polish a minimum along a boundary with its contact closed; keep it if the contact is loaded."""
     guessed = model.guess(answer.x, answer.pull, answer.pair_force)
@@ -123,7 +130,7 @@ def _settle_on_boundary(
     return None
 
 
-def _free_beside(model: Programme, state: Polished) -> bool:
+def _free_beside(model: Solvable, state: Polished) -> bool:
     """Tell whether a state without contacts lies beside one that a contact was asked to hold: it is the answer then."""
     free, _ = newton(model, state.x, ())
     if free is None or not free.converged or np.abs(free.x - state.x).max() > SAME:
@@ -131,7 +138,7 @@ def _free_beside(model: Programme, state: Polished) -> bool:
     return not model.beyond(free.x, 0.0)
 
 
-def _file(model: Programme, polished: Polished, record: Record, hits: int) -> Answer | None:
+def _file(model: Solvable, polished: Polished, record: Record, hits: int) -> Answer | None:
     """File a polished state under the answer that it is, or as a new one, which is returned.
 
     What Newton could not polish is taken for the exact state next to it, where there is one.
@@ -170,7 +177,7 @@ def _listed_beside(state: Polished, record: Record) -> Polished | None:
     return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
 
 
-def add_state(model: Programme, x: np.ndarray, record: Record) -> Answer | None:
+def add_state(model: Solvable, x: np.ndarray, record: Record) -> Answer | None:
     """File a state that was listed, not solved for, unless it is known; it has no hits until a solve ends there."""
     for known in (*record.answers, *record.listed):
         if np.abs(known.polished.x - x).max() <= SAME:
@@ -182,7 +189,7 @@ def add_state(model: Programme, x: np.ndarray, record: Record) -> Answer | None:
 
 
 def solve_without_crossing(
-    model: Programme, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
+    model: Solvable, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
 ) -> Solve:
     """Solve with separating planes for `pairs`; other facet pairs enter when a solve makes them cross."""
     for _ in range(MOST_PAIR_ROUNDS):
@@ -190,7 +197,7 @@ def solve_without_crossing(
         record.solves += 1
         record.statuses[answer.status] += 1
         record.iterations += answer.iterations
-        crossed = model.crossed(answer.x, 1e-6)
+        crossed = model.crossed(answer.x, ANSWERED)
         if not crossed or set(crossed) <= set(pairs):
             return answer
         pairs = tuple(sorted({*pairs, *crossed}))

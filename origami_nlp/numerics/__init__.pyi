@@ -10,18 +10,28 @@ from .linear import (
 )
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .tolerances import (
+    ANSWERED as ANSWERED,
+    BALANCED as BALANCED,
     BESIDE as BESIDE,
     CLOSES as CLOSES,
     CURVED as CURVED,
+    DEPENDENT as DEPENDENT,
+    ENDS as ENDS,
     EPS as EPS,
     FOLLOWED as FOLLOWED,
+    INDEPENDENT as INDEPENDENT,
+    LEVEL as LEVEL,
     NEAR_CONTACT as NEAR_CONTACT,
     OUTSIDE as OUTSIDE,
     RANK as RANK,
+    RESOLVED as RESOLVED,
     ROUNDED as ROUNDED,
     SAME as SAME,
+    SETTLED as SETTLED,
     STATIONARY as STATIONARY,
+    SUMMED as SUMMED,
     TOUCHES as TOUCHES,
+    TYPED as TYPED,
     UNPOLISHED as UNPOLISHED,
 )
 from .vectors import cross as cross

@@ -13,12 +13,10 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics.tolerances import RANK
+from origami_nlp.numerics.tolerances import INDEPENDENT, RANK
 
 MOST_CORNERS = 1000
 """Choices of columns up to which corners are listed: about what a linear programme costs."""
-INDEPENDENT = 1e-9
-"""Singular values below this, for rows of unit length, count as zero."""
 
 
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:

@@ -16,6 +16,8 @@ ROUNDED = 1e-14
 """Largest entry of loop closure that rounding leaves: some 50 eps, a product of up to a few tens of folds."""
 CLOSES = 1e-12
 """A state closes: rounding of a product of up to 1,000 folds, and of sector angles made exact."""
+SUMMED = 2e-14
+"""Relations between sector angles [rad] that miss by less hold: sums of up to 14, each typed to 1e-15."""
 FOLLOWED = 1e-13
 """Closure of points of a curve or small sphere: at distance d from a singular state any point closes to d^2, so at
 the smallest radii (1e-6) only residuals below this tell."""
@@ -24,21 +26,47 @@ OUTSIDE = 1e-12
 than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere around a singular state."""
 STATIONARY = 1e-11
 """Torque without balance, relative to the largest: 1e-16 through a KKT system of condition 1e5."""
+LEVEL = 1e-12
+"""Energies whose difference is no larger, relative to them and to the mean stiffness, are level: a sum of some hundred
+rounded terms, with room."""
 CURVED = 1e-12
 """Eigenvalues of a reduced Hessian below this share of the largest do not count as positive: n eps, with room."""
+DEPENDENT = 1e-10
+"""Singular values of closure and contacts below this belong to constraints that are dependent all along a set: four
+decades above `ROUNDED`, and below the distance at which a singular state nearby can still be told, `TOUCHES`."""
 
 # polished
+INDEPENDENT = 1e-9
+"""Slopes of contacts along unit directions, and singular values of unit rows, below this are zero: contacts that
+differ do so by `RESOLVED` at least, equal ones by `ROUNDED`; two decades are left for products of slopes."""
+BALANCED = 1e-9
+"""Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear programme behind them (its
+tolerance is 1e-10) leaves where too many contacts meet to list corners."""
+TYPED = 1e-9
+"""Stated angles [rad] and relative stiffnesses that differ by no more are meant to be equal: ten digits were typed."""
 TOUCHES = 1e-8
 """Opening of a closed contact: sqrt(eps / 2)."""
 RANK = 1e-7
 """Singular values of closure (the largest are about 1) below this count as zero: they grow as the distance to the
 singular state, and a state that touches to `TOUCHES` is within a few times that of it."""
+RESOLVED = 1e-7
+"""Angles [rad] that differ, do so by more: relations between sector angles that miss by less are made exact, creases
+and events that are closer are one.  Ten times `TOUCHES`, so that none is taken for a contact."""
 SAME = 1e-8
 """Two polished states whose fold angles differ by no more are one."""
+SETTLED = 1e-6
+"""Two ends of Newton, corners of curves, or roots on a circle are one: where a root is double, or curves touch, a
+residual of `CLOSES` is a distance of its square root."""
 NEAR_CONTACT = 1e-6
 """A curve has reached a contact: the opening that is left after bisection of a step to 1e-9."""
 
 # coarse
+ANSWERED = 1e-6
+"""Constraints of an answer of IPOPT hold to this, and bound forces above it are no remains of its barrier: ten times
+its tolerance of 1e-7."""
+ENDS = 1e-5
+"""A path downhill ends at a known state [rad]: where the polish fails it stops within some of its shortest steps,
+1e-6."""
 UNPOLISHED = 1e-5
 """Contacts and torques of an answer of IPOPT: its tolerance 1e-7 leaves sqrt(mu) ~ 1e-4.5 at weak contacts."""
 BESIDE = 1e-3

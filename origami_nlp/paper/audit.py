@@ -24,19 +24,18 @@ from origami_nlp.kkt import (
     thin_at,
 )
 from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.numerics import ENDS
 from origami_nlp.paper.baseline import appendix_a
 from origami_nlp.paper.chart_states import chart_distance, chart_end, chart_point
 from origami_nlp.paper.closing import closing_alphas, mean_of_rows, named_alpha, other_sides
-from origami_nlp.paper.published import Candidate
+from origami_nlp.paper.published import PRINTED, Candidate
 from origami_nlp.pattern import format_angle
 from origami_nlp.programme import Model
 
-PRINTED = 1e-6
-"""Accuracy of published fold angles [rad]: closure and equality are judged to this."""
 ON_MINIMUM = 2.0
 """A candidate within this many grid steps of an exact minimum, in its chart, is that minimum as a grid sees it."""
-SAME_STATE = 1e-4
-"""A descent that ends this close [rad] to a listed minimum ends at it."""
+CLOSED = 1e-7
+"""Openings [rad] of contacts that published states close: a state that is 1e-6 off leaves one of second order open."""
 
 Cause = Literal[
     "exact",
@@ -233,7 +232,7 @@ def _audit_one(
     if not closes:
         seen.append((x, c.number))
         return _elsewhere(replace(base, cause="does not close", paper_test=paper), minima)
-    stationarity = distance_from_stationary(State(model, x, 1e-7))
+    stationarity = distance_from_stationary(State(model, x, CLOSED))
     base = replace(base, paper_test=paper, stationarity=stationarity)
     group = result.scene.group.elements
     if (
@@ -275,7 +274,7 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     except ValueError:
         return replace(base, reason="touches itself in a way that the model's contacts refuse")
     near = [float(np.abs(path.end - y).max()) for y in exact]
-    hit = int(np.argmin(near)) if near and min(near) <= SAME_STATE else None
+    hit = int(np.argmin(near)) if near and min(near) <= ENDS else None
     base = replace(
         base,
         distance=float(np.abs(path.end - start).max()),
@@ -283,8 +282,8 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
         steps=len(path.states),
     )
     if hit is None:
-        rows = model.closed(x, 1e-7).base
-        if base.distance <= 1e-5 and search_spheres(State(model, x), rows).state is None:
+        rows = State(model, x, CLOSED).contacts.base
+        if base.distance <= ENDS and search_spheres(State(model, x), rows).state is None:
             why = "no admissible neighbour: an isolated state, which no symmetric motion leaves"
             return replace(base, cause="isolated", reason=why)
         why = f"the descent ends at no listed minimum: {path.what.verdict}, {path.what.reason}"
@@ -293,7 +292,8 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact", reason=f"{steps:.1f} grid steps from #{hit + 1}")
-    held = thin_at(State(model, start))
+    at = State(model, start)
+    held = thin_at(at)
     if held:
         closed = ", ".join(model.name(row) for row in held)
         why = f"slides along a set that exists only with {closed}: nothing beside it is admissible"
@@ -301,15 +301,15 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     end = chart_end(model, start, step)
     if end:
         return replace(base, cause="chart edge", reason=end)
-    return replace(base, cause="grid jag", reason=_jag(model, start, step))
+    return replace(base, cause="grid jag", reason=_jag(at, step))
 
 
-def _jag(model: Model, x: np.ndarray, step: float) -> str:
+def _jag(at: State, step: float) -> str:
     """Say between which points of the grid the way down is hidden."""
-    held = model.closed(x, 1e-7)
+    held = State(at.programme, at.x, CLOSED).contacts
     if held.base or held.branches:
         return "on a contact: grid neighbours off it are excluded"
-    near = model.closed(x, 8 * step)
+    near = State(at.programme, at.x, 8 * step).contacts
     if near.base or near.branches:
         return "next to a contact boundary that crosses the grid at an angle"
     return "in a narrow valley that runs between the grid's eight directions"

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from origami_nlp.chart import wedge_elevation
+from origami_nlp.chart import chart_of, chart_points
 from origami_nlp.numerics import null_space
 from origami_nlp.programme import Model
 
@@ -25,9 +25,10 @@ STRETCHED = 1.0
 
 def chart_point(model: Model, x: np.ndarray) -> tuple[float, float]:
     """Return the chart coordinates of a state: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
-    if model.scene.degree == 6:
-        return float(x[1]), float(x[2])
-    return wedge_elevation(model.scene, model.expand(x)), float(x[1])
+    chart = chart_of(model.scene)
+    assert chart is not None
+    first, second = chart_points(chart, model.expand(x)).tolist()
+    return (first, second) if chart.kind == "degree6" else (second, first)
 
 
 def chart_distance(model: Model, x: np.ndarray, y: np.ndarray) -> float:

@@ -9,18 +9,15 @@ import numpy as np
 
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import examine
-from origami_nlp.numerics import quaternion as quat
-from origami_nlp.paper.published import INDEPENDENT
+from origami_nlp.numerics import ROUNDED, quaternion as quat
+from origami_nlp.paper.published import INDEPENDENT, PRINTED
 from origami_nlp.pattern import Vertex, format_angle
-
-CLOSES = 1e-6
-"""|vec q| of a state with seven printed digits that closes."""
 
 
 def closing_alphas(degree: int, independent: np.ndarray, scan: int = 2000) -> tuple[float, ...]:
     """Return every sector angle alpha_1 of the paper's family at which a state closes.
 
-    Local minima of |vec q|^2 over alpha_1 in (0, pi/2) are refined by Gauss-Newton.  Angles within 1e-6 of a
+    Local minima of |vec q|^2 over alpha_1 in (0, pi/2) are refined by Gauss-Newton.  Angles within `PRINTED` of a
     multiple of pi/12 are returned as that multiple.
     """
     phi = independent[list(INDEPENDENT[degree])]
@@ -37,16 +34,16 @@ def closing_alphas(degree: int, independent: np.ndarray, scan: int = 2000) -> tu
             slope = (up - down) / (2 * h)
             change = float(slope @ f) / max(float(slope @ slope), 1e-300)
             a -= float(np.clip(change, -1e-3, 1e-3))
-            if abs(change) < 1e-13:
+            if abs(change) < 10 * ROUNDED:
                 break
         if not 0 < a < math.pi / 2:
             continue
         twelfth = round(a / (math.pi / 12)) * (math.pi / 12)
-        if abs(a - twelfth) <= 1e-6:
+        if abs(a - twelfth) <= PRINTED:
             a = twelfth
-        if float(np.linalg.norm(_defect(degree, phi, np.array([a]))[0])) > CLOSES:
+        if float(np.linalg.norm(_defect(degree, phi, np.array([a]))[0])) > PRINTED:
             continue
-        if all(abs(a - b) > 1e-6 for b in found):
+        if all(abs(a - b) > PRINTED for b in found):
             found.append(a)
     return tuple(sorted(found))
 
@@ -64,7 +61,7 @@ def mean_of_rows(independent: np.ndarray, step: float = math.pi / 128) -> float 
             [wedge3(2, alpha, v, phi2, branch).value for branch in (1, -1)] for v in (step, -step)
         ]
         for up, down in itertools.product(*rows):
-            if np.abs((up + down) / 2 - (phi1, phi3)).max() <= CLOSES:
+            if np.abs((up + down) / 2 - (phi1, phi3)).max() <= PRINTED:
                 return alpha
     return None
 

@@ -23,10 +23,11 @@ from origami_nlp.closed_forms import (
 )
 from origami_nlp.cone import check_ratio
 from origami_nlp.errors import OptionError
+from origami_nlp.numerics import ROUNDED
 
 DEGREES = (8, 16, 32, 64, 128, 256, 512, 1024)
 """The ladder of degrees; each is twice the one before."""
-ROUNDING = 1e-13
+ROUNDING = 10 * ROUNDED
 """Distances below this are rounding of double precision, and no order is read from them: quantities of order 1,
 each within a few hundred roundings of eps."""
 BISECTIONS = 200

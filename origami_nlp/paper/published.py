@@ -31,8 +31,8 @@ INDEPENDENT = {6: (0, 1, 2, 3, 2, 1), 8: (0, 1, 2, 1, 0, 1, 2, 1)}
 """For each degree, which independent fold angle every crease has (D1 and D2 of the paper)."""
 LARGEST = 50_000_000
 """Largest file [bytes]."""
-SYMMETRIC = 1e-6
-"""Fold angles of one orbit that differ by more [rad] break the symmetry of the family."""
+PRINTED = 1e-6
+"""Accuracy of published fold angles [rad], of seven digits: closure, symmetry and equality are judged to it."""
 _ALIASES = {"alpha1": "alpha", "rk": "ratio"}
 _NEEDED = ("degree", "alpha", "ratio", "phi")
 _NOTES = ("branch", "kind")
@@ -191,10 +191,10 @@ def _candidate(number: int, record: Any) -> Candidate:
             f"{where}: phi has {len(phi)} entries: give all {degree} fold angles or the first {size}"
         )
     for i, angle in enumerate(phi, start=1):
-        if abs(angle) > math.pi + SYMMETRIC:
+        if abs(angle) > math.pi + PRINTED:
             raise SceneFileError(f"{where}: phi[{i}] = {angle:.6g} is outside [-pi, pi] (radians)")
     for i, angle in enumerate(phi):
-        if abs(angle - phi[orbit[i]]) > SYMMETRIC:
+        if abs(angle - phi[orbit[i]]) > PRINTED:
             raise SceneFileError(
                 f"{where}: phi[{i + 1}] = {angle:.6g} differs from phi[{orbit[i] + 1}] = "
                 f"{phi[orbit[i]]:.6g}: the family keeps them equal"

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.cone import Cone, class_energy, count_map, energy_classes
+from origami_nlp.numerics import SAME
 
 DEPTH = 1e-3
 """The paper's threshold (footnote of section 5)."""
@@ -23,11 +24,6 @@ STEPS = 400
 """Elevations of the dense scan on printed roots."""
 ALWAYS = 0.98
 """A statement "everywhere" holds from this share of the grid points of its region on (lines of boundaries remain)."""
-
-
-FLAT = 1e-9
-"""|nu_0| below this is the line nu_0 = 0, which grid points avoid [rad]: at the middle of a symmetric interval they
-meet it to a few eps."""
 
 
 @dataclass(frozen=True)
@@ -243,7 +239,8 @@ def region_counts(statement: Statement, reading: Reading, size: int) -> np.ndarr
     if reading.rest == "waterbomb":
         first, last = Cone(statement.degree).rest_range
         nu = nu[(nu > first) & (nu < last)]
-    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > FLAT]
+    # grid points avoid the line nu_0 = 0; at the middle of a symmetric interval they meet it to a few eps
+    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > SAME]
     if nu.size == 0:
         return np.zeros((0, size), dtype=int)
     bottom, top = np.log(statement.ratio)

@@ -13,45 +13,81 @@ set that leaves the state in its softest direction; y'' is normal to that set an
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.kkt import find_multipliers
-from origami_nlp.numerics import RANK, null_space
-from origami_nlp.programme import (
-    Contact,
-    Model,
-)
+from origami_nlp.kkt import State, Stratum, find_multipliers, project
+from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT, RANK, STATIONARY
+from origami_nlp.path.tracer import End, Steps, Trace, trace
+from origami_nlp.programme import Contact, Programme
 
-LONGEST, SHORTEST = 0.04, 1e-9
-"""Longest step, and the step [rad] to which the end of a curve is bisected."""
-TURN = 0.05
-"""The tangent turns by about this much [rad] a step."""
-CLOSED_TO = 1e-13
-"""Residual of closure and held contacts at every point."""
+STEPS = Steps(first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15)
+"""Such that energy and slope are smooth between points."""
+REACH = 30.0
+"""A curve is followed for this length [rad]: several times around the space of fold angles."""
+NEWTON = 12
+"""Steps of the corrector: from the predicted point it needs two to four."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """One point of a curve, in the model's variables and scaled energy.
+    """One point of a curve of states on which contacts stay closed.
 
-    x: [n].  tangent, bend: y' and y'' [n], in the metric.  slope, stiffness: dU/ds, d2U/ds2.
-    springs: t . K t alone.  multipliers: of the rows, those of smallest norm where they are dependent.
-    pressed: whether every held contact pushes.
-    dimension: of the set on which the rows stay closed.
+    stratum: the state with the contacts held.  tangent, bend: y' and y'' [n], in the metric.
+    dimension: of the set on which the contacts stay closed.
     """
 
-    x: np.ndarray
+    stratum: Stratum
     tangent: np.ndarray
     bend: np.ndarray
-    slope: float
-    stiffness: float
-    springs: float
-    multipliers: np.ndarray
-    pressed: bool
     dimension: int
+
+    @property
+    def x(self) -> np.ndarray:
+        """The state in the programme's variables, [n]."""
+        return self.stratum.state.x
+
+    @property
+    def slope(self) -> float:
+        """dU/ds, scaled energy."""
+        return float(self.stratum.state.gradient @ self.tangent)
+
+    @property
+    def stiffness(self) -> float:
+        """d2U/ds2, scaled energy."""
+        return float(self.tangent @ self.stratum.hessian @ self.tangent)
+
+    @property
+    def springs(self) -> float:
+        """t . K t alone, scaled energy."""
+        p = self.stratum.state.programme
+        return float(self.tangent @ (p.parameters.stiffness / p.multiplicity * self.tangent))
+
+    @cached_property
+    def _forces(self) -> tuple[np.ndarray, bool]:
+        held, state = self.stratum, self.stratum.state
+        if np.linalg.svd(held.jacobian, compute_uv=False).min() > RANK:
+            return held.forces, bool((held.forces > 0).all())
+        # only what the contacts leave no motion to balance
+        z, free = held.tangent, state.kernel
+        across = state.gradient - z @ (z.T @ state.gradient)
+        found = find_multipliers((held.slopes @ free).T, free.T @ across)
+        size = 1.0 + float(np.abs(state.gradient).max())
+        return found.smallest, found.residual <= STATIONARY * size and bool((found.upper > 0).all())
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Of the contacts, scaled energy, those of smallest norm where they are dependent, [r]."""
+        return self._forces[0]
+
+    @property
+    def pressed(self) -> bool:
+        """Whether every held contact pushes."""
+        return self._forces[1]
 
 
 @dataclass(frozen=True)
@@ -59,7 +95,8 @@ class BoundaryCurve:
     """A followed contact boundary, in the scene's units.
 
     contacts: the contacts held closed.  s: arclength [m], 0 at the state or sample it was started from.
-    fold_angles: [m, N].  energy, slope, stiffness: U, dU/ds, d2U/ds2 [m].  springs: t . K t, the part
+    states, fold_angles: in the programme's variables [m, n], all of them [m, N].
+    energy, slope, stiffness: U, dU/ds, d2U/ds2 [m].  springs: t . K t, the part
     of the stiffness that the springs would have along a straight path; the rest is the bend of the boundary.
     multipliers: moment at each single contact, [m, contacts]; pressed: whether all contacts push, [m].
     start, end: why the curve ends there; both ``closed curve`` for a loop.
@@ -69,6 +106,7 @@ class BoundaryCurve:
     contacts: tuple[str, ...]
     rows: tuple[Contact, ...]
     s: np.ndarray
+    states: np.ndarray
     fold_angles: np.ndarray
     energy: np.ndarray
     slope: np.ndarray
@@ -86,196 +124,156 @@ class BoundaryCurve:
         return float(self.s[-1] - self.s[0])
 
 
-def evaluate(
-    model: Model, x: np.ndarray, rows: tuple[Contact, ...], along: np.ndarray | None = None
-) -> Point | None:
-    """Evaluate the boundary at x [n]; `along` [n] picks the tangent (default: the softest direction).
+@dataclass(frozen=True)
+class HeldCurve:
+    """The closed states of a programme on which contacts stay closed, as a curve to trace; see `tracer.Curve`.
 
-    Returns None where no motion keeps the rows closed.
+    Where the contacts leave a set of more dimensions, its geodesics.
     """
-    root = np.sqrt(model.multiplicity)
-    local = model.local(x)
-    _, a = local.openings(rows)
-    jac, a, pull = local.closure_jacobian / root, a / root, local.gradient / root
-    c = np.vstack([jac, a])
-    z = null_space(c)
+
+    programme: Programme
+    contacts: tuple[Contact, ...]
+    dimension: int
+
+    @property
+    def root(self) -> np.ndarray:
+        """Metric of all N fold angles, [n]."""
+        return self.programme.root
+
+    def correct(self, x: np.ndarray) -> np.ndarray | None:
+        """Move x [n] onto closure and contacts."""
+        state = correct(State(self.programme, x).on(self.contacts))
+        return None if state is None else state.x
+
+    def frame(self, x: np.ndarray, along: np.ndarray) -> Point | None:
+        """Return the point at x; None where the set has another dimension, or goes across `along`."""
+        point = evaluate(State(self.programme, x).on(self.contacts), along)
+        return None if point is None or point.dimension != self.dimension else point
+
+
+def correct(held: Stratum, steps: int = NEWTON) -> State | None:
+    """Project a state onto closure with its contacts closed, in the metric; None if that takes more steps."""
+    state = held.state
+    x, residual = project(state.programme, state.x, held.contacts, steps=steps)
+    return state.at(x) if residual <= FOLLOWED else None
+
+
+def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
+    """Return the point of a boundary at a state; `along` [n] picks the tangent (default: the softest direction).
+
+    Returns None where no motion keeps the contacts closed, or `along` is not near any.
+    """
+    z = held.tangent
     if z.shape[1] == 0:
         return None
-    m = len(jac)
-    balance = np.linalg.lstsq(c.T, pull, rcond=1e-9)[0]
-    hessian = model.hessian(x, -balance[:m], -model.weights(rows, balance[m:]))
-    hessian = hessian / np.outer(root, root)
     if along is None:
-        tangent = z @ np.linalg.eigh(z.T @ hessian @ z)[1][:, 0]
+        tangent = z[:, 0]
+        if z.shape[1] > 1:
+            tangent = z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
     else:
         tangent = z @ (z.T @ along)
         size = float(np.linalg.norm(tangent))
         if size < 0.5:
             return None
         tangent = tangent / size
-    step = tangent / root
-    turning = np.array([_second(model, x, rows, i, m, step) for i in range(len(c))])
-    bend = -np.linalg.lstsq(c, turning, rcond=1e-9)[0]
-    k = model.parameters.stiffness / model.multiplicity
-    multipliers, pressed = balance[m:], bool((balance[m:] > 0).all())
-    if np.linalg.svd(c, compute_uv=False).min() <= RANK:
-        free = null_space(jac)
-        normal = free.T @ (pull - z @ (z.T @ pull))
-        found = find_multipliers((a @ free).T, normal)
-        multipliers = found.smallest
-        size = 1.0 + float(np.abs(pull).max())
-        pressed = found.residual <= 1e-9 * size and bool((found.upper > 0).all())
-    return Point(
-        x,
-        tangent,
-        bend,
-        float(pull @ tangent),
-        float(tangent @ hessian @ tangent),
-        float(tangent @ (k * tangent)),
-        multipliers,
-        pressed,
-        z.shape[1],
+    turning = np.array([_second(held, i, tangent) for i in range(len(held.jacobian))])
+    bend = -np.linalg.lstsq(held.jacobian, turning, rcond=RANK)[0]
+    return Point(held, tangent, bend, z.shape[1])
+
+
+def _second(held: Stratum, i: int, along: np.ndarray) -> float:
+    """Return the second derivative of constraint i (closure first, then contacts) along a direction in the metric."""
+    if i >= (m := len(held.state.jacobian)) and held.contacts[i - m].is_limit:
+        return 0.0
+    one = -np.eye(len(held.jacobian))[i]
+    p, step = held.state.programme, along / held.state.programme.root
+    return float(step @ p.lagrangian_hessian(held.state.x, one, held.contacts, 0.0) @ step)
+
+
+def trace_held(
+    held: Stratum, steps: Steps, ends: Sequence[End[Point]] = (), dimension: int | None = None
+) -> Trace[Point] | None:
+    """Trace the boundary through a state both ways; None where no motion keeps the contacts closed.
+
+    dimension: give up where the set on which the contacts stay closed has another one.
+    """
+    first = evaluate(held)
+    if first is None or dimension not in (None, first.dimension):
+        return None
+    return trace(
+        HeldCurve(held.state.programme, held.contacts, first.dimension), first, steps, ends
     )
 
 
-def _second(
-    model: Model, x: np.ndarray, rows: tuple[Contact, ...], i: int, m: int, step: np.ndarray
-) -> float:
-    """Return the second derivative of constraint i (closure first, then rows) along `step`."""
-    lam, mu = np.zeros(m), np.zeros(len(rows))
-    if i < m:
-        lam[i] = 1.0
-    else:
-        mu[i - m] = 1.0
-    return float(step @ model.hessian(x, lam, model.weights(rows, mu), 0.0) @ step)
+def closing(point: Point) -> tuple[Contact, ...]:
+    """Return the contacts besides the held ones that close where a curve ends."""
+    found = State(point.stratum.state.programme, point.x, NEAR_CONTACT).contacts
+    new = (*found.base, *(contact for options in found.branches for contact in options[0]))
+    return tuple(c for c in dict.fromkeys(new) if c not in point.stratum.contacts)
 
 
-def correct(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> np.ndarray | None:
-    """Project x onto closure with `rows` closed, by Gauss-Newton in the metric; None if that fails."""
-    root = np.sqrt(model.multiplicity)
-    for _ in range(12):
-        local = model.local(x)
-        values, a = local.openings(rows)
-        f = np.concatenate([local.closure, values])
-        if np.abs(f).max() <= CLOSED_TO:
-            return x
-        c = np.vstack([local.closure_jacobian, a]) / root
-        x = x - np.linalg.lstsq(c, f, rcond=1e-8)[0] / root
-        for row in rows:
-            if row.is_limit:
-                x[row.index] = row.side * math.pi
-    return None
-
-
-def advance(
-    model: Model, point: Point, rows: tuple[Contact, ...], h: float
-) -> tuple[Point, float] | None:
-    """Go from `point` by about arclength h; return the new point and the exact-to-O(h^5) arclength."""
-    root = np.sqrt(model.multiplicity)
-    x = correct(model, point.x + (h * point.tangent + 0.5 * h * h * point.bend) / root, rows)
-    if x is None:
-        return None
-    along = point.tangent + h * point.bend
-    new = evaluate(model, x, rows, along / np.linalg.norm(along))
-    if new is None or new.dimension != point.dimension:
-        return None
-    chord = float(np.linalg.norm(root * (x - point.x)))
-    if not 0.5 * h <= chord <= 2 * h:
-        return None
-    bend = 0.5 * float(point.bend @ point.bend + new.bend @ new.bend)
-    return new, chord * (1 + bend * chord * chord / 24)
+CLOSES_ANOTHER = "another contact closes"
+"""Why a curve ends where a state is refused; the names of what closes follow."""
 
 
 def follow_boundary(
-    model: Model,
-    x: np.ndarray,
-    rows: tuple[Contact, ...],
-    *,
-    stop_at_release: bool = True,
-    longest: float = 30.0,
+    held: Stratum, *, stop_at_release: bool = True, longest: float = REACH
 ) -> BoundaryCurve | None:
-    """Follow the boundary through x [n] on which `rows` stay closed, both ways.
+    """Follow the boundary through a state on which its contacts stay closed, both ways.
 
     A curve ends where another contact closes, where a held contact no longer pushes (unless
     `stop_at_release` is false), where it meets itself, where closure or contacts become singular, or after
-    `longest` [rad].  None where no motion keeps the rows closed.
+    `longest` [rad].  None where no motion keeps the contacts closed.
     """
-    first = evaluate(model, x, rows)
-    if first is None:
+    programme = held.state.programme
+    ends = [
+        End[Point](lambda points: _run(not programme.refuses(p.x) for p in points), CLOSES_ANOTHER)
+    ]
+    if stop_at_release and (first := evaluate(held)) is not None and first.pressed:
+        ends.append(
+            End(lambda points: _run(p.pressed for p in points), "the contact stops pushing")
+        )
+    found = trace_held(held, replace(STEPS, far=longest), ends)
+    if found is None:
         return None
-    turned = evaluate(model, x, rows, -first.tangent)
-    assert turned is not None
-    ahead, why_end = _one_way(model, first, rows, stop_at_release, longest)
-    if why_end == "closed curve":
-        behind: list[tuple[Point, float]] = []
-        why_start = why_end
-    else:
-        behind, why_start = _one_way(model, turned, rows, stop_at_release, longest)
-    points = [p for p, _ in reversed(behind)] + [first] + [p for p, _ in ahead]
-    s = np.array([-v for _, v in reversed(behind)] + [0.0] + [v for _, v in ahead])
-    sign = np.array([-1.0] * len(behind) + [1.0] * (1 + len(ahead)))
-    weights = np.array([model.weight(row) for row in rows])
+    why = []
+    for end, point in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
+        if end == CLOSES_ANOTHER:
+            names = "; ".join(programme.name(contact) for contact in closing(point))
+            end += f" ({names or 'facets meet'})"
+        why.append(end)
+    return boundary_of(held.contacts, found.frames, found.s, found.signs, (why[0], why[1]))
+
+
+def _run(good: Iterable[bool]) -> int:
+    """How many are true from the first on."""
+    return sum(1 for _ in itertools.takewhile(bool, good))
+
+
+def boundary_of(
+    contacts: tuple[Contact, ...],
+    points: Sequence[Point],
+    s: np.ndarray,
+    signs: np.ndarray | float,
+    ends: tuple[str, str],
+) -> BoundaryCurve:
+    """Evaluate a boundary at points with arclength s [m]; signs: of their tangents against s, [m] or one."""
+    programme = points[0].stratum.state.programme
+    weights = np.array([programme.weight(contact) for contact in contacts])
     at = np.array([p.x for p in points])
     return BoundaryCurve(
-        contacts=tuple(model.name(row) for row in rows),
-        rows=rows,
+        contacts=tuple(programme.name(contact) for contact in contacts),
+        rows=contacts,
         s=s,
-        fold_angles=model.expand(at),
-        energy=np.array([model.energy(v) for v in at]),
-        slope=model.scale * sign * np.array([p.slope for p in points]),
-        stiffness=model.scale * np.array([p.stiffness for p in points]),
-        springs=model.scale * np.array([p.springs for p in points]),
-        multipliers=model.scale * np.array([p.multipliers for p in points]) / weights,
+        states=at,
+        fold_angles=programme.expand(at),
+        energy=programme.energies(at),
+        slope=programme.scale * signs * np.array([p.slope for p in points]),
+        stiffness=programme.scale * np.array([p.stiffness for p in points]),
+        springs=programme.scale * np.array([p.springs for p in points]),
+        multipliers=programme.scale * np.array([p.multipliers for p in points]) / weights,
         pressed=np.array([p.pressed for p in points]),
-        start=why_start,
-        end=why_end,
-        dimension=first.dimension,
+        start=ends[0],
+        end=ends[1],
+        dimension=points[0].dimension,
     )
-
-
-def _one_way(
-    model: Model, first: Point, rows: tuple[Contact, ...], stop_at_release: bool, longest: float
-) -> tuple[list[tuple[Point, float]], str]:
-    """Follow the boundary along the tangent of `first`; return points with arclength, and why it ends."""
-    root = np.sqrt(model.multiplicity)
-    out: list[tuple[Point, float]] = []
-    point, s, h = first, 0.0, 1e-3
-    while s < longest:
-        moved = advance(model, point, rows, h)
-        why = "singular: closure or contacts lose rank, or no solution beyond"
-        if moved is not None:
-            new, ds = moved
-            turn = float(np.linalg.norm(new.tangent - point.tangent))
-            if turn > 3 * TURN and h > 1e-5:
-                h /= 2
-                continue
-            if model.refuses(new.x):
-                why = "another contact closes"
-            elif stop_at_release and first.pressed and not new.pressed:
-                why = "the contact stops pushing"
-            else:
-                why = ""
-        if why:
-            h /= 2
-            if h > SHORTEST:
-                continue
-            if why.startswith("another"):
-                why += _which(model, point.x, rows)
-            return out, why
-        point, s = new, s + ds
-        out.append((point, s))
-        back = float(np.linalg.norm(root * (point.x - first.x)))
-        if len(out) > 5 and back <= ds and point.tangent @ first.tangent > 0.9:
-            return out, "closed curve"
-        h = min(LONGEST, h * min(2.0, TURN / max(turn, 1e-3 * TURN)))
-    return out, f"longer than {longest:g} rad"
-
-
-def _which(model: Model, x: np.ndarray, rows: tuple[Contact, ...]) -> str:
-    """Name the contacts that close at x besides `rows`."""
-    found = model.closed(x, 1e-6)
-    extra = dict.fromkeys(found.base)
-    for options in found.branches:
-        extra.update(dict.fromkeys(options[0]))
-    names = [model.name(row) for row in extra if row not in rows]
-    return f" ({'; '.join(names)})" if names else " (facets meet)"

@@ -19,7 +19,7 @@ from .fold_file import (
     read_fold as read_fold,
 )
 from .fold_scene import read_fold_scene as read_fold_scene
-from .relations import ROUNDING as ROUNDING, Relation as Relation, Relations as Relations
+from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
     format_scene as format_scene,

@@ -16,6 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, check_type, check_whole, shown
 from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.numerics import CLOSES, TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
@@ -271,7 +272,7 @@ def _analyse(
     keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
-        if len(keep) < 3 or merged.max() >= math.pi - 1e-9:
+        if len(keep) < 3 or merged.max() >= math.pi - TYPED:
             keep = folds
             merged = _merge(sectors, keep)
             notes.append(
@@ -334,7 +335,7 @@ def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
         return f"edge {clash[0]} has conflicting assignments: keep one of the copies"
     if len(at) < 3:
         return f"{len(at)} crease{'s' if len(at) > 1 else ''}: a vertex needs at least 3"
-    if sectors.max() >= math.pi - 1e-12:
+    if sectors.max() >= math.pi - CLOSES:
         facet = int(sectors.argmax())
         return (
             f"the facet after edge {int(frame.numbers[at[facet]])} spans "

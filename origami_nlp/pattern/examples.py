@@ -8,6 +8,7 @@ from numbers import Real
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import OptionError
+from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern.angles import format_angle, parse_angle
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.vertex import Vertex
@@ -64,7 +65,7 @@ def degree6(
     a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
-    rest = (m, v, v, m, v, v) if a <= math.pi / 3 + 1e-12 else (v, v, m, v, m, v)
+    rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSES else (v, v, m, v, m, v)
     b = math.pi - 2 * a
     title = f"degree 6, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
     return Scene(

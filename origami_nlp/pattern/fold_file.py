@@ -19,6 +19,7 @@ import numpy as np
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.files import read_limited
+from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 
 LARGEST = 50_000_000
@@ -244,8 +245,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     for key, values, good, what in (
-        ("edges_foldAngle", angles, np.abs(angles) <= math.pi * (1 + 1e-9), "within [-180, 180]"),
-        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + 1e-9), "within [-180, 180]"),
+        ("edges_foldAngle", angles, np.abs(angles) <= math.pi * (1 + TYPED), "within [-180, 180]"),
+        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + TYPED), "within [-180, 180]"),
         (STIFFNESS_KEY, stiffness, stiffness > 0, "positive"),
     ):
         wrong = np.flatnonzero(~good & ~np.isnan(values))

@@ -20,10 +20,8 @@ from functools import lru_cache
 
 import numpy as np
 
-RESOLVED = 1e-7
-"""Relations [rad] that miss by less are made exact: ten times the accuracy of a contact (1e-8)."""
-ROUNDING = 2e-14
-"""Relations [rad] that miss by less hold: sums of up to 14 sector angles, each typed to 1e-15."""
+from origami_nlp.numerics import INDEPENDENT, RESOLVED, SUMMED
+
 NEAR = 1e-3
 """Relations [rad] that miss by less, but are different, are shown with the model."""
 LONGEST_RUN, MOST_SUMS = 12, 2**17
@@ -138,7 +136,7 @@ def find_relations(sector_angles: tuple[float, ...]) -> Relations:
     longest = min(n, LONGEST_RUN, int(math.log2(MOST_SUMS / n)))
     rows, multiples, miss = _near_relations(alpha, longest)
     small = np.abs(miss) <= RESOLVED
-    loose = small & (np.abs(miss) > ROUNDING)
+    loose = small & (np.abs(miss) > SUMMED)
     moved = alpha
     if loose.any():
         # all that hold or nearly do, and the sum of the angles: consistent, since their coefficients
@@ -146,7 +144,7 @@ def find_relations(sector_angles: tuple[float, ...]) -> Relations:
         system = np.vstack([rows[small], np.ones(n)])
         target = np.append(multiples[small] * math.pi, math.fsum(sector_angles))
         for _ in range(2):
-            moved = moved + np.linalg.lstsq(system, target - system @ moved, rcond=1e-9)[0]
+            moved = moved + np.linalg.lstsq(system, target - system @ moved, rcond=INDEPENDENT)[0]
     return Relations(
         tuple(moved.tolist()) if loose.any() else tuple(sector_angles),
         int((small & ~loose).sum()),

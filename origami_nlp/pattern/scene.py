@@ -12,9 +12,10 @@ import numpy as np
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import SceneError
 from origami_nlp.files import is_unicode, printable
+from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
-from origami_nlp.pattern.relations import ROUNDING, Relations, find_relations
-from origami_nlp.pattern.symmetry import TOLERANCE, Symmetry, averaged, find_symmetry
+from origami_nlp.pattern.relations import Relations, find_relations
+from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
 
 Contact = Literal["full", "fold-limits", "none"]
@@ -22,9 +23,6 @@ MOST_CREASES = 1_000
 """Of a scene; `model` then takes seconds."""
 MOST_PAIRED = 400
 """Creases of a scene with full contact, 80,000 pairs of facets; `model` then takes seconds."""
-NARROWEST = 1e-7
-"""Narrowest facet [rad] of a scene with full contact: its two creases must not count as touching."""
-
 LARGEST_RATIO = 1e8
 """Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
 a line of states that only soft springs order, every point seems to balance, and a search never ends."""
@@ -96,7 +94,7 @@ class Scene:
     contact: Contact = "full"
     mirror: int | None = None
     name: str | None = None
-    symmetry_tolerance: float = TOLERANCE
+    symmetry_tolerance: float = TYPED
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -132,9 +130,9 @@ class Scene:
                 f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
             )
         for i, a in enumerate(self.vertex.sector_angles, start=1):
-            if self.contact == "full" and a < NARROWEST:
+            if self.contact == "full" and a < RESOLVED:
                 raise SceneError(
-                    f"sector_angles[{i}] = {a:.6g} is narrower than {NARROWEST:g} rad: contact at so narrow a "
+                    f"sector_angles[{i}] = {a:.6g} is narrower than {RESOLVED:g} rad: contact at so narrow a "
                     "facet is below the accuracy of contacts (1e-8); use contact = 'fold-limits', or merge its creases"
                 )
         if self.name is not None and not isinstance(self.name, str):
@@ -152,7 +150,7 @@ class Scene:
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
             raise SceneError(f"symmetry_tolerance = {shown(tolerance)} must be a number [rad]")
-        if not TOLERANCE <= tolerance <= 0.1:
+        if not TYPED <= tolerance <= 0.1:
             raise SceneError(
                 f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
@@ -177,7 +175,7 @@ class Scene:
             np.abs(np.subtract(rest, self.rest_angles)),
             np.abs(np.divide(k, self.stiffness) - 1),
         ]
-        if np.max(changes) <= ROUNDING:
+        if np.max(changes) <= SUMMED:
             return
         object.__setattr__(self, "adjusted", float(np.max(changes)))
         object.__setattr__(self, "vertex", vertex)
@@ -240,7 +238,7 @@ def _check_range(stiffness: Sequence[float]) -> None:
         raise SceneError(
             f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
         )
-    if stiff > LARGEST_RATIO * soft * (1 + 1e-9):
+    if stiff > LARGEST_RATIO * soft * (1 + TYPED):
         raise SceneError(
             f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
             f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "

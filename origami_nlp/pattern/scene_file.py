@@ -13,9 +13,9 @@ from typing import Any
 from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.files import parse_toml, read_limited
+from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
-from origami_nlp.pattern.symmetry import TOLERANCE
 from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
@@ -172,7 +172,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         model["mirror"] = scene.mirror
     if scene.name is not None:
         model["name"] = scene.name
-    if scene.symmetry_tolerance != TOLERANCE:
+    if scene.symmetry_tolerance != TYPED:
         model["symmetry_tolerance"] = scene.symmetry_tolerance
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
     if not scene.vertex.flat:

@@ -17,13 +17,11 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SymmetryError
+from origami_nlp.numerics import RESOLVED, TYPED
 from origami_nlp.pattern.vertex import Vertex
 
 Elements = tuple[tuple[int, bool], ...]
 """Symmetries as (s, mirrored): crease i (0-based) goes to i + s, or to s - i if mirrored."""
-
-TOLERANCE = 1e-9
-"""Angles [rad] and relative stiffnesses that differ by less are taken for equal."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ def find_symmetry(
     rest_angles: Sequence[float],
     wanted: str = "auto",
     mirror: int | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = TYPED,
 ) -> Symmetry:
     """Find the piece of the vertex for the symmetry `wanted`, or for the largest one (``"auto"``).
 
@@ -118,7 +116,7 @@ def shared_symmetries(
     vertex: Vertex,
     stiffness: Sequence[float],
     rest_angles: Sequence[float],
-    tolerance: float = TOLERANCE,
+    tolerance: float = TYPED,
 ) -> tuple[list[int], list[int]]:
     """Find all rotations and mirrors that geometry and mechanics share within `tolerance`.
 
@@ -221,7 +219,7 @@ def _wedge(
         orbit.append(next(position[j] for j in images if j in position))
     total = math.fsum(ray.sector for ray in rays)
     whole = math.fsum(a)  # 2 pi unless the vertex is not flat
-    assert abs(total - whole / (2 * order)) <= max(1e-7, n * tolerance), "wedge angle"
+    assert abs(total - whole / (2 * order)) <= max(RESOLVED, n * tolerance), "wedge angle"
     elements = [(m * step, False) for m in range(order)]
     elements += [((start + m * step) % n, True) for m in range(order)]
     return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))

@@ -17,11 +17,8 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
+from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
-from origami_nlp.pattern.relations import RESOLVED
-
-SUM_TOLERANCE = 1e-9
-"""Largest |sum of sector angles - 2 pi| [rad] that is taken for rounding and spread evenly."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +33,7 @@ class Vertex:
         The N >= 3 sector angles alpha_i in (0, pi) [rad], counter-clockwise.  Numbers, or strings such
         as ``"pi/4"``.
     flat
-        Whether the sheet lies flat: the angles must sum to 2 pi (to `SUM_TOLERANCE`).  With False they
+        Whether the sheet lies flat: the angles must sum to 2 pi (to `TYPED`).  With False they
         may sum to anything from which a closed vertex can be made, and fold angle 0 still means that
         two facets lie in one plane.
 
@@ -69,20 +66,20 @@ class Vertex:
         for i, a in enumerate(angles, start=1):
             if a <= 0:
                 raise VertexError(f"sector_angles[{i}] = {a:.6g} must be positive")
-            if a >= math.pi - 1e-12:
+            if a >= math.pi - CLOSES:
                 raise VertexError(
                     f"sector_angles[{i}] = {a:.6g} must be below pi: "
                     "split the facet with a crease, or leave the vertex flat"
                 )
         total = math.fsum(angles)
         if self.flat:
-            if abs(total - 2 * math.pi) > SUM_TOLERANCE:
+            if abs(total - 2 * math.pi) > TYPED:
                 raise VertexError(
                     f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi: correct "
                     f'them, write exact multiples such as "pi/3", or state flat = false for paper '
                     f"that does not lie flat"
                 )
-            if abs(total - 2 * math.pi) > 1e-14:  # typed digits: spread what is missing evenly
+            if abs(total - 2 * math.pi) > ROUNDED:  # typed digits: spread what is missing evenly
                 angles = tuple(a * (2 * math.pi / total) for a in angles)
         elif abs(total - 2 * math.pi) <= RESOLVED:
             raise VertexError(
@@ -189,7 +186,7 @@ def _check_closes(angles: Sequence[float]) -> None:
     total = math.fsum(angles)
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
-        if 2 * chosen - total > (size - 1) * math.pi + 1e-12:
+        if 2 * chosen - total > (size - 1) * math.pi + CLOSES:
             what = (
                 f"the largest, {longest[0]:.6g}, is more than all the others together"
                 if size == 1

@@ -12,5 +12,5 @@ from .nlp import (
     separating_normal as separating_normal,
 )
 from .parameters import Parameters as Parameters
-from .protocol import Programme as Programme
+from .protocol import Programme as Programme, Solvable as Solvable
 from .touching import ClosedContacts as ClosedContacts, ContactWords as ContactWords

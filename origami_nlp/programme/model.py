@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.folding import crossing_depth, examine
+from origami_nlp.folding import examine, pair_depths
 from origami_nlp.numerics import OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
 from origami_nlp.programme.contact import Contact, fold_limit, openings
@@ -280,9 +280,7 @@ class Model(Posed):
     def _depths(self, x: np.ndarray) -> np.ndarray:
         """How deep each modelled facet pair crosses at states [K, n]: sine of an angle, [K, pairs]."""
         rays = self.rays(x) if len(x) > 1 else self.rays(x[0])[None]
-        arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
-        first, second = np.array(self.structure.pairs).T % rays.shape[-2]
-        return crossing_depth(arcs[:, first], arcs[:, second])
+        return pair_depths(rays, self.structure.pairs)
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
         """Say why a closed state is not admissible.  The one test of a single state.

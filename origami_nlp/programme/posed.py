@@ -110,11 +110,6 @@ class Posed:
         same = first_of_each(self.structure.gaps)
         return tuple(Contact("gap", i, 1) for i in range(len(same)) if same[i] == i)
 
-    def sides(self, contact: Contact) -> tuple[int, ...]:
-        """Sides on which a contact may be open: both for a ray on a facet."""
-        one = contact.is_limit or contact.index in self.walls
-        return (contact.side,) if one else (1, -1)
-
     @property
     def step_noise(self) -> float:
         """Length of a Newton step [rad] that is only rounding: 1e-10, more with very soft springs."""

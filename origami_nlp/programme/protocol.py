@@ -19,7 +19,6 @@ from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairFor
 class Programme(Protocol):
     """Shapes and units are those of `Model`, where each of these is described."""
 
-    structure: Any  # hashable; what solvers are built from and shared by
     parameters: Parameters
     multiplicity: np.ndarray
     scale: float
@@ -63,10 +62,6 @@ class Programme(Protocol):
         contacts: Sequence[Contact] = (),
         weight: float = 1.0,
     ) -> np.ndarray: ...
-    def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
-    def crossed(  # noqa: D102
-        self, x: np.ndarray, tolerance: float = ...
-    ) -> tuple[tuple[int, int], ...]: ...
     def on_sheet(self, x: np.ndarray) -> Any: ...  # noqa: D102
     def closed(  # noqa: D102
         self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
@@ -78,7 +73,7 @@ class Programme(Protocol):
     def together(  # noqa: D102
         self, x: np.ndarray, contacts: Sequence[Contact]
     ) -> list[tuple[Contact, ...]]: ...
-    def sides(self, contact: Contact) -> tuple[int, ...]: ...  # noqa: D102
+
     def name(self, contact: Contact) -> str: ...  # noqa: D102
     def weight(self, contact: Contact) -> int: ...  # noqa: D102
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
@@ -87,3 +82,14 @@ class Programme(Protocol):
     ) -> tuple[Contact, ...]: ...
     def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
     def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102
+
+
+class Solvable(Programme, Protocol):
+    """What IPOPT needs besides: symbols to build a solver from (`nlp`), and planes that keep facets apart."""
+
+    structure: Any  # hashable; programmes of one structure share their solvers
+
+    def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def crossed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ...
+    ) -> tuple[tuple[int, int], ...]: ...

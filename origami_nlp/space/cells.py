@@ -15,6 +15,7 @@ import numpy as np
 
 from origami_nlp.chart import admissible
 from origami_nlp.folding import examine
+from origami_nlp.numerics import FOLLOWED, OUTSIDE, TOUCHES
 from origami_nlp.space.chain import WRAPPED
 from origami_nlp.space.mesh import (
     BORDER_P,
@@ -32,12 +33,8 @@ from origami_nlp.space.topology import label
 
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
-TOO_CLOSE = 1e-12
-"""States closer to a wall are not examined."""
 BESIDE = 1e-4
 """How close to handles other states are looked for, in base coordinates [rad]."""
-CROSSING = 1e-13
-"""Crossings that are deeper count: next to where two walls meet, facets cross by products of small angles."""
 
 
 @dataclass(frozen=True)
@@ -111,13 +108,14 @@ def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     order = np.lexsort((-clearance, at))
     first = np.flatnonzero(np.r_[True, np.diff(at[order]) != 0])
     for start, end in zip(first, np.r_[first[1:], len(order)], strict=True):
-        best = [m for m in order[start : min(end, start + WITNESSES)] if clearance[m] > TOO_CLOSE]
+        best = [m for m in order[start : min(end, start + WITNESSES)] if clearance[m] > OUTSIDE]
         here = at[order[start]]
         if not best:
             if side[triangle[order[start]], 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
-        said = [examine(vertex, wedge[m][orbit], tolerance=CROSSING).admissible for m in best]
+        # next to where two walls meet, facets cross by products of small angles
+        said = [examine(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best]
         if len(set(said)) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[here] = said[0]
@@ -196,7 +194,7 @@ def _edges_alone(
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
         phi = state[:, sheets.chain.orbit]
         phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
-        alone &= (np.abs(state) <= math.pi + 1e-9).all(axis=1)
+        alone &= (np.abs(state) <= math.pi + TOUCHES).all(axis=1)
         alone[alone] = admissible(sheets.chain.scene, phi[alone])
         alone[alone] = [_passes(sheets, p) for p in phi[alone]]
         found.append(edges[alone])
@@ -225,11 +223,11 @@ def check_thin(cells: Cells) -> None:
             states = sheets.chain.points(base, sheet).wedge
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
             near &= sheets.chain.fold_margin(base) > 0
-            near &= np.abs(states).max(axis=1) < math.pi - 1e-9  # not on the handle itself
+            near &= np.abs(states).max(axis=1) < math.pi - TOUCHES  # not on the handle itself
             states = states[near][:, sheets.chain.orbit]
             states = states[admissible(sheets.chain.scene, states)]
             vertex = sheets.chain.scene.vertex
-            if any(examine(vertex, phi, tolerance=CROSSING).admissible for phi in states):
+            if any(examine(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
                 raise MeshError("a handle has a surface beside it: use a larger size")
 
 
@@ -255,7 +253,7 @@ def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
         who = who[~np.isin(key, used)]
         state = _with_sign(sheets.wedge[who], np.full(len(who), s))
         phi = state[:, sheets.chain.orbit]
-        inside = (np.abs(phi) <= math.pi + 1e-9).all(axis=1)
+        inside = (np.abs(phi) <= math.pi + TOUCHES).all(axis=1)
         phi = np.clip(phi, -math.pi, math.pi)
         inside[inside] = admissible(sheets.chain.scene, phi[inside])
         inside[inside] = [_passes(sheets, p) for p in phi[inside]]

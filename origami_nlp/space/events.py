@@ -22,16 +22,17 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.folding import crossing_depth, examine, fold_vertex
-from origami_nlp.numerics import quaternion as quat
+from origami_nlp.numerics import DEPENDENT, RESOLVED, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.space.chain import Chain, chain_of
 
 STARTS = 12
 """Random starts for each set of walls."""
 MOST_WALLS = 3
-SOLVED = 1e-10
-SAME = 1e-7
-"""Sector angles that differ by less are one event."""
+SOLVED = DEPENDENT
+"""Residual of an event: where its walls depend on each other nothing smaller is reached."""
+SEEN = 1e-6
+"""An event is a double zero of its walls: its state, and what touches there, are known to the square root of 1e-12."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def find_events(
                 event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
                 if event is None:
                     continue
-                key = (round(event.alpha / SAME), event.walls)
+                key = (round(event.alpha / RESOLVED), event.walls)
                 if key not in found or (event.admissible and not found[key].admissible):
                     found[key] = event
     return sorted(found.values(), key=lambda e: (e.alpha, e.walls))
@@ -223,16 +224,16 @@ def _polished(
         z = z - np.linalg.lstsq(system.jacobian(z), f, rcond=1e-6)[0]
     residual = float(np.abs(system.residual(z)).max())
     x, alpha = z[: system.k], float(z[system.k])
-    if residual > SOLVED or not np.abs(x).max() <= math.pi + 1e-7 or not low <= alpha <= high:
+    if residual > SOLVED or not np.abs(x).max() <= math.pi + RESOLVED or not low <= alpha <= high:
         return None
     scene = make(alpha)
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
     creases, q = fold_vertex(scene.vertex, phi)
-    if q[0] < 0 or np.linalg.norm(q[1:]) > 1e-7 or _deepest(creases) > 1e-6:
+    if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SEEN:
         return None
-    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < 1e-6
+    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SEEN
     elements = scene.group.elements
-    good = examine(scene.vertex, phi, tolerance=1e-6, elements=elements).admissible
+    good = examine(scene.vertex, phi, tolerance=SEEN, elements=elements).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
     return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)

@@ -10,15 +10,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
+from origami_nlp.numerics import ROUNDED
 from origami_nlp.space.chain import WRAPPED, Chain
 
-ON = 1e-11
-"""Walls whose value at a vertex is smaller are taken to pass through it (values are good to about 1e-14)."""
-ON_SEAM = 1e-14
+ON = 1000 * ROUNDED
+"""Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
+ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
 BISECTIONS = 52
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
@@ -56,23 +58,51 @@ class Sheets:
     wedge: np.ndarray
 
 
+class Surface(NamedTuple):
+    """A surface that is being cut: base [V, 2], on [V], sheet [V] and triangles [F, 3] as in `Sheets`."""
+
+    base: np.ndarray
+    on: np.ndarray
+    sheet: np.ndarray
+    triangles: np.ndarray
+
+    def between(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Sheet of the edges between vertices a and b, [E]."""
+        return np.where(self.sheet[a] != 0, self.sheet[a], self.sheet[b])
+
+    def divided(
+        self, which: np.ndarray, base: np.ndarray, on: np.ndarray, sheet: np.ndarray
+    ) -> Surface:
+        """Give edges with the numbers `which` (of `edges_of`) a vertex each."""
+        edges, of_triangle = edges_of(self.triangles)
+        middle = np.full(len(edges), -1)
+        middle[which] = len(self.base) + np.arange(len(which))
+        return Surface(
+            np.vstack([self.base, base]),
+            np.concatenate([self.on, on]),
+            np.concatenate([self.sheet, sheet]),
+            divide(self.triangles, middle[of_triangle]),
+        )
+
+
 def mesh_sheets(chain: Chain, size: int) -> Sheets:
     """Triangulate the closed states of `chain`; `size` rings around the flat state, 4 `size` directions."""
     base, triangles = polar_mesh(chain.reach, size)
     on = np.zeros(len(base), dtype=np.int64)
     for k in (0, 1):
         on |= np.where(np.abs(base[:, k]) == chain.reach[k], 1 << k, 0)
-    for bit, function in ((HEIGHT, chain.height), (SEAM, chain.fold_margin)):
-        base, on, triangles = _split_base(chain, base, on, triangles, bit, function)
-    margin = chain.fold_margin(base)
-    margin[_has(on, SEAM)] = 0.0
-    inside = (margin[triangles] >= 0).all(axis=1) & (margin[triangles] > 0).any(axis=1)
-    base, on, sheet, triangles = _double(base, on, triangles[inside])
+    surface = Surface(base, on, np.zeros(len(base), dtype=np.int64), triangles)
+    for bit in (HEIGHT, SEAM):
+        surface = _split(chain, surface, bit)
+    margin = chain.fold_margin(surface.base)
+    margin[_has(surface.on, SEAM)] = 0.0
+    corners = margin[surface.triangles]
+    surface = _double(surface, (corners >= 0).all(axis=1) & (corners > 0).any(axis=1))
     for bit in (CUT, OTHER):
-        base, on, sheet, triangles = _split_sheets(chain, base, on, sheet, triangles, bit)
+        surface = _split(chain, surface, bit)
     for _ in range(SHORTENINGS):
-        base, on, sheet, triangles = _shorten(chain, base, on, sheet, triangles, LONGEST / size)
-    base, on, sheet, triangles = _compact(base, on, sheet, triangles)
+        surface = _shorten(chain, surface, LONGEST / size)
+    base, on, sheet, triangles = _compact(surface)
     points = chain.points(base, sheet)
     values, wedge = points.walls, points.wedge
     for column, bit in enumerate((HEIGHT, CUT, OTHER)):
@@ -128,119 +158,55 @@ def wall_function(chain: Chain, bit: int) -> Evaluate:
     return lambda base, sheet: chain.points(base, sheet).walls[:, column]
 
 
-def _split_base(
-    chain: Chain,
-    base: np.ndarray,
-    on: np.ndarray,
-    triangles: np.ndarray,
-    bit: int,
-    function: Callable[[np.ndarray], np.ndarray],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    sheet = np.zeros(len(base), dtype=np.int64)
-    base, on, _, triangles = _split(
-        chain, base, on, sheet, triangles, bit, lambda b, s: function(b), False
-    )
-    return base, on, triangles
-
-
-def _split_sheets(
-    chain: Chain,
-    base: np.ndarray,
-    on: np.ndarray,
-    sheet: np.ndarray,
-    triangles: np.ndarray,
-    bit: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    wrapped = WRAPPED[chain.kind][bit - HEIGHT]
+def _split(chain: Chain, surface: Surface, bit: int) -> Surface:
+    """Cut every triangle along a wall or the seam."""
     function = wall_function(chain, bit)
-    return _split(chain, base, on, sheet, triangles, bit, function, wrapped)
-
-
-def _split(
-    chain: Chain,
-    base: np.ndarray,
-    on: np.ndarray,
-    sheet: np.ndarray,
-    triangles: np.ndarray,
-    bit: int,
-    function: Evaluate,
-    wrapped: bool,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Cut every triangle along the zero set of `function`."""
+    wrapped = bit in (CUT, OTHER) and WRAPPED[chain.kind][bit - HEIGHT]
     period = math.pi if wrapped else math.inf
     for _ in range(LOOKS):
-        base, on, sheet, triangles = _refine(base, on, sheet, triangles, function, period)
-    return _cut(chain, base, on, sheet, triangles, bit, function, period)
+        surface = _refine(surface, function, period)
+    return _cut(chain, surface, bit, function, period)
 
 
-def _cut(
-    chain: Chain,
-    base: np.ndarray,
-    on: np.ndarray,
-    sheet: np.ndarray,
-    triangles: np.ndarray,
-    bit: int,
-    function: Evaluate,
-    period: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _cut(chain: Chain, surface: Surface, bit: int, function: Evaluate, period: float) -> Surface:
     """Give every edge whose ends are on different sides a vertex on the wall."""
-    value = function(base, sheet)
+    value = function(surface.base, surface.sheet)
     zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
-    on = on | np.where(zero, 1 << bit, 0)
+    surface = surface._replace(on=surface.on | np.where(zero, 1 << bit, 0))
     value = np.where(zero, 0.0, value)
-    edges, of_triangle = edges_of(triangles)
-    a, b = edges.T
+    a, b = edges_of(surface.triangles)[0].T
     cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
     a, b = a[cut], b[cut]
-    on_edge = np.where(sheet[a] != 0, sheet[a], sheet[b])
-    common = on[a] & on[b]
-    place = _find_roots(chain, function, base[a], base[b], on_edge, value[a], common)
-    middle = np.full(len(edges), -1)
-    middle[cut] = len(base) + np.arange(len(cut))
-    if bit == SEAM:
-        on_edge = np.zeros_like(on_edge)
-    return (
-        np.vstack([base, place]),
-        np.concatenate([on, common | (1 << bit)]),
-        np.concatenate([sheet, on_edge]),
-        divide(triangles, middle[of_triangle]),
+    sheet = surface.between(a, b)
+    common = surface.on[a] & surface.on[b]
+    ends = surface.base[a], surface.base[b]
+    place = _find_roots(chain, function, *ends, sheet, value[a], common)
+    return surface.divided(
+        cut, place, common | (1 << bit), np.zeros_like(sheet) if bit == SEAM else sheet
     )
 
 
-def _refine(
-    base: np.ndarray,
-    on: np.ndarray,
-    sheet: np.ndarray,
-    triangles: np.ndarray,
-    function: Evaluate,
-    period: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _refine(surface: Surface, function: Evaluate, period: float) -> Surface:
     """Give edges that a wall crosses twice, as far as a few samples show, a vertex in between."""
-    edges, of_triangle = edges_of(triangles)
-    a, b = edges.T
-    value = function(base, sheet)
+    base, on = surface.base, surface.on
+    a, b = edges_of(surface.triangles)[0].T
+    value = function(base, surface.sheet)
     size = np.abs(value)
     end = np.where(size[a] >= size[b], value[a], value[b])  # the larger end decides the side
     look = np.flatnonzero((value[a] * value[b] > -(ON**2)) & (np.abs(end) > ON))
     a, b, end = a[look], b[look], np.sign(end[look])
-    on_edge = np.where(sheet[a] != 0, sheet[a], sheet[b])
+    sheet = surface.between(a, b)
     worst, where = np.zeros(len(look)), np.full(len(look), 0.5)
     for t in SAMPLES:
-        beyond = -end * function(base[a] + t * (base[b] - base[a]), on_edge)
+        beyond = -end * function(base[a] + t * (base[b] - base[a]), sheet)
         beyond = np.where(np.abs(beyond) < period / 4, beyond, -math.inf)
         where, worst = np.where(beyond > worst, t, where), np.maximum(worst, beyond)
     twice = np.flatnonzero(worst > 10 * ON)
     if not len(twice):
-        return base, on, sheet, triangles
+        return surface
     a, b, t = a[twice], b[twice], where[twice, None]
-    middle = np.full(len(edges), -1)
-    middle[look[twice]] = len(base) + np.arange(len(twice))
-    return (
-        np.vstack([base, base[a] + t * (base[b] - base[a])]),
-        np.concatenate([on, on[a] & on[b] & STRAIGHT]),
-        np.concatenate([sheet, on_edge[twice]]),
-        divide(triangles, middle[of_triangle]),
-    )
+    place = base[a] + t * (base[b] - base[a])
+    return surface.divided(look[twice], place, on[a] & on[b] & STRAIGHT, sheet[twice])
 
 
 def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -323,10 +289,10 @@ def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndar
     return base
 
 
-def _double(
-    base: np.ndarray, on: np.ndarray, triangles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Two copies of every triangle, joined along the seam."""
+def _double(surface: Surface, kept: np.ndarray) -> Surface:
+    """Two copies of the triangles `kept`, joined along the seam."""
+    base, on, _, triangles = surface
+    triangles = triangles[kept]
     seam = _has(on, SEAM)
     count = len(base)
     other = np.where(seam, np.arange(count), count + np.arange(count))
@@ -338,21 +304,14 @@ def _double(
     _, of_triangle = edges_of(triangles)
     if np.bincount(of_triangle.ravel()).max() > 2:
         raise MeshError("two seams are closer than the mesh: use a larger size")
-    return np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles
+    return Surface(np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles)
 
 
-def _shorten(
-    chain: Chain,
-    base: np.ndarray,
-    on: np.ndarray,
-    sheet: np.ndarray,
-    triangles: np.ndarray,
-    longest: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _shorten(chain: Chain, surface: Surface, longest: float) -> Surface:
     """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
-    edges, of_triangle = edges_of(triangles)
-    wedge = chain.points(base, sheet).wedge
-    a, b = edges.T
+    base, on = surface.base, surface.on
+    wedge = chain.points(base, surface.sheet).wedge
+    a, b = edges_of(surface.triangles)[0].T
     apart = np.abs(wedge[a] - wedge[b])
     apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
     common = on[a] & on[b]
@@ -361,21 +320,14 @@ def _shorten(
     a, b = a[long], b[long]
     seam_a, seam_b = _has(on[a], SEAM), _has(on[b], SEAM)
     t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
-    middle = np.full(len(edges), -1)
-    middle[long] = len(base) + np.arange(len(long))
-    return (
-        np.vstack([base, (1 - t) * base[a] + t * base[b]]),
-        np.concatenate([on, common[long]]),
-        np.concatenate([sheet, np.where(sheet[a] != 0, sheet[a], sheet[b])]),
-        divide(triangles, middle[of_triangle]),
-    )
+    place = (1 - t) * base[a] + t * base[b]
+    return surface.divided(long, place, common[long], surface.between(a, b))
 
 
-def _compact(
-    base: np.ndarray, on: np.ndarray, sheet: np.ndarray, triangles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _compact(surface: Surface) -> Surface:
     """Drop unused vertices."""
+    base, on, sheet, triangles = surface
     used = np.unique(triangles)
     number = np.full(len(base), -1)
     number[used] = np.arange(len(used))
-    return base[used], on[used], sheet[used], number[triangles]
+    return Surface(base[used], on[used], sheet[used], number[triangles])

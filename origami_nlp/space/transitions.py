@@ -21,9 +21,10 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space.chain import chain_of
-from origami_nlp.space.events import Event, System, find_events, walls_of
+from origami_nlp.space.events import SEEN, Event, System, find_events, walls_of
 from origami_nlp.space.family import Signature, Sweep, Transition, Witness
 from origami_nlp.space.find import find_space
 from origami_nlp.space.mesh import MeshError
@@ -163,7 +164,7 @@ def _grouped(events: list[Event]) -> list[list[Event]]:
     """Events by sector angle."""
     groups: list[list[Event]] = []
     for event in sorted(events, key=lambda e: e.alpha):
-        if groups and event.alpha - groups[-1][-1].alpha < 1e-7:
+        if groups and event.alpha - groups[-1][-1].alpha < RESOLVED:
             groups[-1].append(event)
         else:
             groups.append([event])
@@ -221,7 +222,7 @@ def _coincident(
         for i in range(n):
             for j in range(i + 1, n):
                 here = np.linalg.norm(c[i] - c[j])
-                if here < 1e-6 and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
+                if here < SEEN and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
                     pairs.add((i + 1, j + 1))
     return tuple(sorted(pairs))
 
@@ -255,11 +256,11 @@ def _held(system: System, x: np.ndarray, alpha: float) -> np.ndarray | None:
     """Newton onto closure with walls held, at a sector angle; None where that does not converge."""
     for _ in range(40):
         value, jacobian = system.gradients(x, alpha)
-        if np.abs(value).max() <= 1e-14:
+        if np.abs(value).max() <= ROUNDED:
             break
         x = x - np.linalg.lstsq(jacobian[:, :-1], value, rcond=1e-7)[0]
     value, _ = system.gradients(x, alpha)
-    if np.abs(value).max() > 1e-12:
+    if np.abs(value).max() > CLOSES:
         return None
-    near = np.abs(np.abs(x) - math.pi) < 1e-12
+    near = np.abs(np.abs(x) - math.pi) < CLOSES
     return np.where(near, np.sign(x) * math.pi, x)

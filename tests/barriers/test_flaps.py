@@ -146,7 +146,7 @@ def test_the_symmetric_end_of_the_handles_is_the_proved_exit(ratio):
     if ratio != 1:
         return
     # samples of the second set, which know no proof, find none lower
-    sampled = exits(model, phi, spacing=PI / 4)
+    sampled = exits(State(model, phi), spacing=PI / 4)
     assert sampled.complete and not sampled.proof and sampled.held == found.held
     assert sampled.lowest >= found.lowest * (1 - 1e-9)
 

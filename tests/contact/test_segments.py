@@ -12,8 +12,10 @@ import origami_nlp as o
 from origami_nlp.chart import trace_boundary
 from origami_nlp.contact.segments import SegmentReport, find_segments
 from origami_nlp.contact.segments_figure import draw_segments
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
-from origami_nlp.path import CLOSED_TO, BoundaryCurve, Point, advance, evaluate, follow_boundary
+from origami_nlp.numerics import FOLLOWED
+from origami_nlp.path import BoundaryCurve, HeldCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.programme import Contact, Model
 from tests.computed_once import panel_result, shared
 
@@ -56,7 +58,7 @@ def points(model: Model, curve: BoundaryCurve, count: int = 5) -> list[Point]:
         k = int(np.abs(curve.s - s).argmin())
         at = model.reduce(curve.fold_angles)
         ahead = np.sqrt(model.multiplicity) * (at[k + 1] - at[k - 1])
-        point = evaluate(model, at[k], curve.rows, ahead / np.linalg.norm(ahead))
+        point = evaluate(State(model, at[k]).on(curve.rows), ahead / np.linalg.norm(ahead))
         assert point is not None
         out.append(point)
     return out
@@ -66,9 +68,9 @@ def errors(model: Model, point: Point, rows: tuple[Contact, ...], h: float) -> t
     """Errors of dU/ds and d2U/ds2 at a point against energies at arclength -h, 0 and h."""
     sides = []
     for sign in (1.0, -1.0):
-        start = evaluate(model, point.x, rows, sign * point.tangent)
+        start = evaluate(State(model, point.x).on(rows), sign * point.tangent)
         assert start is not None
-        moved = advance(model, start, rows, h)
+        moved = advance(HeldCurve(model, rows, start.dimension), start, h)
         assert moved is not None
         sides.append((moved[1], model.energy_change(point.x, moved[0].x) / model.scale))
     (a, up), (b, um) = sides
@@ -86,7 +88,7 @@ def test_slope_and_stiffness_are_derivatives_of_the_energy_in_arclength(name: st
         for a, b in zip(coarse, fine, strict=True):
             assert b < 1e-4
             # second order, down to what closure to 1e-13 does to an energy, over h^2
-            assert b < 0.35 * a + 10 * CLOSED_TO / 8e-3**2
+            assert b < 0.35 * a + 10 * FOLLOWED / 8e-3**2
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -107,8 +109,8 @@ def test_states_of_a_curve_close_keep_their_contacts_and_are_admissible(name: st
         x = model.reduce(phi)
         local = model.local(x)
         values, _ = local.openings(curve.rows)
-        assert np.abs(local.closure).max() <= 10 * CLOSED_TO
-        assert np.abs(values).max() <= 10 * CLOSED_TO
+        assert np.abs(local.closure).max() <= 10 * FOLLOWED
+        assert np.abs(values).max() <= 10 * FOLLOWED
         assert not model.refuses(x)
         assert energy == pytest.approx(search(name).scene.energy(phi), rel=1e-12)
 
@@ -144,10 +146,10 @@ def test_a_curve_with_more_freedom_is_a_geodesic_in_the_softest_direction() -> N
     x = model.reduce(np.array(pinned[0].fold_angles))
     choices = model.closed(x).combinations()
     assert choices
-    first = evaluate(model, x, choices[0])
+    first = evaluate(State(model, x).on(choices[0]))
     assert first is not None and first.dimension == 2
     assert first.stiffness == pytest.approx(min(pinned[0].hessian_eigenvalues) / model.scale)
-    curve = follow_boundary(model, x, choices[0], longest=0.6)
+    curve = follow_boundary(State(model, x).on(choices[0]), longest=0.6)
     assert curve is not None and curve.dimension == 2 and curve.length > 0.05
     for point in points(model, curve, 3):
         coarse, fine = (errors(model, point, curve.rows, h) for h in (4e-3, 2e-3))

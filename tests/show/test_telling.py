@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from computed_once import panel_result
 from rich.console import Console
 
 from origami_nlp.contact import find_contacts
@@ -30,6 +29,7 @@ from origami_nlp.show import (
     to_plain,
 )
 from origami_nlp.space import find_space
+from tests.computed_once import panel_result
 
 
 class Step(NamedTuple):

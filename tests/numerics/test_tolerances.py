@@ -1,0 +1,223 @@
+"""One table of tolerances: levels in order, each entry with its derivation and users, and nothing beside it unsaid."""
+
+import ast
+import itertools
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import origami_nlp
+
+PACKAGE = Path(origami_nlp.__file__).parent
+TABLE = PACKAGE / "numerics" / "tolerances.py"
+PAGE = PACKAGE.parent / "docs" / "tolerances.md"
+SMALL = 1e-5
+"""Module constants below this are tolerances, until somebody says what else they are."""
+BESIDE_THE_TABLE = {
+    "barriers/full.MEET": "accuracy of a path's energy between its samples",
+    "barriers/thin.SHORTEST": "step: bisection stops at rounding",
+    "barriers/thin.SNAP": "accuracy with which `thin_at` finds an end, from `INDEPENDENT`",
+    "bench/": "accuracies that solvers are asked for, levels that are drawn, accuracy of a 50-digit reference",
+    "chart/boundary_lines.(SAME, SHORT)": "corners of lines that are drawn",
+    "chart/boundary_lines.CLOSED": "step: a bisected point before Newton closes its contact",
+    "chart/boundary_lines.HIDDEN": "drawing: extent of a line that is a point",
+    "chart/boundary_walk.(LONGEST, SHORTEST)": "steps",
+    "chart/boundary_walk.CLOSED": "step: the end of a walk before Newton closes its contact",
+    "chart/chart.CROSSING": "accuracy of closed forms at points of a grid",
+    "chart/chart.SAME_LINE": "families by name: their sector angles are exact, all others are far from it",
+    "chart/curves.CLOSED": "closure at points of a curve that is drawn",
+    "chart/region.SLIVER": "drawing: area that is rounding between two lines",
+    "cone/phase_curves.NEAREST": "where curves end before a limit that closed forms lose",
+    "cone/phase_curves.ON_LINE": "rounding of a contouring library",
+    "cone/phase_curves.RATIO_LIMITS": "range of a stiffness ratio",
+    "cone/roots.FREE": "room for rounding in a bound",
+    "cone/roots.WIDER": "room for rounding in an enclosure",
+    "cone/rules.SLACK": "rounding of a difference of two angles",
+    "contact/force_cone.TOLERANCE": "rounding of unit generators of a cone",
+    "contact/margin.CARRIES": "moment that carries nothing",
+    "critical/edges.CLOSE": "events of one curve, as near as bisection tells them apart",
+    "critical/edges.SAME": "ends of curves, as near as their steps tell them apart",
+    "critical/edges.SURE": "openings of dependent contacts, products of two roundings of 1e-5",
+    "critical/find.FIRM": "accuracy of multipliers beside a singular state, where links decide",
+    "critical/find.SAME": "points of curves before they are polished",
+    "critical/link.CLOSED": "opening at a state, on its link",
+    "critical/link.SAME": "directions of a link, at its smallest radius",
+    "critical/link.SINGULAR": "singular values on a link",
+    "critical/points.REACHED": "last Newton step of many states at once",
+    "critical/result.ROUNDING": "moments that are stated as 0",
+    "critical/strata.SAME": "states that are one vertex of a stratum",
+    "kkt/descent.RISE": "energy of a contact tolerance, where a path is polished",
+    "kkt/descent.SHORTEST": "step",
+    "kkt/neighbours.STEPS": "steps",
+    "kkt/thin.SHORTEST": "step",
+    "minima/full_space.KEPT": "symmetry of the shortest step of a path",
+    "minima/ipopt.TOLERANCE": "accuracy that IPOPT is asked for",
+    "paper/audit.CLOSED": "openings of published states, from `PRINTED`",
+    "paper/baseline.CLOSURE": "the paper's appendix A, as published",
+    "paper/baseline.EPS_EIGENVALUE": "the paper's appendix A, as published",
+    "paper/baseline.RANK": "the paper's appendix A, which gives no number",
+    "paper/baseline.START": "accuracy of published states in appendix A",
+    "paper/published.PRINTED": "accuracy of published states: seven digits",
+    "path/curve.(LONGEST, SHORTEST)": "steps",
+    "path/curve.CLOSED_TO": "closure at points of a curve, as `FOLLOWED`",
+    "pattern/crease_pattern.CLOSED": "accuracy of coordinates in a file",
+    "pattern/scene.(SMALLEST, LARGEST)": "range of a stiffness, in any unit",
+    "space/events.SEEN": "accuracy of a double zero",
+    "space/result.SAME_POINT": "points of a picture",
+    "space/transitions.BRACKET": "step: width to which a sweep closes in",
+}
+"""Small constants that stand elsewhere, with the reason; a room is named as a whole by "room/"."""
+
+
+class Entry(NamedTuple):
+    """One tolerance."""
+
+    level: str
+    name: str
+    value: float
+    derivation: str
+
+
+def entries() -> list[Entry]:
+    """The table as it stands in the module; levels are its comments."""
+    lines = TABLE.read_text().splitlines()
+    body = ast.parse(TABLE.read_text()).body
+    values: dict[str, float] = {}
+    out = []
+    for node, after in itertools.pairwise(body):
+        if not isinstance(node, ast.Assign):
+            continue
+        assert isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        (target,) = node.targets
+        assert isinstance(target, ast.Name)
+        values[target.id] = number(node.value, values)
+        level = [m[1] for m in map(re.compile(r"# (\w+)$").match, lines[: node.lineno]) if m]
+        text = " ".join(str(after.value.value).split())
+        out.append(Entry(level[-1] if level else "exact", target.id, values[target.id], text))
+    return out
+
+
+def number(node: ast.expr, known: dict[str, float]) -> float:
+    """The value of literals, powers and names."""
+    expression = compile(ast.Expression(node), "constant", "eval")
+    return float(eval(expression, {"__builtins__": {}}, dict(known)))  # our own source, no data
+
+
+def rooms_that_use(name: str) -> list[str]:
+    """Rooms whose modules import an entry."""
+    rooms = set()
+    for path in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith(
+                "origami_nlp.numerics"
+            ):
+                if any(alias.name == name for alias in node.names):
+                    rooms.add(path.relative_to(PACKAGE).parts[0])
+    return sorted(rooms)
+
+
+def page() -> str:
+    """The page of the documentation."""
+    head = ast.get_docstring(ast.parse(TABLE.read_text()))
+    rows = [
+        f"| {e.level} | `{e.name}` | {e.value:.2g} | {e.derivation} | {', '.join(rooms_that_use(e.name))} |"
+        for e in entries()
+    ]
+    others = [f"| `{name}` | {why} |" for name, why in sorted(BESIDE_THE_TABLE.items())]
+    return "\n".join(
+        [
+            "# Tolerances",
+            "",
+            str(head),
+            "",
+            "Written by `python -m tests.numerics.test_tolerances` from `origami_nlp/numerics/tolerances.py`.",
+            "",
+            "| level | name | value | notion and derivation | rooms that use it |",
+            "| --- | --- | --- | --- | --- |",
+            *rows,
+            "",
+            "Small constants elsewhere are step lengths, accuracies of data or of a benchmark, and rounding of closed",
+            "forms of their own:",
+            "",
+            "| constant | what it is |",
+            "| --- | --- |",
+            *others,
+            "",
+        ]
+    )
+
+
+def small_constants() -> Iterator[str]:
+    """Module-level floats below `SMALL` outside the table, tuples of them included: room/module.NAME."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        if path == TABLE:
+            continue
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.Assign):
+                targets, value = node.targets, node.value
+            elif isinstance(node, ast.AnnAssign) and node.value is not None:
+                targets, value = [node.target], node.value
+            else:
+                continue
+            if isinstance(value, ast.Dict | ast.Call):
+                continue
+            literals = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant)]
+            if any(isinstance(v, float) and 0 < v < SMALL for v in literals):
+                module = path.relative_to(PACKAGE).with_suffix("").as_posix()
+                for target in targets:
+                    yield f"{module}.{ast.unparse(target)}"
+
+
+def test_levels_are_in_order():
+    table = entries()
+    assert {e.level for e in table} == {"exact", "polished", "coarse"}
+    of = {
+        level: [e.value for e in table if e.level == level]
+        for level in ("exact", "polished", "coarse")
+    }
+    assert max(of["exact"]) <= min(of["polished"])
+    assert max(of["polished"]) <= min(of["coarse"])
+
+
+def test_values_are_what_is_imported():
+    from origami_nlp import numerics
+
+    for e in entries():
+        assert getattr(numerics, e.name) == e.value, e.name
+
+
+def test_derived_values():
+    """What a derivation says in numbers holds."""
+    value = {e.name: e.value for e in entries()}
+    eps = math.ulp(1.0)
+    assert value["EPS"] == eps
+    assert value["TOUCHES"] == pytest.approx(math.sqrt(eps / 2), rel=0.1)
+    assert value["RESOLVED"] == pytest.approx(10 * value["TOUCHES"])
+    assert value["ROUNDED"] == pytest.approx(50 * eps, rel=0.2)
+    # what closure misses at the smallest radius, 1e-6, can be told from rounding of following
+    assert value["FOLLOWED"] < 1e-6**2
+    assert value["ROUNDED"] < value["DEPENDENT"] < value["TOUCHES"]
+    assert value["ROUNDED"] < value["INDEPENDENT"] < value["RESOLVED"]
+    assert value["OUTSIDE"] < (2e-4) ** 3
+
+
+def test_every_entry_is_used():
+    assert [e.name for e in entries() if not rooms_that_use(e.name)] == []
+
+
+def test_nothing_small_stands_elsewhere_without_a_reason():
+    rooms = tuple(name for name in BESIDE_THE_TABLE if name.endswith("/"))
+    found = {next((r for r in rooms if c.startswith(r)), c) for c in small_constants()}
+    assert found == set(BESIDE_THE_TABLE)
+
+
+def test_the_page_is_up_to_date():
+    assert PAGE.read_text() == page(), "run python -m tests.numerics.test_tolerances"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())
