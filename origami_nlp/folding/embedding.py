@@ -124,7 +124,17 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
     """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
 
-    rays [..., R, 3], pairs of positions [P, 2] -> [..., P].
+    Parameters
+    ----------
+    rays
+        Unit vectors, shape [..., R, 3].
+    pairs
+        Positions of the facets, shape [P, 2].
+
+    Returns
+    -------
+    numpy.ndarray
+        Sines, shape [..., P].
     """
     arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
     first, second = np.asarray(pairs).T % rays.shape[-2]
