@@ -6,7 +6,22 @@ an `OrigamiError` into that line and exit code 2; anything else is a bug of ours
 
 
 class OrigamiError(ValueError):
-    """Base class: catch this to catch every complaint about input.  Its text is one line."""
+    """Base class of every complaint about input: catch this to catch them all.  Its text is one line.
+
+    Parameters
+    ----------
+    message
+        What is wrong: the field, the value found, and the fix.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> try:
+    ...     o.Vertex(("pi/2", "pi/2"))
+    ... except o.OrigamiError as error:
+    ...     print(error)
+    sector_angles has 2 entries: a vertex needs at least 3 creases
+    """
 
     def __init__(self, message: object = "") -> None:
         super().__init__(" ".join(line.strip() for line in str(message).splitlines()))

@@ -51,7 +51,7 @@ def draw(result: object, path: str | PathLike[str] | None = None) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The figure; in Jupyter, the last line of a cell shows it.
+        The figure; in Jupyter, after ``%matplotlib inline``, the last line of a cell shows it.
 
     Raises
     ------
@@ -85,7 +85,8 @@ def save(result: object, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     result
-        Anything that a `find_` function returned.
+        Anything that a `find_` function returned but a landscape (`landscape.landscape_to_dict` has it with its space,
+        critical points and barriers, `landscape.to_arrays` for NumPy).
     path
         The file.
 
@@ -130,6 +131,14 @@ def load(path: str | PathLike[str]) -> Any:
     ------
     OptionError
         If the file is no JSON, or of no schema that can be read back.
+
+    Examples
+    --------
+    >>> import os, tempfile, origami_nlp as o
+    >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
+    >>> o.save(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> type(o.load(path)).__name__
+    'MinimaResult'
     """
     from origami_nlp.files import read_limited
 

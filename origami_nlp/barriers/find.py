@@ -1,8 +1,8 @@
 """Barriers: for each pair of minima the lowest pass between them, and a path through it.
 
-A graph of admissible states (`barriers_graph`) and its merge tree (`barriers_merge_tree`) say where sublevel
+A graph of admissible states (`graph`) and its merge tree (`merge_tree`) say where sublevel
 sets of the energy first meet; Newton on the KKT system makes the top of each lowest path an exact pass
-(`barriers_pass`, `barriers_refine`).  `barriers_full` looks at the same pairs without the symmetry.
+(`passes`, `refine`).  `full` looks at the same pairs without the symmetry.
 """
 
 from __future__ import annotations
@@ -42,19 +42,34 @@ def find_barriers(
 
     Parameters
     ----------
+    scene
+        What is folded.
     result
         The scene's minima; found here if not given.
     full
-        Also look for lower passes that break the symmetry (`barriers_full`).
+        Also look for lower passes that break the symmetry.
     spacing
-        Lattice of the graph [rad].
+        Lattice of the graph of states [rad].
     seed
         Of the search for minima and for thin sets.
+
+    Returns
+    -------
+    Barriers
+        A pass for every pair, the merge tree and the graph.
 
     Raises
     ------
     OptionError
         If the scene has another number of symmetric freedoms, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene = o.examples.degree6("pi/4", ratio=0.01)
+    >>> found = o.find_barriers(scene, o.find_minima(scene, max_starts=16), spacing=0.5)
+    >>> [(p.from_state, p.to_state, p.pass_kind) for p in found.passes]
+    [(1, 2, 'flat state')]
     """
     check_type("scene", scene, Scene)
     if result is not None:

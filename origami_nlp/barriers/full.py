@@ -2,10 +2,10 @@
 
 The symmetric path is admissible in the full space too: its pass bounds the barrier from above.  From below:
 
-- minima on different sides of the flat state are separated by it (`barriers_graph.side_of_flat`, a proof);
+- minima on different sides of the flat state are separated by it (`graph.side_of_flat`, a proof);
 - a minimum on a thin set leaves it only through states where the set is thin no more, and the lowest of them
   bounds every path out.  For three closed flaps about one edge, the paper's 1-handles, it is proved
-  (`barriers_flaps`); other sets are sampled (`exits`: a sample, not a proof).
+  (`flaps`); other sets are sampled (`exits`: a sample, not a proof).
 
 Where the bounds meet, the full barrier is the symmetric one.  Where they do not, the symmetric pass is judged in the
 full space: with more than one direction of negative curvature it is no pass there and a lower one exists;
@@ -45,13 +45,26 @@ MOST_STATES = 1500
 class FullPass:
     """What is known of the barrier between two minima in the full contact-admissible space.
 
-    from_state, to_state: numbers (1-based).  symmetric: energy of the symmetric pass.
-    upper: largest energy along the explicit admissible path.  lower: no path is lower.
-    pass_kind: of the symmetric pass.  verdict: ``same`` (bounds agree: no symmetry-breaking path is lower),
-    ``open`` (the pass has index 1 in the full space; a lower one elsewhere is not excluded) or ``lower`` (the
-    symmetric pass has a larger index: a lower pass exists, between the bounds).
-    index: directions of negative curvature of the symmetric pass in the full space, None at singular passes.
-    why: the lower bound in words.
+    Attributes
+    ----------
+    from_state, to_state
+        Numbers (1-based) of the minima.
+    symmetric
+        Energy of the symmetric pass.
+    upper
+        Largest energy along the explicit admissible path.
+    lower
+        No path is lower.
+    pass_kind
+        Of the symmetric pass.
+    verdict
+        ``same`` (bounds agree: no symmetry-breaking path is lower), ``open`` (the pass has index 1 in the full space; a
+        lower one elsewhere is not excluded) or ``lower`` (the symmetric pass has a larger index: a lower pass exists,
+        between the bounds).
+    index
+        Directions of negative curvature of the symmetric pass in the full space, None at singular passes.
+    why
+        The lower bound in words.
     """
 
     from_state: int

@@ -29,14 +29,30 @@ OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 class Pass:
     """The lowest pass between two minima.
 
-    from_state, to_state: numbers (1-based) among the minima.  energy: of the pass [the scene's units]; inf where no
-    admissible path joins the two.  pass_kind: ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the
-    feasible set meet), ``flat state``, ``singular`` (another state where two pieces meet in one point, or a
-    thin set ends), ``mesh`` (not refined: the energy is that of an explicit path, an upper bound), or ``none``.
-    fold_angles: of the pass, all N [rad]; empty for ``none``.  contacts: closed there, in words.
-    residual: of its KKT system (scaled; nan where no such system holds: at singular passes and on the mesh).
-    path: fold angles [M, N] from the first minimum over the pass to the second.  path_energy: [M].
-    mesh_energy: height of the lowest path on the graph alone.  why: what bounds the barrier from below.
+    Attributes
+    ----------
+    from_state, to_state
+        Numbers (1-based) among the minima.
+    energy
+        Of the pass [the scene's units]; inf where no admissible path joins the two.
+    pass_kind
+        ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the feasible set meet), ``flat state``,
+        ``singular`` (another state where two pieces meet in one point, or a thin set ends), ``mesh`` (not
+        refined: the energy is that of an explicit path, an upper bound), or ``none``.
+    fold_angles
+        Of the pass, all N [rad]; empty for ``none``.
+    contacts
+        Closed there, in words.
+    residual
+        Of its KKT system (scaled; nan where no such system holds: at singular passes and on the mesh).
+    path
+        Fold angles [M, N] from the first minimum over the pass to the second.
+    path_energy
+        [M].
+    mesh_energy
+        Height of the lowest path on the graph alone.
+    why
+        What bounds the barrier from below.
     """
 
     from_state: int
@@ -73,9 +89,20 @@ class Pass:
 class Critical:
     """An exact critical state that may be a pass.
 
-    x: [n].  rows: closed contacts.  index: directions of negative curvature on the loaded contacts.
-    residual: of stationarity, closure and contacts (scaled).  kind: see `PassKind`.
-    direction: unit vector of negative curvature [n], or None.
+    Attributes
+    ----------
+    x
+        [n].
+    rows
+        Closed contacts.
+    index
+        Directions of negative curvature on the loaded contacts.
+    residual
+        Of stationarity, closure and contacts (scaled).
+    kind
+        See `PassKind`.
+    direction
+        Unit vector of negative curvature [n], or None.
     """
 
     x: np.ndarray
@@ -90,7 +117,10 @@ class Critical:
 class Descent:
     """A path down from a pass: states [m, n] from next to the pass to where it ends.
 
-    lands_on: position of the minimum it ends in among those given, or None.
+    Attributes
+    ----------
+    lands_on
+        Position of the minimum it ends in among those given, or None.
     """
 
     states: np.ndarray = field(repr=False)

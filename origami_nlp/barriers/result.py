@@ -38,7 +38,17 @@ LONG_HEADS = (
 
 @dataclass(frozen=True)
 class Join:
-    """Two branches of the merge tree meet: at `energy`, states `first` and `second` (1-based) on either side."""
+    """Two branches of the merge tree meet.
+
+    Attributes
+    ----------
+    energy
+        Where, in the scene's units.
+    pass_kind
+        Of the pass, see `Pass`.
+    first, second
+        Numbers (1-based) of the minima on either side.
+    """
 
     energy: float
     pass_kind: PassKind
@@ -50,8 +60,14 @@ class Join:
 class Unlisted:
     """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
 
-    depth: energy up to where it joins a deeper one.  fold_angles: of its bottom [N].
-    lands_on: number (1-based) of the minimum to which the bottom descends, or None.
+    Attributes
+    ----------
+    depth
+        Energy up to where it joins a deeper one.
+    fold_angles
+        Of its bottom [N].
+    lands_on
+        Number (1-based) of the minimum to which the bottom descends, or None.
     """
 
     depth: float
@@ -63,8 +79,28 @@ class Unlisted:
 class Barriers(Told):
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
 
-    unlisted: the deepest basins of the graph without a listed minimum.
-    full: what is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
+    Attributes
+    ----------
+    result
+        The minima.
+    passes
+        The lowest pass of each pair of them.
+    merges
+        The merge tree: where branches meet, in order of energy.
+    graph
+        Admissible states and the steps between them.
+    unlisted
+        The deepest basins of the graph without a listed minimum.
+    full
+        What is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene = o.examples.degree6("pi/4", ratio=0.01)
+    >>> found = o.find_barriers(scene, o.find_minima(scene, max_starts=16), spacing=0.5)
+    >>> found.matrix().shape, len(found.merges)
+    ((2, 2), 1)
     """
 
     result: MinimaResult

@@ -87,7 +87,7 @@ def draw_starts(model: Solvable, seed: int, count: int) -> tuple[list[StartPoint
     pairs = model.structure.pairs
     few = len(pairs) <= FEW_PAIRS
     starts = [
-        # the package's own rule (solve.search.run_starts)
+        # the package's own rule (minima.search.run_starts)
         StartPoint(
             x, rng.uniform(-np.pi, np.pi, model.size), pairs if few or number % 2 == 0 else ()
         )
@@ -104,7 +104,7 @@ def keep_apart(
 ) -> Attempt:
     """Solve; facet pairs that the answer makes cross get a plane, and it is solved again.
 
-    The strategy of the package (`solve.search.solve_without_crossing`), for any solver.
+    The strategy of the package (`minima.solve_without_crossing`), for any solver.
     """
     iterations, building = 0, 0.0
     for _ in range(MOST_PAIR_ROUNDS):

@@ -1,6 +1,6 @@
 """The grid method of the published code: points lower than their eight neighbours, excluded ones ignored.
 
-The grid is that of `tell.landscape`: closed forms, vectorised, admissibility included; only points that the published
+The grid is that of `chart.landscape`: closed forms, vectorised, admissibility included; only points that the published
 code would report are looked at.  A grid minimum counts for an exact one within one and a half cells of the chart;
 the closest in fold angles is its best answer, others near it are duplicates, and the rest are false.
 """

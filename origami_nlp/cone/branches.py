@@ -34,9 +34,14 @@ LONGEST_WORD = 24
 class ConeBranch:
     """One branch of a cone; `branch` makes it.
 
-    flaps: assignment, +1 valley and -1 mountain.
-    direction: sign of the elevation, +1 up or -1 down.
-    end_rule: see `Cone`.
+    Attributes
+    ----------
+    flaps
+        Assignment, +1 valley and -1 mountain.
+    direction
+        Sign of the elevation, +1 up or -1 down.
+    end_rule
+        See `Cone`.
     """
 
     flaps: Flaps

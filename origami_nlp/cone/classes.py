@@ -117,7 +117,16 @@ def odd_crease_numbers(
 class EnergyClass:
     """Branches of equal energy: a valley flaps, 2j changes around the ring, and a direction.
 
-    cone: degree and rules.  direction: +1 up, -1 down.
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    valleys
+        Number a of valley flaps.
+    changes
+        Number 2j of changes between valley and mountain around the ring.
+    direction
+        +1 up, -1 down.
     """
 
     cone: Cone
@@ -191,6 +200,11 @@ def energy_classes(cone: Cone | int) -> list[EnergyClass]:
     ----------
     cone
         A `Cone`, or its degree.
+
+    Returns
+    -------
+    list of EnergyClass
+        The classes.
 
     Raises
     ------

@@ -30,6 +30,20 @@ def draw_foldings(
 
     A branch that ends before the elevation is drawn at its end, and its title says so.
 
+    Parameters
+    ----------
+    degree
+        N, even, at least 6.
+    elevation
+        v, signed [rad].
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A sheet of folded cones.
+
     Raises
     ------
     OptionError
@@ -58,7 +72,22 @@ def draw_branch(
     elevations: Sequence[float],
     path: str | os.PathLike[str] | None = None,
 ) -> Figure:
-    """Draw states of one branch, one for each elevation."""
+    """Draw states of one branch.
+
+    Parameters
+    ----------
+    branch
+        Of `branch`.
+    elevations
+        v of each state, signed [rad].
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A sheet of folded cones.
+    """
     states = [(branch, float(v), f"elevation {_short(v)}") for v in elevations]
     note = (
         f"branch {branch!r}, symmetry {branch.symmetry}; ends at "

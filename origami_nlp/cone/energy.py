@@ -43,7 +43,12 @@ Pair = tuple[Any, Any]
 class OddCreases:
     """One odd crease of each size P, S, X at elevations s >= 0, and what it adds to A; [..., 3] each.
 
-    size, first, second: the fold angle's size and its derivatives by s.  pull: g * signs, broadcast against size.
+    Attributes
+    ----------
+    size, first, second
+        The fold angle's size and its derivatives by s.
+    pull
+        g * signs, broadcast against size.
     """
 
     size: np.ndarray
@@ -90,8 +95,16 @@ class OddCreases:
 class SideEnergy:
     """Energy of classes of branches of one direction, with one rest state.
 
-    cone: degree and rules.  valleys, changes: of the classes, [m].  direction: +1 up, -1 down.
-    rest: rest angles; arrays of them only where `at` takes a single row.
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    valleys, changes
+        Of the classes, [m].
+    direction
+        +1 up, -1 down.
+    rest
+        Rest angles; arrays of them only where `at` takes a single row.
     """
 
     cone: Cone
@@ -303,7 +316,22 @@ def finite_quotient(odd: Any, even: Any) -> np.ndarray:
 
 
 def class_energy(branches: EnergyClass, t: Any, elevation: Any) -> EnergyAt:
-    """Evaluate one class at t = |v| >= 0 and rest elevations v_0, broadcast against each other [rad]."""
+    """Evaluate the energy of one class of branches.
+
+    Parameters
+    ----------
+    branches
+        The class.
+    t
+        |v| >= 0 [rad].
+    elevation
+        Rest elevation v_0, signed [rad], broadcast against `t`.
+
+    Returns
+    -------
+    EnergyAt
+        Energy and its derivatives by t, per k_odd.
+    """
     nu = np.asarray(elevation, dtype=float)
     own = np.array([branches.valleys]), np.array([branches.changes])
     rest = Rest(nu, *branches.cone.rest_angles(nu))

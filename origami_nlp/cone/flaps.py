@@ -88,6 +88,11 @@ def write_flaps(flaps: Sequence[int]) -> str:
     flaps
         +1 (valley) or -1 (mountain), one a flap.
 
+    Returns
+    -------
+    str
+        A letter a flap.
+
     Raises
     ------
     OptionError
@@ -111,6 +116,11 @@ def class_of(flaps: Sequence[int]) -> tuple[int, int]:
     ----------
     flaps
         +1 (valley) or -1 (mountain), one a flap.
+
+    Returns
+    -------
+    tuple of int
+        Both numbers.
 
     Examples
     --------

@@ -33,9 +33,18 @@ LIMB = 30
 class CountMap:
     """Numbers of branch minima, shape [ratios, elevations] each.
 
-    cone: degree and rules.
-    interior, contact, cut: by kind, see `ConeMinima`; int64 where all numbers fit, else exact
-    Python integers (dtype object).
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    ratios
+        r = k_even/k_odd of the rows.
+    elevations
+        Rest elevations nu_0 of the columns [rad].
+    interior, contact, cut
+        By kind, see `ConeMinima`; int64 where all numbers fit, else exact Python integers (dtype object).
+    depth
+        Least depth of a minimum that counts, (U_flat - U)/U_flat.
     """
 
     cone: Cone

@@ -39,10 +39,16 @@ def symmetry_of(flaps: Sequence[int]) -> str:
 class Folding:
     """One assignment of those that differ by rotation (or by rotation and reflection).
 
-    flaps: the representative, alphabetically last (valleys first).
-    symmetry: of the folded cone, "D2" ...
-    copies: number of assignments it stands for.
-    chiral: whether its mirror image is a different necklace.
+    Attributes
+    ----------
+    flaps
+        The representative, alphabetically last (valleys first).
+    symmetry
+        Of the folded cone, "D2" ...
+    copies
+        Number of assignments it stands for.
+    chiral
+        Whether its mirror image is a different necklace.
     """
 
     flaps: Flaps
@@ -133,6 +139,11 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
         N, even, at least 6.
     mirrors_differ
         See `foldings`.
+
+    Returns
+    -------
+    int
+        Exact, however large.
 
     Raises
     ------

@@ -26,9 +26,14 @@ LARGEST_DEGREE = 200
 class PhaseDiagram:
     """Map and boundaries.
 
-    map: minima by kind, shape [ratios, elevations].  contact: whether those at the end of a branch count (pinned by
-    contact, or at a cut).
-    boundaries: of every class; those of kind "end" move a minimum between inside and end.
+    Attributes
+    ----------
+    map
+        Minima by kind, shape [ratios, elevations].
+    contact
+        Whether those at the end of a branch count (pinned by contact, or at a cut).
+    boundaries
+        Of every class; those of kind "end" move a minimum between inside and end.
     """
 
     map: CountMap
@@ -121,6 +126,11 @@ def phase_diagram(
 
 def check_size(size: object) -> None:
     """Complain about a size of a map that is no number of points.
+
+    Parameters
+    ----------
+    size
+        What a user gave.
 
     Raises
     ------

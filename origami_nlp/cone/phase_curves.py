@@ -47,8 +47,18 @@ BISECTIONS = 80
 class PhaseBoundary:
     """A connected piece of one boundary of one class of branches.
 
-    kind: see the module.  rest_elevation: nu_0 [m] [rad].  ratio: r = k_even/k_odd [m].  elevation:
-    |v| of the state that appears, vanishes or crosses the depth [m] [rad].
+    Attributes
+    ----------
+    branches
+        The class.
+    kind
+        See the module.
+    rest_elevation
+        nu_0 [m] [rad].
+    ratio
+        r = k_even/k_odd [m].
+    elevation
+        |v| of the state that appears, vanishes or crosses the depth [m] [rad].
     """
 
     branches: EnergyClass

@@ -69,9 +69,22 @@ def draw_map(
     title: str = "",
     bar: bool = True,
 ) -> None:
-    """Draw numbers of branch minima [ratios, nu] as a map with one colour for each number that occurs.
+    """Draw numbers of branch minima as a map with one colour for each number that occurs.
 
-    nu [rad] and ratios are cell centres, evenly and geometrically spaced.
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    nu, ratios
+        Cell centres, evenly [rad] and geometrically spaced.
+    counts
+        Shape [ratios, nu].
+    branches
+        Number of all branches.
+    title
+        Of the map.
+    bar
+        Whether to add a colour bar.
     """
     numbers = sorted({int(x) for x in np.unique(counts)})
     shown = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
@@ -130,8 +143,22 @@ def draw_boundaries(
 ) -> None:
     """Draw boundaries with labels on the side where the branch has a minimum.
 
-    mirrored: draw -nu_0 (the paper's intervals are the mirror image of those of its own convention).
     At a curve of kind "end" the label stands where the minimum is inside the branch.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    boundaries
+        Of `phase_boundaries`.
+    nu, ratio
+        Ends of the axes: rest elevation [rad] and stiffness ratio.
+    labels
+        Whether to write the names of the classes.
+    mirrored
+        Draw -nu_0 (the paper's intervals are the mirror image of those of its own convention).
+    size
+        Font size of the labels [points].
     """
     sign = -1.0 if mirrored else 1.0
     drawn: set[tuple[object, ...]] = set()
@@ -234,7 +261,13 @@ def _side_of_minimum(curve: PhaseBoundary) -> float:
 
 
 def legend(axes: Any) -> None:
-    """One entry for each kind of curve, below the axes, where no curve is hidden."""
+    """Write one entry for each kind of curve, below the axes, where no curve is hidden.
+
+    Parameters
+    ----------
+    axes
+        With curves of `draw_boundaries`.
+    """
     from matplotlib.lines import Line2D
 
     names = dict.fromkeys(line.get_label() for line in axes.get_lines())
@@ -248,6 +281,18 @@ def legend(axes: Any) -> None:
 
 def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw a phase diagram: numbers of branch minima, how many are at an end, and the boundaries.
+
+    Parameters
+    ----------
+    diagram
+        Of `phase_diagram`.
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two or three panels.
 
     Raises
     ------

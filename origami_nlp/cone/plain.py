@@ -43,7 +43,18 @@ def _exact_all(values: np.ndarray) -> list[list[int | str]]:
 
 
 def count_to_dict(count: ConeCount) -> dict[str, Any]:
-    """Return a count as plain JSON data; one entry of ``classes`` for each class and minimum."""
+    """Return a count as plain JSON data; one entry of ``classes`` for each class and minimum.
+
+    Parameters
+    ----------
+    count
+        Of `count`.
+
+    Returns
+    -------
+    dict
+        What JSON can hold; numbers beyond 2^53 are text.
+    """
     m = count.minima
     # the same numbers come again and again: write each once
     text = {number: exact(number) for number in dict.fromkeys(m.multiplicity)}
@@ -63,7 +74,20 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
 
 
 def foldings_to_dict(degree: int, listed: bool) -> dict[str, Any]:
-    """Return the numbers of different foldings, and the foldings themselves where `listed`."""
+    """Return the numbers of different foldings.
+
+    Parameters
+    ----------
+    degree
+        N, even, at least 6.
+    listed
+        Whether to list the foldings themselves.
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
+    """
     kinds = {"necklace": True, "bracelet": False}
     data: dict[str, Any] = {
         "schema": FOLDINGS_SCHEMA,
@@ -88,7 +112,20 @@ def foldings_to_dict(degree: int, listed: bool) -> dict[str, Any]:
 
 
 def branch_to_dict(branch: ConeBranch, elevation: float) -> dict[str, Any]:
-    """Return one state of a branch; ``edges_*`` are as in FOLD files: degrees, valley V and mountain M."""
+    """Return one state of a branch; ``edges_*`` are as in FOLD files: degrees, valley V and mountain M.
+
+    Parameters
+    ----------
+    branch
+        Of `branch`.
+    elevation
+        v, signed [rad].
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
+    """
     phi = branch.fold_angles(elevation)
     return {
         "schema": BRANCH_SCHEMA,
@@ -107,7 +144,18 @@ def branch_to_dict(branch: ConeBranch, elevation: float) -> dict[str, Any]:
 
 
 def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
-    """Return a phase diagram as plain data; maps are [ratio][rest elevation]."""
+    """Return a phase diagram as plain data; maps are [ratio][rest elevation].
+
+    Parameters
+    ----------
+    diagram
+        Of `phase_diagram`.
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
+    """
     m = diagram.map
     return {
         "schema": PHASE_SCHEMA,
@@ -139,7 +187,18 @@ def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
 
 
 def map_as_csv(diagram: PhaseDiagram) -> str:
-    """Return the map as comma-separated rows: rest elevation [rad], ratio, and numbers of minima by kind."""
+    """Return the map as comma-separated rows: rest elevation [rad], ratio, and numbers of minima by kind.
+
+    Parameters
+    ----------
+    diagram
+        Of `phase_diagram`.
+
+    Returns
+    -------
+    str
+        A line of heads, then one a point.
+    """
     m = diagram.map
     lines = ["rest_elevation,ratio,interior,contact_pinned,falling_at_cut"]
     for i, nu in enumerate(m.elevations.tolist()):
@@ -150,7 +209,18 @@ def map_as_csv(diagram: PhaseDiagram) -> str:
 
 
 def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
-    """Return full-space verdicts as plain data, descents included."""
+    """Return full-space verdicts as plain data, descents included.
+
+    Parameters
+    ----------
+    found
+        Of `full_space`.
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
+    """
     return {
         "schema": FULL_SCHEMA,
         "degree": found.cone.degree,
@@ -185,7 +255,15 @@ def _judged(state: JudgedMinimum) -> dict[str, Any]:
 
 
 def write_lines(data: dict[str, Any], target: str | Path) -> None:
-    """Write JSON with one entry of each list a line: fast, and readable for many classes."""
+    """Write JSON with one entry of each list a line: fast, and readable for many classes.
+
+    Parameters
+    ----------
+    data
+        Of a function of this module.
+    target
+        The file, or ``"-"`` for standard output.
+    """
     parts = []
     for key, value in data.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):

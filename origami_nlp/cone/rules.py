@@ -50,6 +50,18 @@ is a difference of two angles up to pi/2, each with a few roundings of eps * pi/
 def check_degree(degree: object, largest: int | None = None) -> int:
     """Return the degree of a cone, or complain.
 
+    Parameters
+    ----------
+    degree
+        What a user gave.
+    largest
+        That the degree may be, if there is a bound.
+
+    Returns
+    -------
+    int
+        The degree.
+
     Raises
     ------
     OptionError
@@ -69,6 +81,18 @@ def check_degree(degree: object, largest: int | None = None) -> int:
 
 def check_ratio(ratio: float, field: str = "ratio") -> float:
     """Return a stiffness ratio k_even/k_odd, or complain.
+
+    Parameters
+    ----------
+    ratio
+        What a user gave.
+    field
+        How the message calls it.
+
+    Returns
+    -------
+    float
+        The ratio.
 
     Raises
     ------
@@ -103,7 +127,12 @@ def _check_rule(name: str, value: object, rules: tuple[str, ...]) -> None:
 class Rest:
     """Rest angles of a cone.
 
-    elevation: v_0, signed.  odd, even: of all odd and all even creases.  Numbers, or arrays that are broadcast [rad].
+    Attributes
+    ----------
+    elevation
+        v_0, signed [rad].
+    odd, even
+        Of all odd and all even creases.  Numbers, or arrays that are broadcast [rad].
     """
 
     elevation: Any

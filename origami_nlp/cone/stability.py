@@ -35,13 +35,27 @@ Progress = Callable[[int, int], None]
 class JudgedMinimum:
     """One minimum of a branch, judged in the full contact-admissible space.
 
-    branch: where it is.  copies: number of branches that rotations and reflections make of it.
-    kind: "interior", "contact" (at the end of the branch) or "cut" (see `ConeMinima`).  elevation: |v| [rad].
-    energy: per k_odd.  depth: (U_flat - U)/U_flat.
-    fold_angles: all N [rad].
-    residual: norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an
-    equilibrium; at regular interior states a positive value proves that the state is none.
-    full_space: the verdict, with certificate and descent.
+    Attributes
+    ----------
+    branch
+        Where it is.
+    copies
+        Number of branches that rotations and reflections make of it.
+    kind
+        "interior", "contact" (at the end of the branch) or "cut" (see `ConeMinima`).
+    elevation
+        |v| [rad].
+    energy
+        Per k_odd.
+    depth
+        (U_flat - U)/U_flat.
+    fold_angles
+        All N [rad].
+    residual
+        Norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an equilibrium; at regular
+        interior states a positive value proves that the state is none.
+    full_space
+        The verdict, with certificate and descent.
     """
 
     branch: ConeBranch
@@ -64,8 +78,16 @@ class JudgedMinimum:
 class ConeFullSpace:
     """All branch minima of a cone in the full space.
 
-    cone: degree and rules.  ratio: k_even/k_odd.  rest: rest angles.
-    states: one for each arrangement, direction and minimum.
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    ratio
+        k_even/k_odd.
+    rest
+        Rest angles.
+    states
+        One for each arrangement, direction and minimum.
     """
 
     cone: Cone

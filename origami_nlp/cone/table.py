@@ -31,7 +31,18 @@ LONGEST_NUMBER = 9
 
 
 def number_words(number: int) -> str:
-    """Write an integer with separators, or as 1.23e150 where it is long."""
+    """Write an integer with separators, or as 1.23e150 where it is long.
+
+    Parameters
+    ----------
+    number
+        The integer.
+
+    Returns
+    -------
+    str
+        Its text.
+    """
     text = str(number)
     if len(text) <= LONGEST_NUMBER:
         return f"{number:,}"
@@ -44,7 +55,17 @@ def share_words(part: int, whole: int) -> str:
 
 
 def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> None:
-    """Print the numbers of branch minima, then a row for each class and minimum, deepest first."""
+    """Print the numbers of branch minima, then a row for each class and minimum, deepest first.
+
+    Parameters
+    ----------
+    count
+        Of `count`.
+    console
+        Of rich.
+    most
+        Rows at most.
+    """
     whole = count.branches
     rest = count.rest
     console.print(
@@ -100,7 +121,17 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
 
 
 def print_foldings(degree: int, console: Console, listed: bool) -> None:
-    """Print how many foldings of a degree differ, and which where `listed`."""
+    """Print how many foldings of a degree differ.
+
+    Parameters
+    ----------
+    degree
+        N, even, at least 6.
+    console
+        Of rich.
+    listed
+        Whether to print which.
+    """
     turned, mirrored = (number_of_foldings(degree, mirrors_differ=m) for m in (True, False))
     console.print(
         f"cone of degree {degree}: {number_words(1 << (degree // 2))} assignments at an elevation, of which differ\n"
@@ -128,7 +159,17 @@ def print_foldings(degree: int, console: Console, listed: bool) -> None:
 
 
 def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None:
-    """Print the fold angles of one state of a branch."""
+    """Print the fold angles of one state of a branch.
+
+    Parameters
+    ----------
+    branch
+        Of `branch`.
+    elevation
+        v, signed [rad].
+    console
+        Of rich.
+    """
     phi = branch.fold_angles(elevation)
     console.print(
         f"branch {branch!r}, symmetry {branch.symmetry}, elevation {format_angle(elevation)}; "
@@ -143,7 +184,15 @@ def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None
 
 
 def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
-    """Say which numbers occur and how much of the map each takes, and count the boundaries."""
+    """Say which numbers occur and how much of the map each takes, and count the boundaries.
+
+    Parameters
+    ----------
+    diagram
+        Of `phase_diagram`.
+    console
+        Of rich.
+    """
     numbers, often = np.unique(diagram.minima, return_counts=True)
     total = diagram.map.branches
     rows = [
@@ -158,7 +207,14 @@ def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
 def print_full_space(found: ConeFullSpace, console: Console) -> None:
     """Print one row for each arrangement, direction and minimum, and the totals over all branches.
 
-    slope: norm of the energy's gradient along closed states (0 for an equilibrium).
+    The slope is the norm of the energy's gradient along closed states (0 for an equilibrium).
+
+    Parameters
+    ----------
+    found
+        Of `full_space`.
+    console
+        Of rich.
     """
     reasons = list(dict.fromkeys(_reason(s) for s in found.states))
     rows = [

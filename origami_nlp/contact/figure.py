@@ -34,6 +34,22 @@ def draw_contacts(
     """Draw a state; creases in contact are thick lines, facets in contact are outlined.
 
     Magenta contacts push, grey ones carry nothing; images under the symmetry are drawn as well.
+
+    Parameters
+    ----------
+    model
+        Of the scene.
+    fold_angles
+        Of the state, shape [N] [rad].
+    contacts
+        Closed there, such as `Minimum.contacts`.
+    title
+        Above the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The picture.
     """
     phi = np.asarray(fold_angles, dtype=float)
     figure = Figure(figsize=(4.2, 4.4), dpi=100, facecolor="white")

@@ -57,11 +57,21 @@ Ending = Literal["opens", "closes", "softens", "cap", "lost"]
 class Check:
     """One re-solve with a load, from a state with the contact slightly open.
 
-    factor: of the critical load.  by: ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because
-    the loaded state is shallow, ``descent`` (`judge.follow`, which cannot jump).  gap: opening of
-    the contact in question [rad].  multiplier: what it carries [N m per rad, at each single
-    contact].  moved: distance of the state from the unloaded one [rad, 2-norm over all creases].
-    closed: whether the contact is closed there.
+    Attributes
+    ----------
+    factor
+        Of the critical load.
+    by
+        ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because the loaded state is shallow,
+        ``descent`` (`kkt.follow`, which cannot jump).
+    gap
+        Opening of the contact in question [rad].
+    multiplier
+        What it carries [N m per rad, at each single contact].
+    moved
+        Distance of the state from the unloaded one [rad, 2-norm over all creases].
+    closed
+        Whether the contact is closed there.
     """
 
     factor: float
@@ -76,9 +86,18 @@ class Check:
 class CreaseMargin:
     """Largest moment on each crease of one orbit alone, in either direction [N m].
 
-    creases: 1-based.  positive: towards valley; negative: towards mountain (given as a positive number).
-    first_order: the same two numbers from the sensitivities.  inf: no contact opens up to `cap`.
-    ends: what happens at the two loads, see `LoadMargin.ends`.
+    Attributes
+    ----------
+    creases
+        1-based.
+    positive
+        Towards valley; inf where no contact opens up to `LoadMargin.cap`.
+    negative
+        Towards mountain (given as a positive number); inf likewise.
+    first_order
+        The same two numbers from the sensitivities.
+    ends
+        What happens at the two loads, see `LoadMargin.ends`.
     """
 
     creases: tuple[int, ...]
@@ -92,6 +111,8 @@ class CreaseMargin:
 class LoadMargin:
     """The load margin of one state.
 
+    Attributes
+    ----------
     status
         ``exact``: contacts with unique multipliers; `norm` is where one opens.  ``zero``: a closed contact
         carries nothing, so that arbitrarily small loads open it.  ``unbounded``: the contacts lock

@@ -18,21 +18,36 @@ from origami_nlp.minima import MinimaResult
 def find_contacts(
     result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
-    """Report on the minima of `result` that have closed contacts.
+    """Say what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
 
     Parameters
     ----------
+    result
+        Of `find_minima`.
     state
         Number (1-based) of the only minimum to report on.
     segments
-        Whether to follow the contact boundaries as well.
+        Whether to follow the contact boundaries as well (`find_segments`).
     check
         Whether to re-solve beside each critical load.
+
+    Returns
+    -------
+    ContactReport
+        The states in contact, in order of energy.
 
     Raises
     ------
     OptionError
         If there is no minimum of that number.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> report = o.find_contacts(result, check=False)
+    >>> [(s.number, s.margin.status) for s in report.states]
+    [(2, 'zero')]
     """
     count = len(result.minima)
     if state is not None and not 1 <= state <= count:

@@ -43,9 +43,19 @@ SOFT = STIFFNESS
 class PinnedState:
     """One minimum with closed contacts.
 
-    number: of the minimum (1-based).  stiffness: tangential stiffness [N m/rad], eigenvalues of the Hessian on
-    the space that keeps the loaded contacts closed, per unit length in the space of all N fold
-    angles; empty where that space is a point.  softness: the smallest over the sum of all k; inf where there is none.
+    Attributes
+    ----------
+    number
+        Of the minimum (1-based).
+    minimum
+        The minimum.
+    stiffness
+        Tangential stiffness [N m/rad], eigenvalues of the Hessian on the space that keeps the loaded contacts
+        closed, per unit length in the space of all N fold angles; empty where that space is a point.
+    softness
+        The smallest over the sum of all k; inf where there is none.
+    margin
+        How large a load the contacts bear [N m].
     """
 
     number: int
@@ -91,7 +101,24 @@ class PinnedState:
 
 @dataclass(frozen=True, repr=False)
 class ContactReport(Told):
-    """The pinned states of a result, and, if asked for, its metastable segments."""
+    """The minima of a result that are in contact, and, if asked for, its metastable segments.
+
+    Attributes
+    ----------
+    result
+        All minima.
+    states
+        Those with closed contacts, in order of energy.
+    segments
+        Of `find_segments`, or None.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> print(o.find_contacts(result, check=False).headline)
+    degree 6, alpha_1 = pi/4, r_k = 0.01: 1 of 2 minima reported, each with closed contacts; symmetry D1, contact full
+    """
 
     result: MinimaResult
     states: tuple[PinnedState, ...]

@@ -44,11 +44,23 @@ FROM_AFAR = 30
 class Segment:
     """One metastable stretch of a boundary curve.
 
-    curve: position in `SegmentReport.curves`.  start, end: arclength [rad].  states: numbers (1-based) of the
-    stable states on it.  energy_change: largest less smallest energy on it.  slope, stiffness: largest
-    |dU/ds| / (pi sum k) and |d2U/ds2| / (sum k) on it.  springs: largest t . K t / (sum k) on it: above the
-    threshold, only cancellation between springs and the bend of the boundary makes it flat; below, the
-    creases that move are soft anyway.  moment: smallest contact moment on it [N m].
+    Attributes
+    ----------
+    curve
+        Position in `SegmentReport.curves`.
+    start, end
+        Arclength [rad].
+    states
+        Numbers (1-based) of the stable states on it.
+    energy_change
+        Largest less smallest energy on it.
+    slope, stiffness
+        Largest |dU/ds| / (pi sum k) and |d2U/ds2| / (sum k) on it.
+    springs
+        Largest t . K t / (sum k) on it: above the threshold, only cancellation between springs and the bend of
+        the boundary makes it flat; below, the creases that move are soft anyway.
+    moment
+        Smallest contact moment on it [N m].
     """
 
     curve: int
@@ -71,9 +83,18 @@ class Segment:
 class SegmentReport(Told):
     """Boundary curves of a scene, the stable states on them, and their metastable segments.
 
-    curves, states: in the same order; states[i] are the numbers (1-based) of the minima that curve i starts
-    from, () for curves found by sampling.  segments: in order of curve and arclength.
-    slope, stiffness: the thresholds used.
+    Attributes
+    ----------
+    scene
+        The scene.
+    curves
+        The contact boundaries that were followed.
+    states
+        For each curve the numbers (1-based) of the minima that it starts from, () where it was found by sampling.
+    segments
+        In order of curve and arclength.
+    slope, stiffness
+        The thresholds used.
     """
 
     scene: Scene
@@ -160,14 +181,30 @@ def find_segments(
 
     Parameters
     ----------
+    result
+        Of `find_minima`.
     every_boundary
         Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
         of the scene's chart where it has one (`chart.trace_boundary`), and those found from random states
         on each contact; no curve then ends where a contact stops pushing.
-    slope, stiffness
-        The thresholds of the module's docstring.
+    slope
+        Largest |dU/ds| / (pi sum k) of a metastable segment.
+    stiffness
+        Largest |d2U/ds2| / (sum k) of a metastable segment.
     seed
         Of the random states.
+
+    Returns
+    -------
+    SegmentReport
+        The curves, the states on them, and their metastable segments.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> [curve.contacts for curve in o.find_segments(result).curves]
+    [('phi = -pi at crease 1',), ('phi = -pi at crease 4',)]
     """
     model = result.model
     curves: list[BoundaryCurve] = []
@@ -250,8 +287,13 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum
     """Yield admissible states with one contact held closed, spread at random over every contact."""
     if not model.has_limits or model.freedom != 2:
         return
-    other = [Contact("gap", c.index, -1) for c in model.every_gap if c.index not in model.walls]
-    for row in (*model.limits, *model.every_gap, *other):
+    # a ray passes a facet on either side
+    gaps = [
+        Contact("gap", c.index, side)
+        for c in model.every_gap
+        for side in ((1,) if c.index in model.walls else (1, -1))
+    ]
+    for row in (*model.limits, *gaps):
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
             exact = correct(State(model, x).on((row,)), FROM_AFAR)
@@ -270,7 +312,26 @@ def flat_parts(
     stiffness: float,
     angles: list[np.ndarray],
 ) -> list[Segment]:
-    """Cut the metastable stretches out of one curve; their ends are interpolated between points."""
+    """Cut the metastable stretches out of one curve; their ends are interpolated between points.
+
+    Parameters
+    ----------
+    curve
+        With energies.
+    number
+        Of the curve, as `Segment.curve`.
+    total
+        Sum of all stiffnesses.
+    slope, stiffness
+        The thresholds, as for `find_segments`.
+    angles
+        Fold angles of the minima, [N] each [rad].
+
+    Returns
+    -------
+    list of Segment
+        In order of arclength.
+    """
     steep = np.abs(curve.slope) / (math.pi * total)
     bent = np.abs(curve.stiffness) / total
     excess = np.maximum(steep / slope, bent / stiffness) - 1

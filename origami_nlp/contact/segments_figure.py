@@ -19,8 +19,20 @@ MOST_CURVES = 8
 def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw U(s), dU/ds, d2U/ds2 and the contact moment along every boundary; metastable parts in red.
 
-    The bands are the thresholds of `judge.segments`; dotted parts of a curve are those where a contact does not
-    push; circles are minima.  The figure is saved if a path is given.
+    The bands are the thresholds of the report; dotted parts of a curve are those where a contact does not
+    push; circles are minima.
+
+    Parameters
+    ----------
+    report
+        Of `find_segments`.
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One column a boundary.
 
     Raises
     ------

@@ -54,10 +54,14 @@ def find_critical_points(
     seed: int = 0,
     all_links: bool = False,
 ) -> CriticalPoints:
-    """Find every critical point of the energy of `scene` on its contact-admissible symmetric set.
+    """Find every critical point of the energy on the contact-admissible symmetric set X.
+
+    Critical in the sense of stratified Morse theory: on the inside, the edges and the vertices of X.
 
     Parameters
     ----------
+    scene
+        What is folded.
     minima
         Result of `find_minima` on the same scene; the lists of minima are then compared.
     samples
@@ -67,10 +71,22 @@ def find_critical_points(
     all_links
         Also count the sampled link of every regular point, and report disagreement as a doubt.
 
+    Returns
+    -------
+    CriticalPoints
+        In order of energy; their contributions sum to the Euler characteristic of X where none is missing.
+
     Raises
     ------
     OptionError
         If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), samples=16)
+    >>> found.morse_sum, len(found.minima)
+    (1, 2)
     """
     check_type("scene", scene, Scene)
     if minima is not None:

@@ -23,21 +23,35 @@ ROUNDING = 1e-15
 class CriticalPoint:
     """A critical point of the energy on the admissible set X, in the sense of stratified Morse theory.
 
-    fold_angles: all N [rad].  energy: [the scene's units].
-    index: number of negative curvatures along the stratum (0 to 2 in the interior, 0 or 1 on an edge); None for
-    a vertex, which has no directions of its own, and where a curvature vanishes.
-    contribution: 1 - chi(lower link): what the point adds to the Euler characteristic of X.
-    stratum: ``interior`` (nothing touches), ``boundary`` (an edge of X), ``handle`` (a one-dimensional part of X),
-    ``corner`` (a vertex beside which X is one sector), ``singular`` (any other vertex: the flat state,
-    ends of handles, isolated states).
-    kind: ``minimum`` (empty lower link), ``maximum`` (the whole link is lower, and it is a circle),
-    ``saddle`` (contribution below 0), ``pinch`` (another essential point), ``regular`` (contribution 0, so
-    the topology of {U <= c} does not change there), ``undecided``.
-    contacts: those closed, in words.  multipliers: moment at each single contact [N m per rad of opening],
-    positive where it pushes; on an edge that of its contact, whatever its sign; at a vertex the smallest
-    non-negative ones, empty where no non-negative ones balance the springs.
-    residual: largest entry of closure and closed contacts and, except at vertices, of stationarity.
-    how: what decided the contribution.
+    Attributes
+    ----------
+    fold_angles
+        All N [rad].
+    energy
+        [the scene's units].
+    index
+        Number of negative curvatures along the stratum (0 to 2 in the interior, 0 or 1 on an edge); None for a
+        vertex, which has no directions of its own, and where a curvature vanishes.
+    contribution
+        1 - chi(lower link): what the point adds to the Euler characteristic of X.
+    stratum
+        ``interior`` (nothing touches), ``boundary`` (an edge of X), ``handle`` (a one-dimensional part of X),
+        ``corner`` (a vertex beside which X is one sector), ``singular`` (any other vertex: the flat state, ends
+        of handles, isolated states).
+    kind
+        ``minimum`` (empty lower link), ``maximum`` (the whole link is lower, and it is a circle), ``saddle``
+        (contribution below 0), ``pinch`` (another essential point), ``regular`` (contribution 0, so the
+        topology of {U <= c} does not change there), ``undecided``.
+    contacts
+        Those closed, in words.
+    multipliers
+        Moment at each single contact [N m per rad of opening], positive where it pushes; on an edge that of its
+        contact, whatever its sign; at a vertex the smallest non-negative ones, empty where no non-negative ones
+        balance the springs.
+    residual
+        Largest entry of closure and closed contacts and, except at vertices, of stationarity.
+    how
+        What decided the contribution.
     """
 
     fold_angles: tuple[float, ...]
@@ -61,9 +75,14 @@ class CriticalPoint:
 class MinimaComparison:
     """Minima among the critical points against those of `find_minima`, matched in fold angles.
 
-    matched: pairs (position in CriticalPoints.points, position in the list of minima).
-    only_critical: positions of minima that the search for minima misses.
-    only_search: positions in the list of minima that are no minimum here.
+    Attributes
+    ----------
+    matched
+        Pairs (position in CriticalPoints.points, position in the list of minima).
+    only_critical
+        Positions of minima that the search for minima misses.
+    only_search
+        Positions in the list of minima that are no minimum here.
     """
 
     matched: tuple[tuple[int, int], ...]
@@ -80,7 +99,16 @@ class MinimaComparison:
 class MorseVerdict:
     """The identity sum of contributions = Euler characteristic of X, and what it says of the minima.
 
-    closes: whether the identity holds.  text: one sentence for people.
+    Attributes
+    ----------
+    morse_sum
+        Sum of the contributions.
+    euler_characteristic
+        Of X, obtained without the energy.
+    closes
+        Whether the identity holds.
+    text
+        One sentence for people.
     """
 
     morse_sum: int
@@ -91,10 +119,25 @@ class MorseVerdict:
 
 @dataclass(frozen=True, repr=False)
 class CriticalPoints(Told):
-    """All critical points found, in order of energy.
+    """Critical points of the energy on the contact-admissible symmetric set X.
 
-    comparison: with a list of minima, where one was given.
-    doubts: what could not be decided or checked, in words; empty in the regular case.
+    Attributes
+    ----------
+    scene
+        The scene.
+    points
+        In order of energy.
+    comparison
+        With a list of minima, where one was given.
+    doubts
+        What could not be decided or checked, in words; empty in the regular case.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), samples=16)
+    >>> found.count(kind="minimum"), found.verdict(euler_characteristic=1).closes
+    (2, True)
     """
 
     scene: Scene
@@ -115,14 +158,38 @@ class CriticalPoints(Told):
         return tuple(p for p in self.points if p.kind == "minimum")
 
     def count(self, kind: str | None = None, stratum: str | None = None) -> int:
-        """Count points of a kind, on a stratum."""
+        """Count points.
+
+        Parameters
+        ----------
+        kind
+            Only of this kind, see `CriticalPoint`.
+        stratum
+            Only on this stratum.
+
+        Returns
+        -------
+        int
+            How many there are.
+        """
         return sum(
             (kind is None or p.kind == kind) and (stratum is None or p.stratum == stratum)
             for p in self.points
         )
 
     def verdict(self, euler_characteristic: int) -> MorseVerdict:
-        """Compare with the Euler characteristic of X, obtained without the energy."""
+        """Compare with the Euler characteristic of X, obtained without the energy.
+
+        Parameters
+        ----------
+        euler_characteristic
+            Such as `Space.euler_characteristic`.
+
+        Returns
+        -------
+        MorseVerdict
+            Whether the contributions sum to it.
+        """
         total = self.morse_sum
         closes = total == euler_characteristic
         identity = f"Morse sum {total}, Euler characteristic {euler_characteristic}"
@@ -146,7 +213,18 @@ class CriticalPoints(Told):
         return MorseVerdict(total, euler_characteristic, closes, text)
 
     def table(self, everything: bool = False) -> Table:
-        """Return one row a critical point; those that are not essential only on request."""
+        """Return one row a critical point.
+
+        Parameters
+        ----------
+        everything
+            Also those that are not essential.
+
+        Returns
+        -------
+        Table
+            Number, energy, stratum, kind, index, contribution and residual.
+        """
         shown = self._shown(everything)
         hidden = len(self.points) - len(shown)
         title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(shown)} critical points"
@@ -167,7 +245,18 @@ class CriticalPoints(Told):
         return Table(heads, rows, title, "rrllrrr")
 
     def lines(self, everything: bool = False) -> list[str]:
-        """Return two lines a point: where it is, and what touches and decides there."""
+        """Return two lines a point: where it is, and what touches and decides there.
+
+        Parameters
+        ----------
+        everything
+            Also those that are not essential.
+
+        Returns
+        -------
+        list of str
+            The lines, below a first that says what they hold.
+        """
         creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
         numbers = ", ".join(str(c + 1) for c in creases)
         lines = [f"fold angles of creases {numbers} [deg], contacts, and what decides:"]
@@ -206,6 +295,16 @@ class CriticalPoints(Told):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> CriticalPoints:
         """Read back what `to_dict` returned.
+
+        Parameters
+        ----------
+        data
+            Of the schema ``origami-nlp/critical/1``.
+
+        Returns
+        -------
+        CriticalPoints
+            The result.
 
         Raises
         ------

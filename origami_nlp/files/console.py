@@ -92,5 +92,18 @@ class Screen(Console):
 
 
 def screen(*targets: Target | None, **options: Any) -> Screen:
-    """Return the console for people: standard error where one of the files to write is standard output."""
+    """Return the console for people: standard error where one of the files to write is standard output.
+
+    Parameters
+    ----------
+    targets
+        Files that will be written, None for those that will not.
+    options
+        Of `rich.console.Console`.
+
+    Returns
+    -------
+    Screen
+        The console.
+    """
     return Screen(stderr=any(map(is_stdout, targets)), **options)

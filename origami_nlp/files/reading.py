@@ -18,9 +18,23 @@ _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{M
 
 
 def read_limited(source: str | Path, largest: int, what: str, error: type[OrigamiError]) -> bytes:
-    """Read a file, or standard input for ``"-"``, up to `largest` bytes.
+    """Read a file that a user names, if it is not too large.
 
-    what: how messages call it, such as "scene".
+    Parameters
+    ----------
+    source
+        The file, or ``"-"`` for standard input.
+    largest
+        Bytes that are read at most.
+    what
+        How messages call it, such as "scene".
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    bytes
+        What it holds.
 
     Raises
     ------
@@ -47,7 +61,21 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
 
 
 def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any]:
-    """Read TOML text; `what`: how messages call it, such as "scene".
+    """Read TOML text.
+
+    Parameters
+    ----------
+    text
+        The text.
+    what
+        How messages call it, such as "scene".
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    dict
+        Its tables.
 
     Raises
     ------

@@ -16,13 +16,40 @@ _BUT_LINES = {code: shown for code, shown in _SHOWN.items() if code not in (9, 1
 
 
 def printable(text: str, *, lines: bool = False) -> str:
-    """Return `text` with each control character replaced by a visible one, such as U+241B for escape.
+    r"""Return a text with each control character replaced by a visible one, such as U+241B for escape.
 
-    lines: keep line ends and tabs.
+    Parameters
+    ----------
+    text
+        Of a user or a file.
+    lines
+        Keep line ends and tabs.
+
+    Returns
+    -------
+    str
+        As many characters.
+
+    Examples
+    --------
+    >>> from origami_nlp.files import printable
+    >>> printable("\x1b[2J")
+    '␛[2J'
     """
     return text.translate(_BUT_LINES if lines else _SHOWN)
 
 
 def is_unicode(text: str) -> bool:
-    """Tell whether `text` can be written as UTF-8: half of a surrogate pair is no character."""
+    """Tell whether a text can be written as UTF-8: half of a surrogate pair is no character.
+
+    Parameters
+    ----------
+    text
+        The text.
+
+    Returns
+    -------
+    bool
+        Whether it can.
+    """
     return not any(0xD800 <= ord(c) < 0xE000 for c in text)

@@ -27,7 +27,14 @@ Target = str | os.PathLike[str]
 
 
 def write_whole(target: Target, content: bytes) -> None:
-    """Write a file so that no reader ever sees half of it; ``"-"`` is standard output.
+    """Write a file so that no reader ever sees half of it.
+
+    Parameters
+    ----------
+    target
+        The file, or ``"-"`` for standard output.
+    content
+        What it shall hold.
 
     Raises
     ------
@@ -52,7 +59,14 @@ def write_whole(target: Target, content: bytes) -> None:
 def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] = "figure") -> None:
     """Write a matplotlib figure by `write_whole`, in the format that its name ends in.
 
-    dpi: dots an inch; by default those that the figure was made with.
+    Parameters
+    ----------
+    figure
+        The figure.
+    target
+        The file.
+    dpi
+        Dots an inch; by default those that the figure was made with.
 
     Raises
     ------
@@ -72,7 +86,18 @@ def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] =
 
 
 def is_stdout(target: Target | None) -> bool:
-    """Tell whether a target is standard output: ``"-"``, /dev/stdout, or another name of descriptor 1."""
+    """Tell whether a target is standard output.
+
+    Parameters
+    ----------
+    target
+        ``"-"``, /dev/stdout, or another name of descriptor 1, is; None is not.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
     return target is not None and (os.fspath(target) == "-" or _descriptor(target) == 1)
 
 
@@ -81,6 +106,13 @@ def check_writable(target: Target | None, option: str) -> None:
 
     Where a file will be made, one is made and taken away again: permissions, read-only and virtual file
     systems are the system's to judge.  That the disk fills up later, nobody can know.
+
+    Parameters
+    ----------
+    target
+        The file; None and ``"-"`` are always good.
+    option
+        How messages call it.
 
     Raises
     ------
@@ -111,7 +143,12 @@ def check_writable(target: Target | None, option: str) -> None:
 
 
 def check_outputs(*named: tuple[str, Target | None]) -> None:
-    """Check every (option, target) as `check_writable` does, and that no two are one file.
+    """Check every target as `check_writable` does, and that no two are one file.
+
+    Parameters
+    ----------
+    named
+        Pairs (option, target).
 
     Raises
     ------
@@ -133,6 +170,18 @@ def check_outputs(*named: tuple[str, Target | None]) -> None:
 
 def make_folder(folder: Target, option: str) -> Path:
     """Make a folder where there is none, with those above it.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    option
+        How messages call it.
+
+    Returns
+    -------
+    pathlib.Path
+        The folder.
 
     Raises
     ------
@@ -229,6 +278,19 @@ def _to_stdout(content: bytes) -> None:
 
 
 def write_json(data: Any, target: str | Path) -> None:
-    """Write JSON to a file, whole or not at all, or to standard output for ``"-"``."""
+    """Write JSON to a file, whole or not at all.
+
+    Parameters
+    ----------
+    data
+        Plain data, without nan and inf.
+    target
+        The file, or ``"-"`` for standard output.
+
+    Raises
+    ------
+    OptionError
+        If the file cannot be written.
+    """
     text = json.dumps(data, indent=2, allow_nan=False) + "\n"
     write_whole(target, text.encode())

@@ -31,12 +31,16 @@ LARGEST_TOLERANCE = 0.01
 class Embedding:
     """What is wrong with a state as a piece of paper, if anything.
 
-    admissible: whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not
-    cross.
-    reason: why not, in words; empty when admissible.
-    closure_residual: |vec q| of the product of all folds (2 |vec q| is the angle that fails to
-    close).
-    touching: whether non-adjacent parts touch (then layers were ordered).
+    Attributes
+    ----------
+    admissible
+        Whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not cross.
+    reason
+        Why not, in words; empty when admissible.
+    closure_residual
+        |vec q| of the product of all folds (2 |vec q| is the angle that fails to close).
+    touching
+        Whether non-adjacent parts touch (then layers were ordered).
     """
 
     admissible: bool
@@ -50,18 +54,28 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
 
     Parameters
     ----------
+    vertex
+        The vertex.
     fold_angles
-        Shape [..., N].
+        States, shape [..., N] [rad], valley positive; they need not close.
 
     Returns
     -------
-    creases
+    creases : numpy.ndarray
         Deformed unit creases c_i = F_{i-1} b_i, shape [..., N, 3].
-    q
+    q : numpy.ndarray
         Product of all folds, and of the turn by `Vertex.excess` about e3 that closes the unrolled sheet of a
         vertex that is not flat, as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
         Every embedded vertex has +1: simple spherical polygons are deformed into each other through simple
         ones, along which the sign cannot change.
+
+    Examples
+    --------
+    >>> from origami_nlp import Vertex
+    >>> from origami_nlp.folding import fold_vertex
+    >>> creases, q = fold_vertex(Vertex(("pi/2",) * 4), [3.141592653589793, 0, 3.141592653589793, 0])
+    >>> creases.shape, q.round(12).tolist()
+    ((4, 3), [1.0, 0.0, 0.0, 0.0])
     """
     phi = np.asarray(fold_angles, dtype=float)
     half = phi / 2
@@ -77,7 +91,7 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
 
 
 def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return how deep two arcs cross, 0 where they do not.
+    """Return how deep two arcs of the unit sphere cross, 0 where they do not.
 
     Parameters
     ----------
@@ -86,9 +100,8 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
     Returns
     -------
-    depth
-        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape
-        [...].
+    numpy.ndarray
+        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape [...].
     """
     a, b = first[..., 0, :], first[..., 1, :]
     c, d = second[..., 0, :], second[..., 1, :]
@@ -111,7 +124,17 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
     """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
 
-    rays [..., R, 3], pairs of positions [P, 2] -> [..., P].
+    Parameters
+    ----------
+    rays
+        Unit vectors, shape [..., R, 3].
+    pairs
+        Positions of the facets, shape [P, 2].
+
+    Returns
+    -------
+    numpy.ndarray
+        Sines, shape [..., P].
     """
     arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
     first, second = np.asarray(pairs).T % rays.shape[-2]
@@ -137,15 +160,22 @@ def examine(
 ) -> Embedding:
     """Tell whether a state of a vertex is admissible with full contact, and why not if not.
 
-    With `elements` of a group (`Symmetry.elements`), which the fold angles have, touching layers must have an
-    order with that symmetry as well: equal fold angles do not make a stack symmetric.
-
     Parameters
     ----------
+    vertex
+        The vertex.
     fold_angles
-        Of one state, shape [N] [rad].
+        Of one state, shape [N] [rad], valley positive.
     tolerance
         Distance on the unit sphere below which features touch [rad], 0 to 0.01.
+    elements
+        Of a group (`Symmetry.elements`) that the fold angles have.  Touching layers must then have an order with that
+        symmetry as well: equal fold angles do not make a stack symmetric.
+
+    Returns
+    -------
+    Embedding
+        Whether it is admissible, the reason why not, how well it closes, and whether parts touch.
 
     Raises
     ------
@@ -153,6 +183,14 @@ def examine(
         If `fold_angles` are not N finite numbers.
     OptionError
         If another argument is not what it must be.
+
+    Examples
+    --------
+    >>> from origami_nlp import Vertex, examine
+    >>> examine(Vertex(("pi/2",) * 4), [1, 0, 1, 0]).admissible
+    True
+    >>> examine(Vertex(("pi/2",) * 4), [1, 0, 1, 0.5]).reason
+    'does not close: |vec q| = 2.5e-01'
     """
     check_type("vertex", vertex, Vertex)
     phi = check_angles("fold_angles", fold_angles, vertex.degree, one=True)

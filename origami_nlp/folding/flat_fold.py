@@ -3,7 +3,7 @@
 Kawasaki's and Maekawa's conditions are necessary.  A sector smaller than both neighbours must have one mountain
 and one valley, and may then be crimped: folded away, so that two creases and two sectors fewer are left, which
 fold flat exactly when the whole does (Bern and Hayes, "The complexity of flat origami", 1996).  Where equal
-sectors leave no such choice, the layers are ordered (`model.embedding.examine`).
+sectors leave no such choice, the layers are ordered (`examine`).
 """
 
 from __future__ import annotations
@@ -23,7 +23,28 @@ GRAIN = FLAT / 1000
 
 
 def folds_flat(v: FoldVertex) -> bool | None:
-    """Tell whether `v` folds flat with its mountains and valleys; None where not all are stated."""
+    """Tell whether a vertex of a crease pattern folds flat with its mountains and valleys.
+
+    Parameters
+    ----------
+    v
+        Of `fold_vertices`.
+
+    Returns
+    -------
+    bool or None
+        None where not every crease is a mountain or a valley, or the vertex cannot be analysed.
+
+    Examples
+    --------
+    >>> from origami_nlp.folding import folds_flat
+    >>> from origami_nlp.pattern import fold_vertices, parse_fold
+    >>> text = '''{"vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
+    ...     "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
+    ...     "edges_assignment": ["M", "V", "V", "V", "B", "B", "B", "B"]}'''
+    >>> folds_flat(fold_vertices(*parse_fold(text))[0][0])
+    True
+    """
     if v.reason or v.maekawa is None:
         return None
     if v.maekawa or v.kawasaki is None or v.kawasaki > 100 * FLAT:

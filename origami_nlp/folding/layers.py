@@ -34,9 +34,16 @@ Table = tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]
 class LayerProblem:
     """The layer orders that a touching polygon allows.
 
-    segments: for each segment (u, v), u < v, its strands with their direction (+1: from u to v).
-    tables: constraints, each a tuple of pairs and the set of truth values that they may take.
-    fixed: pairs whose order the folds decide.
+    Attributes
+    ----------
+    segments
+        For each segment (u, v), u < v, its strands with their direction (+1: from u to v).
+    tables
+        Constraints, each a tuple of pairs and the set of truth values that they may take.
+    fixed
+        Pairs whose order the folds decide.
+    feasible
+        False where no order exists whatever the pairs.
     """
 
     segments: dict[tuple[int, int], list[tuple[Strand, int]]]
@@ -121,21 +128,41 @@ def _image(
 
 
 def ordered(a: Strand, b: Strand) -> tuple[Pair, bool]:
-    """Return the pair with the smaller strand first, and whether that swapped them."""
+    """Return two strands with the smaller first.
+
+    Parameters
+    ----------
+    a, b
+        The strands.
+
+    Returns
+    -------
+    pair
+        The smaller, then the larger.
+    swapped : bool
+        Whether that swapped them.
+    """
     return ((a, b), False) if a < b else ((b, a), True)
 
 
 def layer_problem(
     creases: np.ndarray, fold_angles: np.ndarray, tolerance: float
 ) -> LayerProblem | None:
-    """Pose the layer problem of a polygon, or return None where nothing touches.
+    """Pose the layer problem of a polygon: which of the facets that lie on each other is on which side.
 
     Parameters
     ----------
     creases
         Polygon vertices c_i, shape [N, 3]; facets must not cross properly.
     fold_angles
-        Needed for the side to which closed creases turn, shape [N].
+        Needed for the side to which closed creases turn, shape [N] [rad].
+    tolerance
+        Distance below which features touch [rad].
+
+    Returns
+    -------
+    LayerProblem or None
+        None where nothing touches.
     """
     n = len(creases)
     gram = np.linalg.norm(creases[:, None] - creases[None], axis=-1)

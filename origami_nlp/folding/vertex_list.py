@@ -35,8 +35,16 @@ WORDS = ("assignment", "sector angles [deg]", "analysis")
 class VertexList:
     """The interior vertices of one frame.
 
-    frame: of `read_fold`.  vertices: with creases.  flat: whether each folds flat with its mountains and valleys
-    (None where not all are stated).  notes: what is odd, of the file, the frame and its vertices.
+    Attributes
+    ----------
+    frame
+        Of `read_fold`.
+    vertices
+        With creases.
+    flat
+        Whether each folds flat with its mountains and valleys (None where not all are stated).
+    notes
+        What is odd, of the file, the frame and its vertices.
     """
 
     frame: Frame
@@ -73,18 +81,53 @@ class VertexList:
 
 
 def list_vertices(frame: Frame) -> VertexList:
-    """Find the interior vertices of a frame, and which of them fold flat."""
+    """Find the interior vertices of a frame, and which of them fold flat.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+
+    Returns
+    -------
+    VertexList
+        The vertices with their verdicts and notes.
+
+    Raises
+    ------
+    OptionError
+        If `frame` is none of `read_fold`.
+    """
     found, notes = fold_vertices(frame)
     return VertexList(frame, found, tuple(map(folds_flat, found)), (*frame.notes, *notes))
 
 
 def vertices_to_dict(lists: Sequence[VertexList]) -> dict[str, Any]:
-    """Return the vertices of all frames as plain data of the schema."""
+    """Return the vertices of all frames as plain JSON data.
+
+    Parameters
+    ----------
+    lists
+        Of `list_vertices`.
+
+    Returns
+    -------
+    dict
+        Of the schema that it names.
+    """
     return {"schema": SCHEMA, "frames": [one.to_dict() for one in lists]}
 
 
 def print_vertices(lists: Sequence[VertexList], screen: Screen) -> None:
-    """Print a table and the notes of every frame."""
+    """Print a table and the notes of every frame.
+
+    Parameters
+    ----------
+    lists
+        Of `list_vertices`.
+    screen
+        Where to.
+    """
     for one in lists:
         frame = one.frame
         kind = "folded form" if frame.folded else "crease pattern"

@@ -26,15 +26,22 @@ Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 class ContactForce:
     """One closed contact of a state and what it carries.
 
-    type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
-    creases, facets: who touches, 1-based, all images under the symmetry included for creases at a
-    fold limit; a facet pair
-        names its two facets (and their touching crease in `text`).
-    multiplier: moment [N m per rad of opening, in the scene's units] at each single contact; where
-    contacts are dependent,
-        the entry of the multiplier vector of smallest norm.
-    multiplier_range: smallest and largest value over the set of multipliers; inf where unbounded.
-    text: the contact in words.
+    Attributes
+    ----------
+    type
+        ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    creases
+        Who touches, 1-based, all images under the symmetry included for creases at a fold limit; empty for a
+        facet pair.
+    facets
+        The two facets of a facet pair, 1-based (their touching crease is in `text`).
+    multiplier
+        Moment [N m per rad of opening, in the scene's units] at each single contact, positive where it pushes; where
+        contacts are dependent, the entry of the multiplier vector of smallest norm.
+    multiplier_range
+        Smallest and largest value over the set of multipliers; inf where unbounded.
+    text
+        The contact in words.
     """
 
     type: str
@@ -49,16 +56,25 @@ class ContactForce:
 class Classification:
     """The decision on a state.
 
-    verdict: ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
-    kind: for minima, see `Kind`; else None.
-    reason: the certificate of a minimum, or why it is none.
-    local_dimension: dimension of the feasible set at the state: the model's degrees of freedom
-    where it is full, 1 on a
-        handle, 0 if isolated.
-    contacts: closed contacts with their multipliers.
-    eigenvalues: of the reduced Hessian (tangential stiffness), scene's units.
-    stationarity: residual of the best multipliers (scaled energy).
-    descent: for a saddle, a unit direction of descent [n] in the model's variables.
+    Attributes
+    ----------
+    verdict
+        ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
+    kind
+        For minima ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else None.
+    reason
+        The certificate of a minimum, or why it is none.
+    local_dimension
+        Dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a handle, 0 if
+        isolated.
+    contacts
+        Closed contacts with their multipliers.
+    eigenvalues
+        Of the reduced Hessian (tangential stiffness), scene's units.
+    stationarity
+        Residual of the best multipliers (scaled energy).
+    descent
+        For a saddle, a unit direction of descent [n] in the model's variables.
     """
 
     verdict: str

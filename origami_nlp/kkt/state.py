@@ -18,16 +18,23 @@ from origami_nlp.programme import ClosedContacts, Contact, Local, Programme
 
 
 class State:
-    """A closed state x [n] of a programme.
+    """A closed state x [n] of a programme.  What is asked twice is computed once.
 
     Parameters
     ----------
     programme
-        Anything with energy, closure, contacts and their derivatives: `programme.Programme`.
+        Anything with energy, closure, contacts and their derivatives: `programme.Programme`, such as a `Model`.
     x
         Values of its variables [rad], shape [n].
     tolerance
         Opening [rad] up to which a contact counts as closed.
+
+    Attributes
+    ----------
+    programme, tolerance
+        As given.
+    x
+        Shape [n], not writable.
 
     Examples
     --------
@@ -101,11 +108,33 @@ class State:
         return self.programme.expand(self.x)
 
     def at(self, x: np.ndarray) -> State:
-        """Return another state of the same programme."""
+        """Return another state of the same programme.
+
+        Parameters
+        ----------
+        x
+            Shape [n] [rad].
+
+        Returns
+        -------
+        State
+            With the same tolerance.
+        """
         return State(self.programme, x, self.tolerance)
 
     def on(self, contacts: Sequence[Contact] = ()) -> Stratum:
-        """Return the state with these contacts held closed."""
+        """Return the state with contacts held closed.
+
+        Parameters
+        ----------
+        contacts
+            Those held; none by default.
+
+        Returns
+        -------
+        Stratum
+            The state on the set where they stay closed.
+        """
         return Stratum(self, tuple(contacts))
 
     def __repr__(self) -> str:
@@ -121,7 +150,21 @@ class Stratum:
     state
         The state.
     contacts
-        Contacts held.
+        Contacts held, r of them.
+
+    Attributes
+    ----------
+    state, contacts
+        As given.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> state = o.State(result.model, result.model.reduce(result.minima[0].fold_angles))
+    >>> stratum = state.on(state.contacts.base)
+    >>> stratum.dimension, stratum.jacobian.shape, bool((abs(stratum.imbalance) < 1e-9).all())
+    (2, (2, 4), True)
     """
 
     def __init__(self, state: State, contacts: tuple[Contact, ...]) -> None:
@@ -183,7 +226,18 @@ class Stratum:
         return self.hessian_with(self.multipliers)
 
     def hessian_with(self, multipliers: np.ndarray) -> np.ndarray:
-        """Hessian of the Lagrangian with other multipliers of closure and contacts [m + r], in the metric, [n, n]."""
+        """Hessian of the Lagrangian with other multipliers than `multipliers`, in the metric.
+
+        Parameters
+        ----------
+        multipliers
+            Of closure and contacts, shape [m + r].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [n, n].
+        """
         p = self.state.programme
         h = p.lagrangian_hessian(self.state.x, multipliers, self.contacts)
         return h / np.outer(p.root, p.root)
@@ -195,7 +249,15 @@ class Stratum:
         return float(np.linalg.eigvalsh(z.T @ self.hessian @ z)[0]) if z.shape[1] else math.inf
 
     def response(self) -> tuple[np.ndarray, np.ndarray]:
-        """Differentiate the KKT system by a load: forces of the contacts [r, n] and states [n, n], in the metric."""
+        """Differentiate the KKT system by a load, in the metric.
+
+        Returns
+        -------
+        forces : numpy.ndarray
+            Of the contacts, shape [r, n].
+        states : numpy.ndarray
+            Shape [n, n].
+        """
         n, count = len(self.state.x), len(self.jacobian)
         system = np.block(
             [[self.hessian, -self.jacobian.T], [self.jacobian, np.zeros((count,) * 2)]]

@@ -1,7 +1,7 @@
 """A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
 
-The energy is evaluated on a grid (`tell.landscape`); what bounds it is not: the admissible region is put together from
-contact boundaries traced to rounding (`judge.boundary_lines`), so that the grid's size decides how smooth the colours
+The energy is evaluated on a grid (`chart.landscape`); what bounds it is not: the admissible region is put together from
+contact boundaries traced to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
 are and nothing else.
 """
 
@@ -36,10 +36,20 @@ PIECE = 0.01
 
 @dataclass(frozen=True)
 class Stretch:
-    """A metastable stretch of a contact boundary: where the energy is nearly flat (`judge.segments`).
+    """A metastable stretch of a contact boundary: where the energy is nearly flat (see `contact.find_segments`).
 
-    branch: of the chart.  points: chart coordinates [m, 2].  length: arclength in all N fold angles [rad].
-    contacts: held closed along it.  hidden: all of it shares one point of the chart.
+    Attributes
+    ----------
+    branch
+        Of the chart.
+    points
+        Chart coordinates [m, 2].
+    length
+        Arclength in all N fold angles [rad].
+    contacts
+        Held closed along it.
+    hidden
+        Whether all of it shares one point of the chart.
     """
 
     branch: int
@@ -53,8 +63,28 @@ class Stretch:
 class ExactLandscape(Told):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
-    boundary, regions: None and () where the boundary is not traced (contact other than full).  places: of the
-    minima.  metastable: in the order of the boundary's lines.
+    Attributes
+    ----------
+    result
+        The minima.
+    chart
+        The energy on a grid over the coordinates of the chart.
+    boundary
+        Contact boundaries; None where they are not traced (contact other than full).
+    regions
+        Admissible region of each branch of the chart; () where the boundary is not traced.
+    places
+        Of the minima on the chart.
+    metastable
+        Stretches of nearly constant energy, in the order of the boundary's lines.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> exact = o.find_landscape(result, size=21)
+    >>> exact.counts, len(exact.regions)
+    ((2, None, None), 1)
     """
 
     result: MinimaResult
@@ -117,7 +147,7 @@ class ExactLandscape(Told):
 def find_landscape(
     result: MinimaResult, size: int = 401, *, boundary: Boundary | None = None
 ) -> ExactLandscape:
-    """Put a landscape together.
+    """Put a landscape together: energy over the chart, exact boundaries and minima (the paper's figures 3 and 4).
 
     Parameters
     ----------
@@ -128,10 +158,23 @@ def find_landscape(
     boundary
         Of a scene with the same vertex, symmetry and contact, to save tracing it again.
 
+    Returns
+    -------
+    ExactLandscape
+        Without boundary where the scene's contact is not ``"full"``.
+
     Raises
     ------
     OptionError
         If an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> exact = o.find_landscape(result, size=21)
+    >>> exact.chart.coordinates, len(exact.places)
+    (('phi_2', 'phi_3'), 2)
     """
     check_type("result", result, MinimaResult)
     if boundary is not None:
@@ -149,7 +192,7 @@ def find_landscape(
 
 
 def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stretch, ...]:
-    """Find the metastable stretches of every boundary line, with the thresholds of `judge.segments`."""
+    """Find the metastable stretches of every boundary line, with the thresholds of `find_segments`."""
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
     out = []
@@ -167,10 +210,27 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
 def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
     """Return everything as named NumPy arrays, for `numpy.savez_compressed`.
 
-    x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N], admissible_b [ny, nx] of branch b; boundary_k_points,
-    boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts, boundary_thin;
-    minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
-    metastable_k_points with metastable_branch; coordinates: their names.
+    Parameters
+    ----------
+    exact
+        Of `find_landscape`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray
+        x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N] [rad], admissible_b [ny, nx] of branch b;
+        boundary_k_points, boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts,
+        boundary_thin;
+        minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
+        metastable_k_points with metastable_branch; coordinates: their names.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.landscape import to_arrays
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> to_arrays(o.find_landscape(result, size=21))["energy_0"].shape
+    (21, 21)
     """
     chart, result = exact.chart, exact.result
     arrays: dict[str, Any] = {

@@ -35,7 +35,19 @@ SIDE, MARGIN, LEFT, RIGHT = 5.0, 0.15, 0.75, 0.95
 
 
 def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> Figure:
-    """Draw a landscape; with `barriers`, also the lowest passes that join all minima, and the paths over them.
+    """Draw a landscape.
+
+    Parameters
+    ----------
+    exact
+        Of `find_landscape`.
+    barriers
+        Of `find_barriers`: also draw the lowest passes that join all minima, and the paths over them.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel, or one a branch of the chart.
 
     Raises
     ------

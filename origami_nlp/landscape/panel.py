@@ -47,7 +47,19 @@ def energy_colours() -> Colormap:
 
 @dataclass(frozen=True)
 class PanelStyle:
-    """Sizes in points: star (a marker), line (a boundary), text; numbers: whether minima are numbered."""
+    """Sizes in points.
+
+    Attributes
+    ----------
+    star
+        Of a marker.
+    line
+        Width of a boundary.
+    text
+        Font size.
+    numbers
+        Whether minima are numbered.
+    """
 
     star: float = 15.0
     line: float = 1.1
@@ -56,7 +68,24 @@ class PanelStyle:
 
 
 def draw_panel(axes: Any, exact: ExactLandscape, branches: list[int], style: PanelStyle) -> Any:
-    """Draw `branches` into one Axes; returns the image for a colour bar."""
+    """Draw branches of a landscape into one Axes.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    exact
+        Of `find_landscape`.
+    branches
+        Which of the chart's, from 0.
+    style
+        Sizes of marks and letters.
+
+    Returns
+    -------
+    matplotlib.collections.QuadMesh or matplotlib.image.AxesImage
+        The energies, for a colour bar.
+    """
     chart = chart_of(exact.result.scene)
     assert chart is not None
     x0, x1, y0, y1 = chart_limits(chart)
@@ -89,7 +118,19 @@ def draw_panel(axes: Any, exact: ExactLandscape, branches: list[int], style: Pan
 
 
 def write_counts(axes: Any, exact: ExactLandscape, branches: list[int], style: PanelStyle) -> None:
-    """Write N_sym -> N_not-ruled-out -> N_full into the emptiest corner, a lower one if there is a choice."""
+    """Write N_sym -> N_not-ruled-out -> N_full into the emptiest corner, a lower one if there is a choice.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    exact
+        Of `find_landscape`.
+    branches
+        Those that are drawn there.
+    style
+        Sizes of marks and letters.
+    """
     shown = ["?" if n is None else str(n) for n in exact.counts]
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
     right, up = min(corners, key=lambda c: _taken(exact, branches, *c))
@@ -244,7 +285,20 @@ def _stars(axes: Any, exact: ExactLandscape, branches: list[int], style: PanelSt
 
 
 def legend_of(panels: list[ExactLandscape], style: PanelStyle) -> list[Line2D]:
-    """Legend entries for what occurs on any of the panels."""
+    """Return legend entries for what occurs on any of the panels.
+
+    Parameters
+    ----------
+    panels
+        Of `find_landscape`.
+    style
+        Sizes of marks and letters.
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        Handles with labels.
+    """
     minima = [m for panel in panels for m in panel.result.minima]
     entries = []
 

@@ -31,11 +31,24 @@ COUNTS = ("holes", "euler_characteristic", "morse_sum")
 class LandscapeRecord:
     """What a landscape file says.
 
-    scene: of the file.  components, pinch_points, handles: of the admissible space, one dictionary each.
-    holes, euler_characteristic: of that space.  critical_points: ``fold_angles``, ``energy``, ``index``, ``contacts``
-    and more.  morse_sum: over them; equal to euler_characteristic where the list is complete.
-    barriers: ``from``, ``to`` (numbers of minima), ``energy``, ``pass_kind`` and more.  minima: in order of energy.
-    rest: other entries of the file.
+    Attributes
+    ----------
+    scene
+        Of the file.
+    components, pinch_points, handles
+        Of the admissible space, one dictionary each.
+    holes, euler_characteristic
+        Of that space.
+    critical_points
+        ``fold_angles``, ``energy``, ``index``, ``contacts`` and more.
+    morse_sum
+        Over them; equal to euler_characteristic where the list is complete.
+    barriers
+        ``from``, ``to`` (numbers of minima), ``energy``, ``pass_kind`` and more.
+    minima
+        In order of energy.
+    rest
+        Other entries of the file.
     """
 
     scene: Scene
@@ -66,7 +79,18 @@ class LandscapeRecord:
 def landscape_to_dict(
     exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
 ) -> dict[str, Any]:
-    """Return everything known of a landscape as plain JSON data."""
+    """Return everything known of a landscape as plain JSON data.
+
+    Parameters
+    ----------
+    exact, space, critical, barriers
+        Of `find_landscape`, `find_space`, `find_critical_points` and `find_barriers`, of one scene.
+
+    Returns
+    -------
+    dict
+        Of the schema ``origami-nlp/landscape/1``.
+    """
     found, topology = critical.to_dict(), space.to_dict()
     minima = [
         {

@@ -29,10 +29,22 @@ def draw_minima(
     size
         Cells along each coordinate of the landscape.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The folded states, and their places on the landscape where the scene has one.
+
     Raises
     ------
     OptionError
         If the ending of `path` names no known picture format, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> len(o.draw_minima(result, size=21).axes) > 1
+    True
     """
     check_type("result", result, MinimaResult)
     if path is not None:

@@ -83,10 +83,12 @@ def find_minima(
     full: bool = False,
     progress: Progress | None = None,
 ) -> MinimaResult:
-    """Find and classify the energy minima of `scene` among states of its symmetry.
+    """Find and classify the energy minima of a scene among states of its symmetry.
 
     Parameters
     ----------
+    scene
+        What is folded: vertex, springs, symmetry and contact.
     seed
         Of the random starts; the same seed gives the same answer.
     max_starts
@@ -94,18 +96,32 @@ def find_minima(
     fewest_starts
         Random starts before the stopping rule is believed.
     guesses
-        Fold angles [N] to start from before the random starts (states of a neighbouring scene); they do not
+        States to start from before the random starts (of a neighbouring scene, say), shape [N] each [rad]; they do not
         enter the stopping rule.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     progress
-        Called after each start.
+        Called after each start, as progress(starts, minima found, expected undiscovered).
+
+    Returns
+    -------
+    MinimaResult
+        The minima in order of energy, and the record of the search.
 
     Raises
     ------
-    OptionError, AngleError
+    OptionError
         If an argument is not what it must be.
+    AngleError
+        If a guess is not N finite numbers.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> [(m.kind, round(m.energy, 6)) for m in result.minima]
+    [('interior', 0.009086), ('contact-touching', 1.233701)]
     """
     check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)

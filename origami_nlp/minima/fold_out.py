@@ -77,12 +77,27 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
 
 
 def write_fold(result: MinimaResult, target: str | Path) -> None:
-    """Write `minima_to_fold` to a file, whole or not at all.
+    """Write states as a FOLD file (spec 1.1): the crease pattern, and one folded frame a state.
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    target
+        The file, written whole or not at all; ``"-"`` for standard output.
 
     Raises
     ------
     OptionError
         If `result` is no result, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import json, pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.fold")
+    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> [frame["frame_title"] for frame in json.loads(path.read_text())["file_frames"]]
+    ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
     """
     check_type("result", result, MinimaResult)
     check_path("target", target)
@@ -142,12 +157,28 @@ def face_orders(creases: np.ndarray, fold_angles: np.ndarray) -> list[list[int]]
 
 
 def write_mesh(result: MinimaResult, target: str | Path) -> None:
-    """Write the states side by side as one triangle mesh (.obj, .stl, .glb), by way of trimesh.
+    """Write the states side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    target
+        The file, ``.obj``, ``.stl`` or ``.glb``.
 
     Raises
     ------
     OptionError
-        If trimesh is not installed, or the name ends in something else.
+        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
+        written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
+    >>> o.write_mesh(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> path.stat().st_size > 0
+    True
     """
     suffix = check_mesh(target)
     import trimesh

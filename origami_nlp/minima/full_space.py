@@ -1,6 +1,6 @@
 """Is a state that is stable within its symmetry stable in the full contact-admissible space?
 
-The state is classified anew in the model without symmetry, with the certificates of `judge.branch`.
+The state is classified anew in the model without symmetry, with the certificates of `kkt.certificates`.
 A state that is no
 minimum there gets a descent that anyone can replay: states that close, are admissible, have
 strictly falling energy, and end at a lower stable state.
@@ -49,13 +49,24 @@ class Step(NamedTuple):
 class FullSpace:
     """Verdict on one state in the full contact-admissible space.
 
-    verdict: ``stable``, ``unstable`` or ``undecided``.  certificate: why, in words.
-    kind, local_dimension: as in `judge.minima.Minimum`, in the full space (stable states only).
-    hessian_eigenvalues: of the Hessian of the Lagrangian on the closed states' tangent space [N
-    m/rad]; empty where closure loses rank.  breaking_eigenvalues: of its block on perturbations
-    that break the symmetry.
-    unstable_mode: what symmetry the first step of the descent keeps.
-    descent: states and energies, or None.  lands_on: where it ends, or None.
+    Attributes
+    ----------
+    verdict
+        ``stable``, ``unstable`` or ``undecided``.
+    certificate
+        Why, in words.
+    kind, local_dimension
+        As in `Minimum`, in the full space (stable states only).
+    hessian_eigenvalues
+        Of the Hessian of the Lagrangian on the closed states' tangent space [N m/rad]; empty where closure loses rank.
+    breaking_eigenvalues
+        Of its block on perturbations that break the symmetry.
+    unstable_mode
+        What symmetry the first step of the descent keeps.
+    descent
+        States and energies, or None.
+    lands_on
+        Where it ends, or None.
     """
 
     verdict: FullVerdict

@@ -12,17 +12,43 @@ from origami_nlp.minima.full_space import FullSpace
 class Minimum:
     """A local minimum of the energy among admissible states of the modelled symmetry.
 
-    energy: [the scene's units, J for N m/rad].  fold_angles: all N, [rad].
-    kind, local_dimension, certificate, contacts: see `judge.classify.Classification`.
-    closure_residual: largest entry of loop closure.  kkt_residual: largest entry of the
-    stationarity residual, with the stiffness scaled to one and relative to the torques that
-    balance.
-    polished: True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
-    minimum but undecided.)
-    hits: random starts that ended here; 0 for an isolated flat folding, which is found by listing,
-    not by descent.  hessian_eigenvalues: tangential stiffness [N m/rad], on the subspace that keeps
-    loaded contacts closed, per unit length in the space of all N fold angles.
-    full_space: verdict in the full contact-admissible space, where it was asked for.
+    Attributes
+    ----------
+    energy
+        In the scene's units (J for N m/rad).
+    fold_angles
+        All N [rad], valley positive.
+    kind
+        ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``.
+    local_dimension
+        Dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a handle, 0 if
+        isolated.
+    closure_residual
+        Largest entry of loop closure.
+    kkt_residual
+        Largest entry of the stationarity residual, with the stiffness scaled to one and relative to the torques
+        that balance.
+    polished
+        True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
+        minimum but undecided.)
+    hits
+        Random starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.
+    contacts
+        Closed contacts with their moments [N m per rad of opening], positive where they push.
+    certificate
+        Why it is a minimum, in words.
+    hessian_eigenvalues
+        Tangential stiffness [N m/rad], on the subspace that keeps loaded contacts closed, per unit length in
+        the space of all N fold angles.
+    full_space
+        Verdict in the full contact-admissible space, where it was asked for.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> lowest = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).minima[0]
+    >>> lowest.kind, lowest.closure_residual < 1e-12, len(lowest.hessian_eigenvalues)
+    ('interior', True, 2)
     """
 
     energy: float
@@ -41,7 +67,21 @@ class Minimum:
 
 @dataclass(frozen=True)
 class Rejected:
-    """A state that solves ended at and that is not listed: verdict, reason, fold angles, energy, hits."""
+    """A state that solves ended at and that is not listed.
+
+    Attributes
+    ----------
+    verdict
+        What it is instead of a minimum.
+    reason
+        Why.
+    fold_angles
+        All N [rad].
+    energy
+        In the scene's units.
+    hits
+        Random starts that ended here.
+    """
 
     verdict: str
     reason: str
@@ -54,15 +94,32 @@ class Rejected:
 class SearchReport:
     """What the search did.
 
-    starts, solves: random starts, and IPOPT solves (a start that makes facets cross is solved again
-    with planes).
-    statuses: IPOPT's return statuses over all solves.  outcomes: converged starts by what their end
-    state is.
-    expected_undiscovered: Boender and Rinnooy Kan's estimate of the number of minima that no start
-    reached.
-    stopped_by: ``"rule"`` or ``"cap"``.  rejected: distinct answers that are no minimum, with the
-    reason and hits.  undecided: those that may or may not be one, by name: not polished, or not
-    certified.  iterations: of IPOPT, over all solves.
+    Attributes
+    ----------
+    starts
+        Random starts.
+    feasible_starts
+        Those that were admissible before they were solved.
+    solves
+        Of IPOPT: a start that makes facets cross is solved again with planes between them.
+    iterations
+        Of IPOPT, over all solves.
+    statuses
+        IPOPT's return statuses over all solves.
+    outcomes
+        Converged starts by what their end state is.
+    expected_undiscovered
+        Boender and Rinnooy Kan's estimate of the number of minima that no start reached.
+    stopped_by
+        ``"rule"`` or ``"cap"``.
+    seconds
+        Of wall time.
+    seed
+        Of the random starts.
+    rejected
+        Distinct answers that are no minimum, with the reason and hits.
+    undecided
+        Those that may or may not be one, by name: not polished, or not certified.
     """
 
     starts: int

@@ -31,7 +31,26 @@ NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
 
 @dataclass(frozen=True, repr=False)
 class MinimaResult(Told):
-    """Scene, model, minima in order of energy, and the record of the search."""
+    """Minima of a scene in order of energy, and the record of the search for them.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    model
+        Its nonlinear programme.
+    minima
+        In order of energy.
+    search
+        What the search did, and why it stopped.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> result.search.starts, [len(m.fold_angles) for m in result.minima]
+    (16, [6, 6])
+    """
 
     scene: Scene
     model: Model
@@ -51,7 +70,18 @@ class MinimaResult(Told):
         yield from (Words(line, "dim") for line in search_lines(self.search))
 
     def to_html(self, *, picture: bool = True) -> str:
-        """Return a piece of HTML, static and without links; `picture`: with that of `draw_minima`."""
+        """Return a piece of HTML, static and without links.
+
+        Parameters
+        ----------
+        picture
+            With that of `draw_minima`.
+
+        Returns
+        -------
+        str
+            The piece.
+        """
         from origami_nlp.minima.html import as_html  # pictures are slow to import
 
         return as_html(self.scene, self.minima, self.model.freedom, self.search, picture=picture)
@@ -81,6 +111,16 @@ class MinimaResult(Told):
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> MinimaResult:
         """Rebuild a result from `to_dict` (the model is posed anew from the scene).
+
+        Parameters
+        ----------
+        data
+            Of the schema ``origami-nlp/minima/1``.
+
+        Returns
+        -------
+        MinimaResult
+            The result.
 
         Raises
         ------

@@ -2,7 +2,7 @@
 
 A search finds minima among the states that keep the imposed symmetry.  Without imposed symmetry and with full
 contact these are minima of the full contact-admissible space; else a symmetric minimum may be unstable when the
-symmetry breaks (of the 43 in the paper's panels, five are), and `judge.full_space` decides.
+symmetry breaks (of the 43 in the paper's panels, five are), and `minima.full_space` decides.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What published candidate states are: which exact minimum each belongs to, or which artefact it is.
 
 Every candidate is checked for closure, for admissibility and for stationarity, and is then followed downhill through
-closed, admissible states (`judge.follow`) to the exact minimum of its panel that it belongs to.
+closed, admissible states (`kkt.follow`) to the exact minimum of its panel that it belongs to.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ ax log F_N = 0 (paper, eq. fullspace-retraction).  Gradient and Hessian of U(q) 
 the candidate is a strict minimum when |g| / (pi sum k) <= eps_g and the smallest eigenvalue of H exceeds
 eps_lambda, at all three steps.
 
-A yardstick for the exact verdicts of this package (`judge.classify`, `judge.full_space`); it shares with them
+A yardstick for the exact verdicts of this package (`kkt.classify`, `minima.full_space`); it shares with them
 nothing but the state's fold angles: rotation matrices instead of quaternions, no CasADi, no polish.
 """
 

@@ -9,7 +9,7 @@ With cells of size h, the lowest grid point near an exact minimum is off by
 - on a 1-handle: no cell has a state there, nothing converges;
 - on a chart point that carries a family the chart is singular: slower than all of these, in the fold angles above all.
 
-Grid points lie at the centres of the cells of `tell.landscape`, and shifted by random parts of a cell: one grid can
+Grid points lie at the centres of the cells of `chart.landscape`, and shifted by random parts of a cell: one grid can
 be lucky, so orders are those of the largest error over shifts.
 """
 

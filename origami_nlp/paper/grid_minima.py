@@ -2,7 +2,7 @@
 
 The published code compares each point of a grid with its eight neighbours and ignores excluded ones, so that every
 jag of a boundary, and every edge of a chart, can look like a minimum.  Here each such point is followed downhill
-through admissible states (`judge.follow`) to the exact minimum that it belongs to.
+through admissible states (`kkt.follow`) to the exact minimum that it belongs to.
 """
 
 from __future__ import annotations

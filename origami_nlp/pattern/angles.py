@@ -25,14 +25,30 @@ _HOW = 'write radians as a number, or a multiple of pi such as "-3*pi/4"'
 
 
 def parse_angle(value: object, field: str = "angle") -> float:
-    """Read one angle [rad] from a number or a string.
+    """Read one angle from a number or a string; nothing is evaluated.
 
-    Accepted strings: ``"0.7"``, ``"pi"``, ``"-pi/4"``, ``"5*pi/12"``, ``"5pi/12"``, ``"1/3"``.
+    Parameters
+    ----------
+    value
+        A number [rad], or ``"0.7"``, ``"pi"``, ``"-pi/4"``, ``"5*pi/12"``, ``"5pi/12"``, ``"1/3"``.
+    field
+        How messages call it.
+
+    Returns
+    -------
+    float
+        The angle [rad].
 
     Raises
     ------
     AngleError
         If `value` is anything else, or is not finite; the message names `field`.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import parse_angle
+    >>> parse_angle("pi/4")
+    0.7853981633974483
     """
     if isinstance(value, Real) and not isinstance(value, bool):
         try:
@@ -62,7 +78,21 @@ def parse_angle(value: object, field: str = "angle") -> float:
 
 
 def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[float, ...]:
-    """Read a list of angles; with `degrees`, plain numbers in degrees (no strings).
+    """Read a list of angles.
+
+    Parameters
+    ----------
+    values
+        Numbers [rad] or strings, as `parse_angle` takes them.
+    field
+        How messages call the list.
+    degrees
+        Take plain numbers in degrees, and no strings.
+
+    Returns
+    -------
+    tuple of float
+        The angles [rad].
 
     Raises
     ------
@@ -85,7 +115,21 @@ def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[
 def format_angle(angle: float) -> str:
     """Write an angle as a multiple of pi where it is one to rounding, else as a number.
 
-    ``parse_angle(format_angle(a)) == a`` to within one unit in the last place.
+    Parameters
+    ----------
+    angle
+        The angle [rad].
+
+    Returns
+    -------
+    str
+        ``parse_angle(format_angle(a)) == a`` to within one unit in the last place.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import format_angle
+    >>> format_angle(0.75 * 3.141592653589793), format_angle(0.1)
+    ('3*pi/4', '0.1')
     """
     if angle == 0:
         return "0"

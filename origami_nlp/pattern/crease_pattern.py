@@ -17,7 +17,8 @@ import numpy as np
 from origami_nlp.arguments import check_number, check_type, check_whole, shown
 from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.numerics import CLOSES, TYPED
-from origami_nlp.pattern.fold_file import FOLDS, NOISE, Frame
+from origami_nlp.pattern.fold_file import FOLDS, Frame
+from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.vertex import Vertex
@@ -34,15 +35,28 @@ NOISY = 1e-4
 class FoldVertex:
     """One vertex of a frame.
 
-    number: in the file, from 0.
-    edges: numbers in the file of its creases, counter-clockwise.
-    sector_angles: [N] [rad], from crease to crease.  assignment: a letter a crease.
-    fold_angles: [N] [rad] measured on a folded form, or `file_angles` of a crease pattern.
-    file_angles: [N] [rad] edges_foldAngle of the file: targets, or the folded state; NaN where not given.
-    kawasaki: |alternating sum of the sector angles| [rad], None for an odd degree.
-    maekawa: |mountains - valleys| - 2, None unless every crease is one or the other.
-    reason: why it cannot be analysed; empty if it can.
-    notes: what was assumed.
+    Attributes
+    ----------
+    number
+        In the file, from 0.
+    edges
+        Numbers in the file of its creases, counter-clockwise.
+    sector_angles
+        [N] [rad], from crease to crease.
+    assignment
+        A letter a crease.
+    fold_angles
+        [N] [rad] measured on a folded form, or `file_angles` of a crease pattern.
+    file_angles
+        [N] [rad] edges_foldAngle of the file: targets, or the folded state; NaN where not given.
+    kawasaki
+        |alternating sum of the sector angles| [rad], None for an odd degree.
+    maekawa
+        |mountains - valleys| - 2, None unless every crease is one or the other.
+    reason
+        Why it cannot be analysed; empty if it can.
+    notes
+        What was assumed.
     """
 
     number: int
@@ -63,7 +77,19 @@ class FoldVertex:
 
 
 def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
-    """Return every interior vertex of `frame` at which two or more creases meet, and notes on its border.
+    """Return every interior vertex of a frame at which two or more creases meet.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+
+    Returns
+    -------
+    tuple of FoldVertex
+        In the order of the file.
+    tuple of str
+        Notes on the border.
 
     Raises
     ------
@@ -110,10 +136,16 @@ def scene_at(
     rest_angle: float = math.pi,
     rest_angles: Literal["file", "measured"] | None = None,
 ) -> Scene:
-    """Make a scene of interior vertex `number` (from 0, as in the file).
+    """Make a scene of one interior vertex of a frame.
 
     Parameters
     ----------
+    frame
+        Of `read_fold`.
+    number
+        Of the vertex, from 0, as in the file.
+    symmetry, contact
+        As for `Scene`.
     stiffness
         Of creases for which the file gives none [N m/rad].
     rest_angle
@@ -124,10 +156,17 @@ def scene_at(
         it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
         file has none.
 
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
     Raises
     ------
     FoldFileError
         If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
+    SceneError, SymmetryError
+        If a value does not fit the vertex.
     """
     check_type("frame", frame, Frame)
     check_whole("number", number, 0)
@@ -176,7 +215,23 @@ def scene_at(
 
 
 def make_vertex(sectors: tuple[float, ...]) -> Vertex:
-    """Make a vertex; an angle sum that is 2 pi but for noise is 2 pi."""
+    """Make a vertex; an angle sum that is 2 pi but for noise is 2 pi.
+
+    Parameters
+    ----------
+    sectors
+        Sector angles, [N] [rad], counter-clockwise.
+
+    Returns
+    -------
+    Vertex
+        The vertex, not flat where the sum differs from 2 pi by more than noise.
+
+    Raises
+    ------
+    VertexError
+        If the angles make no vertex.
+    """
     total = math.fsum(sectors)
     if abs(total - 2 * math.pi) > NOISE * len(sectors):
         return Vertex(sectors, flat=False)

@@ -39,11 +39,28 @@ def degree6(
         alpha_1 in (0, pi/2) [rad], a number or text such as ``"pi/4"``.
     ratio
         Stiffness ratio r_k = k_m / k_v > 0.
+    symmetry, contact
+        As for `Scene`.
+
+    Returns
+    -------
+    Scene
+        With stiffnesses of geometric mean 0.025 N m/rad; mountains rest at -pi and valleys at pi/2.
 
     Raises
     ------
     OptionError
         If `alpha` or `ratio` is out of range.
+    AngleError
+        If `alpha` is no angle.
+    SceneError
+        If `symmetry` or `contact` is none of this vertex.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.degree6("pi/3", ratio=100).label
+    'degree 6, alpha_1 = pi/3, r_k = 100'
     """
     a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
     m, v = -math.pi, math.pi / 2
@@ -63,9 +80,36 @@ def degree8(
     symmetry: str = "D2",
     contact: Contact = "full",
 ) -> Scene:
-    """Make the paper's degree-8 vertex: sector angles (a, b, b, a, a, b, b, a), b = pi/2 - a (3.2).
+    """Make the paper's degree-8 vertex: sector angles (a, b, b, a, a, b, b, a), b = pi/2 - a, section 3.2.
 
-    Parameters and errors are those of `degree6`.
+    Parameters
+    ----------
+    alpha
+        alpha_1 in (0, pi/2) [rad], a number or text such as ``"pi/4"``.
+    ratio
+        Stiffness ratio r_k = k_m / k_v > 0.
+    symmetry, contact
+        As for `Scene`.
+
+    Returns
+    -------
+    Scene
+        With stiffnesses of geometric mean 0.025 N m/rad; mountains rest at -pi/2 and valleys at pi/2.
+
+    Raises
+    ------
+    OptionError
+        If `alpha` or `ratio` is out of range.
+    AngleError
+        If `alpha` is no angle.
+    SceneError
+        If `symmetry` or `contact` is none of this vertex.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.degree8("pi/6").group.name
+    'D2'
     """
     a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
     b = math.pi / 2 - a
@@ -76,7 +120,19 @@ def degree8(
 
 
 def panels() -> list[Scene]:
-    """Make the 18 panels of the paper's two landscape figures, figure 3 first, row by row."""
+    """Make the 18 panels of the paper's two landscape figures, figure 3 first, row by row.
+
+    Returns
+    -------
+    list of Scene
+        Nine of degree 6, then nine of degree 8.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> [scene.degree for scene in examples.panels()].count(8)
+    9
+    """
     return [
         make(alpha, ratio)
         for make, alphas in ((degree6, DEGREE6_ALPHAS), (degree8, DEGREE8_ALPHAS))

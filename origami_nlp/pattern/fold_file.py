@@ -20,13 +20,12 @@ import numpy as np
 from origami_nlp.errors import FoldFileError
 from origami_nlp.files import read_limited
 from origami_nlp.numerics import TYPED
+from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
 MOST_ELEMENTS = 2_000_000
 """Vertices and edges of all frames together, those that they inherit included, where all are read."""
-NOISE = 1e-4
-"""Relative size of deviations from a plane, or of angle sums from 2 pi [rad], taken for noise in coordinates."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
 FOLDS = "MVUF"
@@ -51,15 +50,32 @@ _READ = (
 class Frame:
     """One frame of a FOLD file, inherited keys included.
 
-    number: 0 for the file itself, then its ``file_frames``.
-    coords: [V, 3]; a flat crease pattern lies in the plane z = 0, seen from the side where valleys open.
-    folded: whether the coordinates are those of a folded form.
-    edges: [E, 2] vertices, each pair once; numbers: [E] their numbers in the file.
-    assignment: one letter an edge, ``?`` where none is given.
-    fold_angles, rest_angles: [E] [rad], stiffness: [E] [N m/rad]; NaN where not given.
-    faces: vertices of each face; empty where none are given.
-    conflicts: edges (positions in `edges`) that the file states twice in different ways.
-    notes: what is odd in the frame, one line each.
+    Attributes
+    ----------
+    number
+        0 for the file itself, then its ``file_frames``.
+    title
+        Of the frame, or of the file.
+    coords
+        [V, 3]; a flat crease pattern lies in the plane z = 0, seen from the side where valleys open.
+    folded
+        Whether the coordinates are those of a folded form.
+    edges
+        [E, 2] vertices, each pair once.
+    numbers
+        [E] numbers of the edges in the file.
+    assignment
+        One letter an edge, ``?`` where none is given.
+    fold_angles, rest_angles
+        [E] [rad]; NaN where not given.
+    stiffness
+        [E] [N m/rad]; NaN where not given.
+    faces
+        Vertices of each face; empty where none are given.
+    conflicts
+        Edges (positions in `edges`) that the file states twice in different ways.
+    notes
+        What is odd in the frame, one line each.
     """
 
     number: int
@@ -78,20 +94,61 @@ class Frame:
 
 
 def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
-    """Read every frame of a FOLD file that has geometry, or of standard input for ``"-"``.
+    """Read the frames of a FOLD file that have geometry.
 
-    frame: read only this one, numbered as in `Frame`, or the first with geometry.  Others are not looked at.
+    Parameters
+    ----------
+    source
+        The file, or ``"-"`` for standard input.
+    frame
+        Read only this one, numbered as in `Frame`, or the ``"first"`` with geometry; others are not looked at.
+
+    Returns
+    -------
+    tuple of Frame
+        In the order of the file.
 
     Raises
     ------
     FoldFileError
         If the file cannot be read, is no JSON, an array is not what FOLD says it is, or there is no such frame.
+    OptionError
+        If `source` is no path.
     """
     return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError), frame)
 
 
 def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
-    """Read every frame with geometry from the text of a FOLD file (see `read_fold`)."""
+    """Read the frames with geometry from the text of a FOLD file.
+
+    Parameters
+    ----------
+    text
+        JSON.
+    frame
+        As for `read_fold`.
+
+    Returns
+    -------
+    tuple of Frame
+        In the order of the text.
+
+    Raises
+    ------
+    FoldFileError
+        If the text is no JSON, an array is not what FOLD says it is, or there is no such frame.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import fold_vertices, parse_fold
+    >>> text = '''{"vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
+    ...     "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
+    ...     "edges_assignment": ["M", "V", "V", "V", "B", "B", "B", "B"]}'''
+    >>> (frame,) = parse_fold(text)
+    >>> (vertex,), notes = fold_vertices(frame)
+    >>> vertex.degree, vertex.assignment, vertex.maekawa
+    (4, 'MVVV', 0)
+    """
 
     def refuse(constant: str) -> float:
         raise FoldFileError(
@@ -183,7 +240,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
     angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
-    if not _in_radians(angles, "edges_foldAngles" in legacy, notes):
+    if not in_radians(angles, "edges_foldAngles" in legacy, notes):
         angles = np.radians(angles)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
@@ -196,13 +253,13 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         if wrong.size:
             shown = values[wrong[0]] if key == STIFFNESS_KEY else math.degrees(values[wrong[0]])
             raise FoldFileError(f"{key}[{wrong[0]}] = {shown:.6g} must be {what}, or null")
-    keep, conflicts = _once(pairs, letters, angles, notes)
+    keep, conflicts = once(pairs, letters, angles, notes)
     place = {int(e): k for k, e in enumerate(keep)}
-    _compare(letters, angles, notes)
+    compare_signs(letters, angles, notes)
     classes = data.get("frame_classes", [])
     folded = isinstance(classes, list) and "foldedForm" in classes
     if wide:
-        coords, folded = _flattened(coords, faces, folded, notes)
+        coords, folded = flattened(coords, faces, folded, notes)
     title = data.get("frame_title", data.get("file_title", ""))
     return Frame(
         number,
@@ -336,99 +393,3 @@ def _same_length(values: list[Any], name: str, count: int) -> None:
         raise FoldFileError(
             f"{name} has {len(values)} entries, but there are {count} edges: give one each"
         )
-
-
-# ---------------------------------------------------------------- diagnosis
-
-
-def _once(
-    pairs: np.ndarray, letters: list[str], angles: np.ndarray, notes: list[str]
-) -> tuple[np.ndarray, list[int]]:
-    """Return the edges to keep, each pair of vertices once, and which of them conflict with a copy."""
-    first: dict[tuple[int, int], int] = {}
-    keep, conflicts = [], []
-    for e, (a, b) in enumerate(np.sort(pairs, axis=1).tolist()):
-        if (a, b) not in first:
-            first[a, b] = e
-            keep.append(e)
-            continue
-        k = first[a, b]
-        same = letters[k] == letters[e] and (
-            angles[k] == angles[e] or (math.isnan(angles[k]) and math.isnan(angles[e]))
-        )
-        if same:
-            notes.append(f"edges {k} and {e} are the same line {a}-{b}: the second is left out")
-        else:
-            conflicts.append(k)
-            notes.append(
-                f"edges {k} ({letters[k]}) and {e} ({letters[e]}) are the same line {a}-{b} with "
-                "conflicting assignments or fold angles"
-            )
-    return np.array(keep, dtype=int), conflicts
-
-
-def _compare(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
-    """Note fold angles whose sign is not that of the assignment."""
-    wrong = [
-        e
-        for e, (letter, angle) in enumerate(zip(letters, angles, strict=True))
-        if (letter == "M" and angle > 0) or (letter == "V" and angle < 0)
-    ]
-    if wrong:
-        notes.append(
-            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
-            "the angle is used"
-        )
-
-
-def _in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
-    """Tell whether fold angles are radians.  FOLD says degrees, under both names; under the old one programs wrote
-    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make."""
-    largest = float(np.nanmax(np.abs(angles), initial=0.0))
-    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
-        notes.append(
-            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
-        )
-        return True
-    if abs(largest - math.pi) < 1e-3:
-        notes.append(
-            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
-        )
-    return False
-
-
-def listed(items: list[int], most: int = 8) -> str:
-    """Write the first numbers, and how many there are."""
-    shown = ", ".join(str(i) for i in items[:most])
-    return shown + (f", ... ({len(items)})" if len(items) > most else "")
-
-
-def _flattened(
-    coords: np.ndarray, faces: tuple[tuple[int, ...], ...], folded: bool, notes: list[str]
-) -> tuple[np.ndarray, bool]:
-    """Lay a crease pattern given in space into the plane z = 0; coordinates in no plane are folded."""
-    middle = coords.mean(axis=0)
-    _, extent, axes = np.linalg.svd(coords - middle, full_matrices=False)
-    if len(extent) == 3 and extent[2] > NOISE * max(extent[0], 1e-300):
-        if not folded:
-            notes.append("coordinates lie in no plane: read as a folded form")
-        return coords, True
-    if folded:
-        return coords, True
-    normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
-    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
-    sides = sides.reshape(-1, 2)
-    area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
-    up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
-    if (
-        normal @ up < 0
-    ):  # faces counter-clockwise as seen from above; without faces from +z (or +y, +x)
-        normal = -normal
-    x = axes[0] - (axes[0] @ normal) * normal
-    x /= np.linalg.norm(x)
-    if np.abs(normal - [0, 0, 1]).max() < NOISE:  # already flat: keep its axes
-        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-    else:
-        y = np.cross(normal, x)
-    flat = np.stack([(coords - middle) @ x, (coords - middle) @ y, np.zeros(len(coords))], axis=1)
-    return flat, False

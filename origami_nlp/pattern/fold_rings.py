@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.pattern.fold_file import FOLDS, Frame, listed
+from origami_nlp.pattern.fold_file import FOLDS, Frame
+from origami_nlp.pattern.fold_notes import listed
 
 
 class Rings:

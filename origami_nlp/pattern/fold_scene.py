@@ -40,12 +40,25 @@ def read_fold_scene(
     options
         Symmetry, contact, stiffness and rest angles, as `scene_at` takes them.
 
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
     Raises
     ------
     FoldFileError
         If the file is no FOLD file, or the vertex is not there or cannot be analysed.
     OptionError
         If no vertex is given, and not exactly one can be analysed.
+
+    Examples
+    --------
+    >>> import os, tempfile, origami_nlp as o
+    >>> path = os.path.join(tempfile.mkdtemp(), "states.fold")
+    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> o.read_fold_scene(path, tell=lambda note: None).degree
+    6
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
     found, notes = fold_vertices(chosen)

@@ -32,9 +32,18 @@ LONGEST_RUN, MOST_SUMS = 12, 2**17
 class Relation:
     """Signed sum of consecutive sector angles that is, or nearly is, a multiple of pi.
 
-    first: crease (1-based) where the run of sectors starts.  signs: +1 or -1 for each sector of the run;
-    a run of all N sectors is the whole vertex.  degree: number of creases N.
-    multiple: the multiple of pi.  miss: sum - multiple * pi of the angles as stated [rad].
+    Attributes
+    ----------
+    first
+        Crease (1-based) where the run of sectors starts.
+    signs
+        +1 or -1 for each sector of the run; a run of all N sectors is the whole vertex.
+    degree
+        Number of creases N.
+    multiple
+        The multiple of pi.
+    miss
+        Sum - multiple * pi of the angles as stated [rad].
     """
 
     first: int
@@ -66,10 +75,20 @@ class Relation:
 class Relations:
     """What a scene decided on the special relations of its sector angles.
 
-    sector_angles: [N], with the relations in `made_exact` made to hold.
-    exact: how many relations hold to rounding.  made_exact: those that missed by at most `RESOLVED` and
-    hold now.  different: those that miss by more, but by at most `NEAR`.
-    moved: largest change of a sector angle [rad].  longest: sectors in the longest run looked at.
+    Attributes
+    ----------
+    sector_angles
+        [N], with the relations in `made_exact` made to hold.
+    exact
+        How many relations hold to rounding.
+    made_exact
+        Those that missed by at most `RESOLVED` and hold now.
+    different
+        Those that miss by more, but by at most `NEAR`.
+    moved
+        Largest change of a sector angle [rad].
+    longest
+        Sectors in the longest run looked at.
     """
 
     sector_angles: tuple[float, ...]

@@ -63,10 +63,28 @@ class Scene:
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
         earlier decision for the same angles is kept.
 
+    Attributes
+    ----------
+    group
+        The symmetry that was found or asked for.
+    adjusted
+        Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for.
+
     Raises
     ------
     SceneError
         If a value does not fit; the message names the field, the value and the fix.
+    SymmetryError
+        If geometry and mechanics do not share the symmetry asked for.
+    AngleError
+        If a rest angle is no angle.
+
+    Examples
+    --------
+    >>> from origami_nlp import Scene, Vertex
+    >>> scene = Scene(Vertex(("pi/2",) * 4), stiffness=(1, 1, 1, 1), rest_angles=("pi/2", 0, "pi/2", 0))
+    >>> scene.group.name, round(scene.energy([0, 0, 0, 0]), 6)
+    ('D2', 2.467401)
     """
 
     vertex: Vertex
@@ -80,7 +98,6 @@ class Scene:
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
-    """Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.vertex, Vertex):
@@ -180,7 +197,17 @@ class Scene:
         return self.vertex.degree
 
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy) of states [..., N].
+        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy).
+
+        Parameters
+        ----------
+        fold_angles
+            States, shape [..., N] [rad], valley positive.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            Shape [...], in the units of the stiffness times rad^2 (J for N m/rad); a float for one state.
 
         Raises
         ------

@@ -1,7 +1,7 @@
 """Scenes as TOML files: read with every mistake named, written so that reading gives the same
 scene.
 
-The file is data: text angles go through `state.angles.parse_angle`, nothing is evaluated.
+The file is data: text angles go through `parse_angle`, nothing is evaluated.
 """
 
 from __future__ import annotations
@@ -27,12 +27,32 @@ _LARGEST = 1_000_000  # bytes; a scene is a few hundred
 
 
 def read_scene(source: str | Path) -> Scene:
-    """Read a scene from a TOML file, or from standard input for ``"-"``.
+    """Read a scene from a TOML file.
+
+    Parameters
+    ----------
+    source
+        The file, or ``"-"`` for standard input.
+
+    Returns
+    -------
+    Scene
+        The scene.
 
     Raises
     ------
     SceneFileError
-        If the file cannot be read or is no TOML; other `OrigamiError` for what it says.
+        If the file cannot be read, is no TOML, or has unknown or missing keys.
+    AngleError, VertexError, SceneError, SymmetryError
+        If a value in it does not fit.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "scene.toml")
+    >>> _ = path.write_text(o.format_scene(o.examples.degree8("pi/4")))
+    >>> o.read_scene(path) == o.examples.degree8("pi/4")
+    True
     """
     raw = read_limited(source, _LARGEST, "scene", SceneFileError)
     try:
@@ -42,7 +62,38 @@ def read_scene(source: str | Path) -> Scene:
 
 
 def parse_scene(text: str) -> Scene:
-    """Read a scene from TOML text."""
+    """Read a scene from TOML text; the text is data, nothing in it is evaluated.
+
+    Parameters
+    ----------
+    text
+        Tables ``[vertex]``, ``[creases]`` and ``[model]``.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    SceneFileError
+        If the text is no TOML, or has unknown or missing keys.
+    AngleError, VertexError, SceneError, SymmetryError
+        If a value in it does not fit.
+
+    Examples
+    --------
+    >>> from origami_nlp import parse_scene
+    >>> scene = parse_scene('''
+    ... [vertex]
+    ... sector_angles_deg = [90, 90, 90, 90]
+    ... [creases]
+    ... stiffness = [1, 1, 1, 1]
+    ... rest_angles_deg = [-90, 90, 90, 90]
+    ... ''')
+    >>> scene.degree, scene.group.name
+    (4, 'D1')
+    """
     if not isinstance(text, str):
         raise SceneFileError(f"text = {shown(text)} must be the text of a scene file")
     return scene_from_dict(parse_toml(text, "scene", SceneFileError))
@@ -51,10 +102,22 @@ def parse_scene(text: str) -> Scene:
 def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     """Make a scene from the tables of a scene file (also the ``scene`` entry of our JSON).
 
+    Parameters
+    ----------
+    data
+        Tables ``vertex``, ``creases`` and ``model``, as `scene_to_dict` writes them.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
     Raises
     ------
     SceneFileError
-        For an unknown, missing or doubly given key; other `OrigamiError` for bad values.
+        For an unknown, missing or doubly given key.
+    AngleError, VertexError, SceneError, SymmetryError
+        If a value does not fit.
     """
     for table, content in data.items():
         if table not in _KEYS:
@@ -86,7 +149,23 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
-    """Write a scene as plain tables; `scene_from_dict` gives the same scene back."""
+    """Write a scene as plain tables; `scene_from_dict` gives the same scene back.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+
+    Returns
+    -------
+    dict
+        Tables ``vertex``, ``creases`` and ``model``; multiples of pi are text.
+
+    Raises
+    ------
+    OptionError
+        If `scene` is no scene.
+    """
     check_type("scene", scene, Scene)
     model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
     if scene.mirror is not None:
@@ -109,7 +188,29 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
 
 
 def format_scene(scene: Scene) -> str:
-    """Write a scene as TOML text; `parse_scene` gives the same scene back."""
+    """Write a scene as TOML text; `parse_scene` gives the same scene back.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+
+    Returns
+    -------
+    str
+        The text of a scene file.
+
+    Raises
+    ------
+    OptionError
+        If `scene` is no scene.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples, format_scene
+    >>> print(format_scene(examples.degree8("pi/4")).splitlines()[0])
+    [vertex]
+    """
     lines = []
     for table, content in scene_to_dict(scene).items():
         lines.append(f"[{table}]")

@@ -23,7 +23,9 @@ from origami_nlp.pattern.angles import format_angle, parse_angles
 
 @dataclass(frozen=True)
 class Vertex:
-    """A sheet of paper with N creases that meet at a point.
+    """A sheet of paper with N creases that meet at a point (paper, section 2).
+
+    Creases b_1 .. b_N lie in the e1-e2 plane, counter-clockwise, b_1 = e1; sector alpha_i lies between b_i and b_{i+1}.
 
     Parameters
     ----------
@@ -38,7 +40,16 @@ class Vertex:
     Raises
     ------
     VertexError
-        If the angles make no such vertex; `AngleError` if one is no angle.
+        If the angles make no such vertex.
+    AngleError
+        If one is no angle.
+
+    Examples
+    --------
+    >>> from origami_nlp import Vertex
+    >>> vertex = Vertex(("pi/2", "pi/2", "pi/2", "pi/2"))
+    >>> vertex.degree, vertex.excess, vertex.creases.shape
+    (4, 0.0, (4, 3))
     """
 
     sector_angles: tuple[float, ...]
@@ -80,14 +91,42 @@ class Vertex:
 
     @classmethod
     def from_degrees(cls, sector_angles: Sequence[float], flat: bool = True) -> Vertex:
-        """Make a vertex from sector angles in degrees."""
+        """Make a vertex from sector angles in degrees.
+
+        Parameters
+        ----------
+        sector_angles
+            The N sector angles [deg], counter-clockwise.
+        flat
+            As for `Vertex`.
+
+        Returns
+        -------
+        Vertex
+            The vertex, its angles in radians.
+
+        Raises
+        ------
+        VertexError
+            If the angles make no such vertex.
+        AngleError
+            If one is no number.
+        """
         return cls(parse_angles(sector_angles, "sector_angles_deg", degrees=True), flat)
 
     @classmethod
     def from_directions(cls, directions: object) -> Vertex:
-        """Make a vertex from crease directions, shape [N, 2], counter-clockwise.
+        """Make a flat vertex from crease directions; the first becomes e1.
 
-        The first direction becomes e1; lengths are ignored.
+        Parameters
+        ----------
+        directions
+            Shape [N, 2], counter-clockwise; lengths are ignored.
+
+        Returns
+        -------
+        Vertex
+            The vertex.
 
         Raises
         ------

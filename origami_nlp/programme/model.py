@@ -31,8 +31,20 @@ from origami_nlp.programme.touching import (
 class Local:
     """Values and first derivatives at one state x, or at K states; energies are divided by `Model.scale`.
 
-    x: [..., n].  gradient: of the energy, [..., n].  closure, closure_jacobian: [..., m], [..., m, n].
-    gaps, gaps_jacobian: of `Structure.gaps`, facet pairs without sign, [..., c], [..., c, n].
+    Attributes
+    ----------
+    x
+        [..., n] [rad].
+    gradient
+        Of the energy, [..., n].
+    closure
+        Residuals of loop closure, [..., m].
+    closure_jacobian
+        [..., m, n].
+    gaps
+        Of `Structure.gaps`, facet pairs without sign, [..., c].
+    gaps_jacobian
+        [..., c, n].
     """
 
     x: np.ndarray
@@ -81,7 +93,18 @@ class Model(Posed):
         return {k: v for k, v in self.__dict__.items() if k != "functions"}
 
     def loaded(self, load: np.ndarray) -> Model:
-        """The same programme with energy U - load . phi; `load` [n] is conjugate to the variables, over `scale`."""
+        """Return the same programme with energy U - load . phi.
+
+        Parameters
+        ----------
+        load
+            Conjugate to the variables, over `scale`, shape [n].
+
+        Returns
+        -------
+        Model
+            It shares the compiled functions.
+        """
         other = copy.copy(self)
         other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
         return other
@@ -112,7 +135,18 @@ class Model(Posed):
         ]
 
     def local(self, x: np.ndarray) -> Local:
-        """Evaluate values and first derivatives at one state [n] or at states [K, n]."""
+        """Evaluate values and first derivatives.
+
+        Parameters
+        ----------
+        x
+            One state [n] or states [K, n] [rad].
+
+        Returns
+        -------
+        Local
+            Energy gradient, closure and gaps with their Jacobians; energies over `scale`.
+        """
         grad, g, jac, gaps, jac_gaps = self._call("local", x)
         lead, n, m, c = x.shape[:-1], self.size, self.equation_count, len(self.structure.gaps)
         return Local(
@@ -175,7 +209,22 @@ class Model(Posed):
     def closed(
         self, x: np.ndarray, tolerance: float = TOUCHES, local: Local | None = None
     ) -> ClosedContacts:
-        """Find every contact of a state x [n] that is closed to `tolerance`; `local` where it is known."""
+        """Find every contact of a state that is closed.
+
+        Parameters
+        ----------
+        x
+            The state, shape [n] [rad].
+        tolerance
+            Opening [rad] up to which a contact counts as closed.
+        local
+            Of `Model.local` at x, where it is known.
+
+        Returns
+        -------
+        ClosedContacts
+            Those that are closed, and the alternatives where facets may pass on either side.
+        """
         local = self.local(x) if local is None else local
         return closed_contacts(self, x, local.gaps, lambda: self.rays(x), tolerance)
 
@@ -234,10 +283,22 @@ class Model(Posed):
         return pair_depths(rays, self.structure.pairs)
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
-        """Say why a closed state x [n] is not admissible; "" where it is.  The one test of a single state.
+        """Say why a closed state is not admissible.  The one test of a single state.
 
         Sheet, fold limits, facets that cross anywhere in the vertex, layers that have no order with the symmetry
         of the scene; what the scene's contact does not ask for is not looked at.
+
+        Parameters
+        ----------
+        x
+            The state, shape [n] [rad].
+        tolerance
+            What counts as rounding [rad].
+
+        Returns
+        -------
+        str
+            The reason; "" where the state is admissible.
         """
         if not self.on_sheet(x):
             return "closes with q = -1: not a sheet of paper"
@@ -256,9 +317,21 @@ class Model(Posed):
         )
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
-        """Tell which closed states [K, n] are admissible, [K]: `refuses` for many, but touching layers are not ordered.
+        """Tell which closed states are admissible: `refuses` for many, but touching layers are not ordered.
 
         Where nothing but the boundary of a full-dimensional set touches, this is all of admissibility.
+
+        Parameters
+        ----------
+        x
+            States, shape [K, n] [rad].
+        tolerance
+            What counts as rounding [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Of bool, shape [K].
         """
         good = np.isfinite(x).all(axis=1) & (np.abs(x) <= self.bound + tolerance).all(axis=1)
         where = np.flatnonzero(good)

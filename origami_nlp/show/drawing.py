@@ -40,9 +40,14 @@ Colour = tuple[float, float, float]
 class Pose:
     """A folded vertex turned for viewing.
 
-    creases: c_i, shape [N, 3], in the picture's frame: x right, y up, z towards the viewer.
-    normals: of the upper side of each facet, [N, 3].
-    offsets: displacement of each facet, [N, 3]; zero unless facets lie on each other.
+    Attributes
+    ----------
+    creases
+        c_i, shape [N, 3], in the picture's frame: x right, y up, z towards the viewer.
+    normals
+        Of the upper side of each facet, [N, 3].
+    offsets
+        Displacement of each facet, [N, 3]; zero unless facets lie on each other.
     """
 
     creases: np.ndarray
@@ -55,15 +60,27 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
 
     Parameters
     ----------
+    axes
+        Of matplotlib.
+    vertex
+        The vertex.
     fold_angles
-        All N, shape [N] [rad]; the state should close.
+        Of the state, shape [N] [rad], valley positive; the state should close.
     size
         Font size of the crease numbers [points].
 
     Returns
     -------
-    spread
+    bool
         Whether facets that lie on each other were drawn slightly apart.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from origami_nlp import Vertex
+    >>> from origami_nlp.show import draw_state
+    >>> draw_state(Figure().add_subplot(), Vertex(("pi/2",) * 4), [1, 0, 1, 0])
+    False
     """
     phi = np.asarray(fold_angles, dtype=float)
     pose = pose_state(vertex, phi)
@@ -130,6 +147,18 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
     axis, or lies in its mirror).  Where the normals cancel, as in a closed book, the mean of the
     creases does.  Then the best of a fixed set of views is taken: facets seen broadly, crease ends
     apart and not hidden.
+
+    Parameters
+    ----------
+    vertex
+        The vertex.
+    fold_angles
+        Of the state, shape [N] [rad].
+
+    Returns
+    -------
+    Pose
+        Creases and normals in the picture's frame.
     """
     phi = np.asarray(fold_angles, dtype=float)
     creases, _ = fold_vertex(vertex, phi)

@@ -16,12 +16,19 @@ def inline_image(figure: Figure, text: str, dpi: int, *, crop: bool = False) -> 
 
     Parameters
     ----------
+    figure
+        Of matplotlib.
     text
         What it shows, for those who cannot see it.
     dpi
         Dots an inch.
     crop
         Cut the picture to what is drawn; else it is shown as wide as it was made.
+
+    Returns
+    -------
+    str
+        An ``img`` element.
     """
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi, bbox_inches="tight" if crop else None)

@@ -26,10 +26,26 @@ def to_plain(value: Any) -> Any:
     Dataclasses and named tuples become dictionaries of all their fields, in order; tuples and arrays lists;
     nan and inf None.
 
+    Parameters
+    ----------
+    value
+        Any of these.
+
+    Returns
+    -------
+    object
+        What JSON can hold.
+
     Raises
     ------
     TypeError
         If something is in it that is neither of these.
+
+    Examples
+    --------
+    >>> from origami_nlp.show import to_plain
+    >>> to_plain((1, float("nan"), {"a": (2.0,)}))
+    [1, None, {'a': [2.0]}]
     """
     if value is None or isinstance(value, str | bool | int):
         return value
@@ -55,11 +71,18 @@ def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
 
     Parameters
     ----------
+    value
+        The object.
     keys
         ``"name"``, or ``"key=name"`` for an attribute that is written under another key; ``"a.b"`` is an attribute of
         an attribute.
     more
         Entries that are no attributes; a key among `keys` that is given here keeps its place there.
+
+    Returns
+    -------
+    dict
+        What JSON can hold.
     """
     out: dict[str, Any] = {}
     for text in keys:
@@ -79,8 +102,17 @@ def from_plain(kind: type[T], data: Mapping[str, Any], null: Mapping[str, float]
 
     Parameters
     ----------
+    kind
+        The class.
+    data
+        Its fields.
     null
         What null stands for in fields of numbers, by name of the field; nan where nothing is said.
+
+    Returns
+    -------
+    object
+        Of that class.
 
     Raises
     ------
@@ -94,6 +126,15 @@ def from_plain(kind: type[T], data: Mapping[str, Any], null: Mapping[str, float]
 
 def check_schema(data: Any, schema: str, error: type[OrigamiError]) -> None:
     """Complain about data that is no object of a schema.
+
+    Parameters
+    ----------
+    data
+        What was read.
+    schema
+        The schema's name with its version.
+    error
+        Class of the complaint.
 
     Raises
     ------

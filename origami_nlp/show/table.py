@@ -21,7 +21,14 @@ if TYPE_CHECKING:
 class Words(NamedTuple):
     """A text with a look.
 
-    style: of rich, such as ``"bold"``.  colour: of a small square before the text in HTML, such as ``"#D55E00"``.
+    Attributes
+    ----------
+    text
+        The text.
+    style
+        Of rich, such as ``"bold"``.
+    colour
+        Of a small square before the text in HTML, such as ``"#D55E00"``.
     """
 
     text: str
@@ -36,9 +43,31 @@ Cell: TypeAlias = str | Words
 class Table:
     """Heads and rows of texts.
 
-    columns: a letter each, ``l`` left or ``r`` right; a capital where words may wrap when the terminal is narrow.
-    Without: the first column left, the others right.  framed: with lines around (narrow: with less
-    room between columns).  ends: numbers of rows (from 0) below which a line is drawn.
+    Attributes
+    ----------
+    heads
+        One a column.
+    rows
+        A text or `Words` a column.
+    title
+        Above the table.
+    columns
+        A letter each, ``l`` left or ``r`` right; a capital where words may wrap when the terminal is narrow.
+        Without: the first column left, the others right.
+    framed
+        With lines around.
+    narrow
+        With less room between columns.
+    ends
+        Numbers of rows (from 0) below which a line is drawn.
+
+    Examples
+    --------
+    >>> from origami_nlp.show import Table
+    >>> print(Table(("state", "energy"), [("1", "0.5")]).markdown().rstrip())
+    | state | energy |
+    |---|---|
+    | 1 | 0.5 |
     """
 
     heads: Sequence[str]
@@ -100,7 +129,17 @@ Piece: TypeAlias = Table | Cell
 
 
 class Told:
-    """A result that tells itself: a class says `told`, and is printed everywhere from that."""
+    """A result that tells itself: a class says `told`, and is printed everywhere from that.
+
+    Examples
+    --------
+    >>> from origami_nlp.show import Told
+    >>> class Answer(Told):
+    ...     def told(self):
+    ...         yield "42"
+    >>> Answer()
+    42
+    """
 
     WIDTH = 110
     """Columns of the plain text."""
@@ -110,7 +149,13 @@ class Told:
         raise NotImplementedError
 
     def tell(self, console: Console) -> None:
-        """Print on a console of rich; lines are as long as they are."""
+        """Print; lines are as long as they are.
+
+        Parameters
+        ----------
+        console
+            Of rich.
+        """
         for piece in self.told():
             if isinstance(piece, Table):
                 console.print(piece)
@@ -132,7 +177,18 @@ class Told:
 
 
 def pieces_html(pieces: Iterable[Piece]) -> str:
-    """Return tables and lines as HTML, static and without links."""
+    """Return tables and lines as HTML, static and without links.
+
+    Parameters
+    ----------
+    pieces
+        Such as those of `Told.told`.
+
+    Returns
+    -------
+    str
+        One ``div``.
+    """
 
     def parts() -> Iterator[str]:
         for piece in pieces:
@@ -146,9 +202,21 @@ def pieces_html(pieces: Iterable[Piece]) -> str:
 
 
 def plain_text(width: int, tell: Callable[[Console], None]) -> str:
-    """Return what `tell` prints as plain text, `width` columns wide.
+    """Return what a function prints as plain text.
 
     In Jupyter a console would display instead of writing to its file.
+
+    Parameters
+    ----------
+    width
+        Columns.
+    tell
+        Prints on a console of rich, such as `Told.tell`.
+
+    Returns
+    -------
+    str
+        The text.
     """
     from rich.console import Console
 
@@ -158,7 +226,18 @@ def plain_text(width: int, tell: Callable[[Console], None]) -> str:
 
 
 def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
-    """Return rows as a table; the first column and long texts to the left, numbers to the right."""
+    """Return rows as a table; the first column and long texts to the left, numbers to the right.
+
+    Parameters
+    ----------
+    heads, rows, title
+        Of the table.
+
+    Returns
+    -------
+    Table
+        Without frame.
+    """
     words = ["L" if head.startswith(("kinds", "how")) else "r" for head in heads]
     if words[0] == "r":
         words[0] = "l"
@@ -166,14 +245,38 @@ def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) 
 
 
 def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return rows as a Markdown table."""
+    """Return rows as a Markdown table.
+
+    Parameters
+    ----------
+    heads, rows
+        Of the table.
+
+    Returns
+    -------
+    str
+        The table.
+    """
     return Table(heads, rows).markdown()
 
 
 def folding_table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
 ) -> Table:
-    """Return a table whose columns `wrap` hold words, which wrap where the terminal is narrow."""
+    """Return a table some of whose columns hold words, which wrap where the terminal is narrow.
+
+    Parameters
+    ----------
+    heads, rows, title
+        Of the table.
+    wrap
+        Numbers of those columns, from 0.
+
+    Returns
+    -------
+    Table
+        Without frame.
+    """
     columns = "".join("L" if k in wrap else "r" for k in range(len(heads)))
     return Table(heads, rows, title, columns, framed=False)
 

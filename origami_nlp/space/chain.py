@@ -33,7 +33,7 @@ from origami_nlp.pattern import Scene
 class Chain:
     """The half-chain of a scene; see the module.
 
-    kind: ``"degree6"`` or ``"wedge"`` (as `model.chart.Chart.kind`).
+    kind: ``"degree6"`` or ``"wedge"`` (as `chart.Chart.kind`).
     sectors: sector angles along the chain.
     last_normal, last_along, up: inward normal of the last mirror, and a basis of its plane.
     reach: half widths of the base rectangle, its borders being walls (fold angle at +-pi, or crease 1 on the axis).

@@ -26,9 +26,14 @@ TOPOLOGY = (
 class Signature:
     """What a sweep compares.
 
-    topology: `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
-    picture_holes: loops of the picture in the paper's chart.
-    corners: states where several contacts close, by their contacts, with their number.
+    Attributes
+    ----------
+    topology
+        `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
+    picture_holes
+        Loops of the picture in the paper's chart.
+    corners
+        States where several contacts close, by their contacts, with their number.
     """
 
     topology: tuple[int, ...]
@@ -53,7 +58,12 @@ class Signature:
 class Witness:
     """A state that is admissible on one side of a transition only.
 
-    kept: contacts of the event that stay closed.  fold_angles, admissible: at alpha - SIDE, alpha and alpha + SIDE.
+    Attributes
+    ----------
+    kept
+        Contacts of the event that stay closed.
+    fold_angles, admissible
+        At alpha - SIDE, alpha and alpha + SIDE.
     """
 
     kept: tuple[str, ...]
@@ -65,11 +75,24 @@ class Witness:
 class Transition:
     """A sector angle at which X changes.
 
-    alpha: to rounding.  bracket: where the sweep saw the change; None if only the event itself differs.
-    below, at, above: signatures at alpha - SIDE, alpha, alpha + SIDE.
-    changes: what changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
-    contacts: the sets of contacts that become dependent, of admissible events only.
-    creases: pairs of creases that coincide at the event, and do not beside it.
+    Attributes
+    ----------
+    alpha
+        alpha_1 [rad], to rounding.
+    bracket
+        Where the sweep saw the change; None if only the event itself differs.
+    below, at, above
+        Signatures at alpha - SIDE, alpha, alpha + SIDE.
+    changes
+        What changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
+    contacts
+        The sets of contacts that become dependent, of admissible events only.
+    creases
+        Pairs of creases that coincide at the event, and do not beside it.
+    events
+        States at which contacts become dependent.
+    witnesses
+        States that are admissible on one side only.
     """
 
     alpha: float
@@ -126,10 +149,20 @@ class Transition:
 
 @dataclass(frozen=True, repr=False)
 class Sweep(Told):
-    """All transitions of a family.
+    """What a sweep over a family of vertices finds.
 
-    samples: sector angles of the sweep with their signatures.
-    unexplained: brackets in which no event lies.  silent: sector angles of events at which nothing changes.
+    Attributes
+    ----------
+    family
+        Its name.
+    samples
+        Sector angles of the sweep with their signatures.
+    transitions
+        In order of the sector angle.
+    unexplained
+        Brackets in which no event lies.
+    silent
+        Sector angles of events at which nothing changes.
     """
 
     family: str

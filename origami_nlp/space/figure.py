@@ -32,7 +32,19 @@ def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figu
     """Draw X: left in the coordinates of the paper's chart, right over three of the wedge's fold angles.
 
     Pieces of surface are filled, contact boundaries and handles are lines, pinch points stars; diamonds are points of
-    the chart over which X has several states.  The figure is saved if a path is given.
+    the chart over which X has several states.
+
+    Parameters
+    ----------
+    space
+        Of `find_space`.
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two views.
 
     Raises
     ------

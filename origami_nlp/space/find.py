@@ -27,9 +27,16 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
 
     Parameters
     ----------
+    scene
+        What is folded; its springs play no part.
     size
         Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.  A few more are
         taken where that mesh is too coarse (`Space.size` tells).
+
+    Returns
+    -------
+    Space
+        Components, holes, pinch points and handles, with the mesh.
 
     Raises
     ------
@@ -37,6 +44,13 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
         If the scene has no such space, or `size` is out of range.
     MeshError
         If the mesh is too coarse to decide.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    >>> len(space.components), space.holes, space.euler_characteristic
+    (1, 0, 1)
     """
     check_type("scene", scene, Scene)
     size = check_whole("size", size, *SIZES)

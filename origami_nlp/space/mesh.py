@@ -1,6 +1,6 @@
 """A triangulation of all closed symmetric states whose edges follow every contact curve exactly.
 
-Base points of the half-chain (`space_chain`) are triangulated, cut where the two sheets meet, doubled, and cut along
+Base points of the half-chain (`chain`) are triangulated, cut where the two sheets meet, doubled, and cut along
 every wall; new vertices lie on the walls to rounding, and where walls meet on both.  Nothing is dropped here but base
 points without a state: which triangles are admissible is decided later.
 """

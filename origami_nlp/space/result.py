@@ -31,10 +31,26 @@ NEARBY = 0.5
 class SpaceMesh:
     """X as a complex; vertices on contacts are exact states (rounding).
 
-    fold_angles [V, N], wedge [V, k]: states [rad].  triangles [F, 3].  edges [E, 2]: all of them, handles included.
-    chart [V, 2], branch [V]: coordinates and branch of `model.chart.chart_of(scene)`.
-    on [V]: bit mask of the walls (`walls`: their names) that pass through a vertex.
-    extra_edges [H, 2]: the edges of handles, which border no triangle.
+    Attributes
+    ----------
+    fold_angles
+        States, [V, N] [rad].
+    wedge
+        Fold angles of the modelled piece, [V, k] [rad].
+    triangles
+        [F, 3] vertices.
+    edges
+        [E, 2] vertices: all edges, handles included.
+    chart
+        [V, 2] coordinates of the scene's chart.
+    branch
+        [V] branch of that chart.
+    on
+        [V] bit mask of the walls that pass through a vertex.
+    walls
+        Their names.
+    extra_edges
+        [H, 2] the edges of handles, which border no triangle.
     """
 
     fold_angles: np.ndarray = field(repr=False)
@@ -66,8 +82,18 @@ class SpaceMesh:
 class Component:
     """A connected component of X.
 
-    dimension: of its largest stratum.  euler_characteristic, holes (first Betti number), closed_surfaces (second).
-    fold_angles: all N fold angles of one of its states, well inside.
+    Attributes
+    ----------
+    dimension
+        Of its largest stratum.
+    euler_characteristic
+        V - E + F.
+    holes
+        First Betti number.
+    closed_surfaces
+        Second Betti number.
+    fold_angles
+        All N [rad] of one of its states, well inside.
     """
 
     dimension: int
@@ -78,7 +104,15 @@ class Component:
 
 
 class Branch(NamedTuple):
-    """One of the pieces that meet in a state: its dimension, and a state close by on it, all N [rad]."""
+    """One of the pieces that meet in a state.
+
+    Attributes
+    ----------
+    dimension
+        Of the piece.
+    fold_angles
+        A state close by on it, all N [rad].
+    """
 
     dimension: int
     fold_angles: tuple[float, ...]
@@ -88,8 +122,18 @@ class Branch(NamedTuple):
 class PinchPoint:
     """A state without which its neighbourhood in X falls apart.
 
-    kind: ``"pinch point"`` (surfaces touch), ``"handle end"`` (a handle meets a surface) or ``"handle junction"``.
-    branches: the pieces that meet there.  vertex: of the mesh.
+    Attributes
+    ----------
+    kind
+        ``"pinch point"`` (surfaces touch), ``"handle end"`` (a handle meets a surface) or ``"handle junction"``.
+    fold_angles
+        All N [rad].
+    branches
+        The pieces that meet there.
+    contacts
+        Closed there, in words.
+    vertex
+        Of the mesh.
     """
 
     kind: str
@@ -101,10 +145,20 @@ class PinchPoint:
 
 @dataclass(frozen=True)
 class Handle:
-    """An arc of states around which there are no others: they exist only while `contacts` stay closed.
+    """An arc of states around which there are no others (the paper's 1-handles).
 
-    path: vertices of the mesh, from end to end.  length: in the space of wedge fold angles [rad].
-    ends: what each end is (``"free"`` or the kind of the pinch point there).
+    Attributes
+    ----------
+    contacts
+        The states exist only while these stay closed.
+    path
+        Vertices of the mesh, from end to end.
+    fold_angles
+        [m, N] [rad].
+    length
+        In the space of wedge fold angles [rad].
+    ends
+        What each end is (``"free"`` or the kind of the pinch point there).
     """
 
     contacts: tuple[str, ...]
@@ -116,9 +170,33 @@ class Handle:
 
 @dataclass(frozen=True, repr=False)
 class Space(Told):
-    """The admissible space of a scene; see the module.
+    """The space X of admissible states of a scene: its pieces and how they hang together.
 
-    holes: first Betti number.  euler_characteristic: V - E + F.  size: rings of the mesh it was computed with.
+    Attributes
+    ----------
+    scene
+        The scene.
+    size
+        Rings of the mesh it was computed with.
+    components
+        Connected components.
+    holes
+        First Betti number.
+    pinch_points
+        States without which their neighbourhood falls apart.
+    handles
+        Arcs of states around which there are no others.
+    euler_characteristic
+        V - E + F.
+    mesh
+        X as a complex of vertices, edges and triangles.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    >>> space.signature
+    (1, 0, 1, 1, 4, 4)
     """
 
     scene: Scene

@@ -4,7 +4,7 @@ Two searches that share only the geometry of the half-chain, and neither is told
 
 - the sweep: X is analysed at many sector angles; where its signature (topology, corners, and the loops of its picture
   in the paper's chart) differs between neighbours, bisection closes in on the change;
-- the events: KKT points of the sector angle (`space_events`), exact to rounding.
+- the events: KKT points of the sector angle (`events`), exact to rounding.
 
 A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at one
 sector angle only).  Brackets without event, and events without change, are reported, not hidden.  Each transition is
@@ -57,19 +57,41 @@ def find_transitions(
     seed: int = 0,
     report: Report = lambda what, done: None,
 ) -> Sweep:
-    """Sweep the sector angle of a family (see the module).
+    """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
+
+    This takes minutes: events are solved for exactly, and confirmed by states on either side.
 
     Parameters
     ----------
+    family
+        ``"degree6"`` or ``"degree8"``.
     samples
         Sector angles of the sweep, at least 3, spread over (0, pi/2) less `MARGIN` with jitter from `seed`.
+    size
+        Rings of the meshes.
+    seed
+        Of the jitter and of the search for events.
     report
         Called with what is done and the fraction of it.
+
+    Returns
+    -------
+    Sweep
+        The transitions, and what the sweep saw that no event explains.
 
     Raises
     ------
     OptionError
-        If `family` is unknown or `samples` is out of range.
+        If `family` is unknown, `samples` is out of range, or `size` is too coarse.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> sweep = o.find_transitions("degree6", samples=5)  # doctest: +SKIP
+    >>> o.find_transitions("degree7")
+    Traceback (most recent call last):
+        ...
+    origami_nlp.errors.OptionError: family = 'degree7' is unknown: use one of degree6, degree8
     """
     make = FAMILIES.get(family)
     if make is None:

@@ -30,10 +30,24 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
 
     Scenes that are invalid, failed or not yet run are grey.
 
+    Parameters
+    ----------
+    folder
+        Of `run_sweep`.
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The picture.
+
     Raises
     ------
     SweepError
-        If the sweep has more than two dimensions.
+        If the sweep has more than two dimensions, or the folder holds none.
+    OptionError
+        If the file cannot be written.
     """
     if path is not None:
         check_path("path", path)

@@ -28,7 +28,23 @@ def _need(module: str) -> Any:
 
 
 def load_states(folder: str | Path) -> pandas.DataFrame:
-    """One row a minimum: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad]."""
+    """Read the states of a sweep (extra ``sweep``).
+
+    Parameters
+    ----------
+    folder
+        Of `run_sweep`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a minimum: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad].
+
+    Raises
+    ------
+    SweepError
+        If pandas is not installed, or the folder holds no sweep.
+    """
     pandas = _need("pandas")
     names, rows = read_table(folder, "scenes")
     scenes = pandas.DataFrame(rows, columns=names)
@@ -43,10 +59,23 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
 
 
 def load_sweep(folder: str | Path) -> xarray.Dataset:
-    """Counts and lowest energies over the axes of the sweep, labelled.
+    """Read counts and lowest energies of a sweep, labelled (extra ``sweep``).
 
-    Variables: ``count`` (minima), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is not
-    done has count -1 and energy NaN.
+    Parameters
+    ----------
+    folder
+        Of `run_sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is
+        not done has count -1 and energy NaN.
+
+    Raises
+    ------
+    SweepError
+        If xarray is not installed, or the folder holds no sweep.
     """
     xarray = _need("xarray")
     grid = sweep_grid(folder)

@@ -34,7 +34,19 @@ Progress = Callable[[int, int, int], None]
 
 @dataclass(frozen=True)
 class SweepReport:
-    """How a run ended: statuses of all scenes, scenes run now, seconds, and whether it was interrupted."""
+    """How a run ended.
+
+    Attributes
+    ----------
+    counts
+        Number of scenes of each status.
+    ran
+        Scenes run now.
+    seconds
+        Of wall time.
+    interrupted
+        Whether Ctrl-C ended it.
+    """
 
     counts: dict[str, int]
     ran: int
@@ -99,16 +111,30 @@ def run_sweep(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> SweepReport:
-    """Run what is left of `sweep`, adding to the store in `folder`.
+    """Run what is left of a sweep, adding to the store in a folder.
+
+    Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
+    goes on from there.  In a script, call it under ``if __name__ == "__main__":``: workers import the script anew.
 
     Parameters
     ----------
+    sweep
+        Of `read_sweep`.
+    folder
+        Made if there is none.
     executor
         Any `concurrent.futures.Executor`: a process pool of `workers` by default; `dask.distributed`'s
         ``Client.get_executor()``, `mpi4py.futures.MPIPoolExecutor` and others have the same interface.  Not
         threads: CasADi's solvers are not for two of them at once.
+    workers
+        Processes; one a core by default.
     progress
-        Called after each scene.
+        Called after each scene, as progress(scenes finished, scenes in all, minima found).
+
+    Returns
+    -------
+    SweepReport
+        How the run ended.
 
     Raises
     ------
@@ -116,9 +142,6 @@ def run_sweep(
         If the folder holds another sweep, or a worker died.
     OptionError
         If an argument is not what it must be.
-
-    Ctrl-C ends the run in order: scenes in flight are lost, everything else is in the store, and the same call
-    goes on from there.
     """
     check_type("sweep", sweep, Sweep)
     check_path("folder", folder)

@@ -56,7 +56,16 @@ _LARGEST = 10_000_000
 class Axis:
     """One parameter of a sweep.
 
-    name: for tables and figures.  places: what it sets.  values: [m] numbers (angles in radians).
+    Attributes
+    ----------
+    name
+        For tables and figures.
+    places
+        What it sets.
+    values
+        [m] numbers (angles in radians).
+    scale
+        ``"linear"`` or ``"log"``.
     """
 
     name: str
@@ -69,7 +78,14 @@ class Axis:
 class Sweep:
     """A sweep: `scene(index)` is scene number `index` of `count`.
 
-    base: the [scene] table.  shape: entries along each axis (a list sweep has one dimension).
+    Attributes
+    ----------
+    base
+        The [scene] table.
+    axes
+        The parameters that take many values.
+    search
+        The [search] table, with defaults.
     """
 
     base: dict[str, Any] = field(repr=False)
@@ -131,12 +147,24 @@ class Sweep:
 
 
 def read_sweep(path: str | Path) -> Sweep:
-    """Read a sweep file (TOML); a scene ``file`` in it is found beside it.
+    """Read a sweep file.
+
+    Parameters
+    ----------
+    path
+        TOML, as the module `sweep.spec` describes it; a scene ``file`` in it is found beside it.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
 
     Raises
     ------
     SweepError
-        If the file cannot be read, or a key is unknown, missing or wrong; other `OrigamiError` for the scene.
+        If the file cannot be read, or a key is unknown, missing or wrong.
+    AngleError, VertexError, SceneError, SceneFileError
+        If its scene is wrong.
     """
     raw = read_limited(path, _LARGEST, "sweep", SweepError)
     try:
@@ -147,7 +175,35 @@ def read_sweep(path: str | Path) -> Sweep:
 
 
 def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
-    """Make a sweep from the tables of a sweep file; `folder` is where a scene ``file`` is looked for."""
+    """Make a sweep from the tables of a sweep file.
+
+    Parameters
+    ----------
+    data
+        Tables ``scene``, ``axes`` and ``search``.
+    folder
+        Where a scene ``file`` is looked for.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If a key is unknown, missing or wrong.
+
+    Examples
+    --------
+    >>> from origami_nlp.sweep import parse_sweep
+    >>> sweep = parse_sweep({
+    ...     "scene": {"example": "degree6", "alpha": "pi/4"},
+    ...     "axes": [{"set": "ratio", "from": 0.01, "to": 100, "count": 5, "scale": "log"}],
+    ... })
+    >>> sweep.count, sweep.scene(0).label
+    (5, 'degree 6, alpha_1 = pi/4, r_k = 0.01')
+    """
     if not isinstance(data, Mapping):
         raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
     if folder is not None:

@@ -1,4 +1,4 @@
-"""The bound for handles: every step of the proof in `barriers_flaps` a second way."""
+"""The bound for handles: every step of the proof in `barriers.flaps` a second way."""
 
 import math
 

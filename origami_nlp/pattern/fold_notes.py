@@ -1,0 +1,106 @@
+"""What is odd in a frame of a FOLD file: each oddity is noted, and dealt with in one stated way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+NOISE = 1e-4
+"""Relative size of deviations from a plane, or of angle sums from 2 pi [rad], taken for noise in coordinates."""
+
+
+def once(
+    pairs: np.ndarray, letters: list[str], angles: np.ndarray, notes: list[str]
+) -> tuple[np.ndarray, list[int]]:
+    """Return the edges to keep, each pair of vertices once, and which of them conflict with a copy."""
+    first: dict[tuple[int, int], int] = {}
+    keep, conflicts = [], []
+    for e, (a, b) in enumerate(np.sort(pairs, axis=1).tolist()):
+        if (a, b) not in first:
+            first[a, b] = e
+            keep.append(e)
+            continue
+        k = first[a, b]
+        same = letters[k] == letters[e] and (
+            angles[k] == angles[e] or (math.isnan(angles[k]) and math.isnan(angles[e]))
+        )
+        if same:
+            notes.append(f"edges {k} and {e} are the same line {a}-{b}: the second is left out")
+        else:
+            conflicts.append(k)
+            notes.append(
+                f"edges {k} ({letters[k]}) and {e} ({letters[e]}) are the same line {a}-{b} with "
+                "conflicting assignments or fold angles"
+            )
+    return np.array(keep, dtype=int), conflicts
+
+
+def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
+    """Note fold angles whose sign is not that of the assignment."""
+    wrong = [
+        e
+        for e, (letter, angle) in enumerate(zip(letters, angles, strict=True))
+        if (letter == "M" and angle > 0) or (letter == "V" and angle < 0)
+    ]
+    if wrong:
+        notes.append(
+            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
+            "the angle is used"
+        )
+
+
+def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
+    """Tell whether fold angles are radians.
+
+    FOLD says degrees, under both names; under the old one programs wrote
+    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make.
+    """
+    largest = float(np.nanmax(np.abs(angles), initial=0.0))
+    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
+        notes.append(
+            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
+        )
+        return True
+    if abs(largest - math.pi) < 1e-3:
+        notes.append(
+            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
+        )
+    return False
+
+
+def listed(items: list[int], most: int = 8) -> str:
+    """Write the first numbers, and how many there are."""
+    shown = ", ".join(str(i) for i in items[:most])
+    return shown + (f", ... ({len(items)})" if len(items) > most else "")
+
+
+def flattened(
+    coords: np.ndarray, faces: tuple[tuple[int, ...], ...], folded: bool, notes: list[str]
+) -> tuple[np.ndarray, bool]:
+    """Lay a crease pattern given in space into the plane z = 0; coordinates in no plane are folded."""
+    middle = coords.mean(axis=0)
+    _, extent, axes = np.linalg.svd(coords - middle, full_matrices=False)
+    if len(extent) == 3 and extent[2] > NOISE * max(extent[0], 1e-300):
+        if not folded:
+            notes.append("coordinates lie in no plane: read as a folded form")
+        return coords, True
+    if folded:
+        return coords, True
+    normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
+    sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
+    sides = sides.reshape(-1, 2)
+    area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
+    up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
+    if (
+        normal @ up < 0
+    ):  # faces counter-clockwise as seen from above; without faces from +z (or +y, +x)
+        normal = -normal
+    x = axes[0] - (axes[0] @ normal) * normal
+    x /= np.linalg.norm(x)
+    if np.abs(normal - [0, 0, 1]).max() < NOISE:  # already flat: keep its axes
+        x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    else:
+        y = np.cross(normal, x)
+    flat = np.stack([(coords - middle) @ x, (coords - middle) @ y, np.zeros(len(coords))], axis=1)
+    return flat, False

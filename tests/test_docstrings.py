@@ -1,0 +1,202 @@
+"""The public face explains itself: whole docstrings whose examples run, names under TAB, types for outsiders."""
+
+import doctest
+import inspect
+import os
+import re
+import rlcompleter
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from functools import wraps
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import origami_nlp
+
+PACKAGE = Path(origami_nlp.__file__).parent
+ROOMS = "pattern folding files contact space landscape cone sweep show".split()
+WITH_EXAMPLES = sorted(
+    ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+    for path in PACKAGE.rglob("*.py")
+    if ">>> " in path.read_text()
+)
+FINDERS = [name for name in origami_nlp.__all__ if name.startswith("find_")]
+SECTION = re.compile(r"^([A-Z]\w+)\n-{3,}\n", re.MULTILINE)
+
+
+# ---------------------------------------------------------------- examples
+
+
+def same(a: object, b: object) -> bool:
+    """Whether two arguments ask for the same: scenes are compared, results are not."""
+    return a is b or (not hasattr(a, "told") and a == b)
+
+
+def found_once(find: Callable, kept: list) -> Callable:
+    """Keep what `find` returns, for calls with equal scenes and options, or the very same results."""
+
+    @wraps(find)
+    def ask(*given, **options):
+        for old, old_options, answer in kept:
+            if len(given) == len(old) and options == old_options:
+                if all(map(same, given, old)):
+                    return answer
+        answer = find(*given, **options)
+        kept.append((given, options, answer))
+        return answer
+
+    return ask
+
+
+KEPT: dict[str, list] = {name: [] for name in FINDERS}
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES)
+def test_examples_say_what_they_show(module, monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    for name in FINDERS:  # the same search in several examples
+        once = found_once(getattr(origami_nlp, name), KEPT[name])
+        monkeypatch.setattr(origami_nlp, name, once)
+    result = doctest.testmod(import_module(module))
+    assert result.attempted and not result.failed
+
+
+# ---------------------------------------------------------------- docstrings
+
+
+def section(doc: str, name: str) -> str | None:
+    """Text of a section of a numpydoc docstring."""
+    parts = SECTION.split(doc)
+    return dict(zip(parts[1::2], parts[2::2], strict=True)).get(name)
+
+
+def stated(doc: str, name: str) -> set[str]:
+    """Names that a section explains: those that start a line of their own."""
+    heads = re.findall(r"^(\S.*)$", section(doc, name) or "", re.MULTILINE)
+    return {word.strip() for head in heads for word in head.split(" : ")[0].split(",")}
+
+
+def lacking(what: Callable) -> Iterator[str]:
+    """What the docstring of a function or class leaves out."""
+    doc = inspect.getdoc(what) or ""
+    if inspect.isclass(what):
+        names = {f.name for f in fields(what) if f.name[0] != "_"} if is_dataclass(what) else set()
+        if not is_dataclass(what) and "__init__" in vars(what):
+            names = set(inspect.signature(what).parameters)
+        yield from sorted(names - stated(doc, "Parameters") - stated(doc, "Attributes"))
+        return
+    signature = inspect.signature(what)
+    yield from sorted(set(signature.parameters) - {"self"} - stated(doc, "Parameters"))
+    if signature.return_annotation not in ("None", None) and section(doc, "Returns") is None:
+        yield "Returns"
+    complains = re.search(r"^\s+(raise|check_\w+\() *\S", inspect.getsource(what), re.MULTILINE)
+    if complains and section(doc, "Raises") is None:
+        yield "Raises"
+
+
+def functions_and_classes(face: object) -> dict[str, Callable]:
+    found = {name: getattr(face, name) for name in face.__all__}
+    return {n: f for n, f in found.items() if inspect.isfunction(f) or inspect.isclass(f)}
+
+
+@pytest.mark.parametrize("name", functions_and_classes(origami_nlp))
+def test_a_public_name_says_all_and_shows_an_example(name):
+    what = getattr(origami_nlp, name)
+    assert not list(lacking(what))
+    assert ">>> " in (section(inspect.getdoc(what), "Examples") or "")
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_functions_and_results_of_a_room_say_all(room):
+    face = functions_and_classes(import_module(f"origami_nlp.{room}"))
+    said = {n: f for n, f in face.items() if inspect.isfunction(f) or is_dataclass(f)}
+    lacks = {name: list(lacking(f)) for name, f in said.items()}
+    assert not {name: what for name, what in lacks.items() if what}
+
+
+def test_the_check_sees_what_is_left_out():
+    def whole(a, b) -> int:
+        """Add.
+
+        Parameters
+        ----------
+        a, b
+            Numbers.
+
+        Returns
+        -------
+        int
+            The sum.
+
+        Raises
+        ------
+        TypeError
+            If one is no number.
+        """
+        raise TypeError(a, b)
+
+    def poor(a, b) -> int:
+        """Add.
+
+        Parameters
+        ----------
+        a
+            A number.
+        """
+        raise TypeError(a, b)
+
+    assert not list(lacking(whole))
+    assert list(lacking(poor)) == ["b", "Returns", "Raises"]
+
+
+# ---------------------------------------------------------------- what a user's tools see
+
+
+def test_dir_and_tab_show_the_face_and_load_nothing():
+    code = (
+        "import sys, origami_nlp as o; shown = dir(o); assert set(o.__all__) <= set(shown);"
+        "assert not {'casadi', 'matplotlib', 'scipy', 'sympy'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    offered = rlcompleter.Completer({"o": origami_nlp}).attr_matches("o.find_")
+    assert {f"o.{name}(" for name in FINDERS} == set(offered)
+    assert len(FINDERS) > 5
+
+
+SCRIPT = """
+import origami_nlp as o
+
+result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
+reveal_type(result.minima[0].energy)
+reveal_type(o.find_barriers(result.scene, result).passes[0].pass_kind)
+reveal_type(o.cone.count(8, ratio=1.0, elevation=0.5).branches)
+"""
+
+
+def check_types(folder: Path, config, script: str) -> tuple[int, str]:
+    """Run mypy on a script that lies outside; it reads the package because of its `py.typed`."""
+    (folder / "script.py").write_text(script)
+    kept = getattr(config, "cache", None)  # the first run takes half a minute
+    cache = kept.mkdir("mypy") if kept else folder / "cache"
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(cache), "script.py"]
+    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
+    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    return run.returncode, run.stdout
+
+
+def test_a_type_checker_outside_sees_types_through_the_faces(tmp_path, pytestconfig):
+    pytest.importorskip("mypy")
+    code, said = check_types(tmp_path, pytestconfig, SCRIPT)
+    assert code == 0, said
+    energy, kind, branches = re.findall(r'Revealed type is "(.*)"', said)
+    assert (energy.removeprefix("builtins."), branches.removeprefix("builtins.")) == (
+        "float",
+        "int",
+    )
+    assert kind.startswith("Literal[")
+    code, said = check_types(tmp_path, pytestconfig, SCRIPT + "o.find_minima(result)\n")
+    assert code == 1 and 'expected "Scene"' in said
