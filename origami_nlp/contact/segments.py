@@ -250,8 +250,9 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum
     """Yield admissible states with one contact held closed, spread at random over every contact."""
     if not model.has_limits or model.freedom != 2:
         return
-    other = [Contact("gap", c.index, -1) for c in model.every_gap if c.index not in model.walls]
-    for row in (*model.limits, *model.every_gap, *other):
+    both = [(c.index, side) for c in model.every_gap for side in (1, -1)]
+    gaps = [Contact("gap", i, side) for i, side in both if side > 0 or i not in model.walls]
+    for row in (*model.limits, *gaps):
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
             exact = correct(State(model, x).on((row,)), FROM_AFAR)
