@@ -8,6 +8,8 @@ what becomes of a minimum that a grid reports.
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,7 +84,8 @@ def follow(
     length = LONGEST
     rescues = 0
     while len(states) < most_steps:
-        moved = _step(model, x, length)
+        # wider than the shortest step, so that a path that cannot come closer slides along the contact
+        moved = _step(State(model, x, NEAR), length)
         if moved is not None:
             x, taken = moved
             states.append(x)
@@ -93,7 +96,7 @@ def follow(
         if what.verdict == "minimum" or rescues == most_rescues:
             break
         rescues += 1
-        lower = _lower_neighbour(model, x, what.descent)
+        lower = _lower_neighbour(State(model, x), what.descent)
         if lower is None:
             break
         x, length = lower, LONGEST
@@ -122,32 +125,31 @@ def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.nda
     return np.array(kept)
 
 
-def _lower_neighbour(
-    model: Programme, x: np.ndarray, direction: np.ndarray | None
-) -> np.ndarray | None:
-    """Return an admissible state near x with lower energy: along `direction` if that works, else by search."""
-    noise = LEVEL * max(model.energy(x), model.scale)
-    if direction is not None:
-        for step in (1e-3, 3e-3, 1e-4):
-            for sign in (1.0, -1.0):
-                y, residual = project(model, x + sign * step * direction, ())
-                y = np.clip(y, -model.bound, model.bound)
-                if (
-                    residual <= CLOSES
-                    and np.abs(model.closure(y)[0]).max() <= CLOSES
-                    and model.energy_change(x, y) < -noise
-                    and not model.refuses(y)
-                ):
-                    return y
-    at = State(model, x)
+def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | None:
+    """Return an admissible state near by with lower energy: along `direction` if that works, else by search."""
+    model, x = at.programme, at.x
+    noise = LEVEL * max(at.energy, model.scale)
+    for step, sign in itertools.product((1e-3, 3e-3, 1e-4), (1.0, -1.0)):
+        y = None if direction is None else _closed(model, x + sign * step * direction)
+        if y is not None and model.energy_change(x, y) < -noise and not model.refuses(y):
+            return y
     found = search_spheres(at, at.contacts.base, radii=RESCUE)
     return found.state if found.state is not None and found.lowest < -noise else None
 
 
-def _step(model: Programme, x: np.ndarray, length: float) -> tuple[np.ndarray, float] | None:
+def _closed(
+    model: Programme, want: np.ndarray, held: tuple[Contact, ...] = ()
+) -> np.ndarray | None:
+    """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close."""
+    y, residual = project(model, want, held)
+    y = np.clip(y, -model.bound, model.bound)
+    closes = residual <= CLOSES and np.abs(model.closure(y)[0]).max() <= CLOSES
+    return y if closes else None
+
+
+def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
-    # wider than the shortest step, so that a path that cannot come closer slides along the contact
-    state = State(model, x, NEAR)
+    model, x = state.programme, state.x
     choices = state.pieces
     best: tuple[float, np.ndarray, float] | None = None
     near = model.about_to_close(x, length)
@@ -163,15 +165,9 @@ def _step(model: Programme, x: np.ndarray, length: float) -> tuple[np.ndarray, f
         held = _kept(state.on(rows), d)
         step = min(1.0, length / size)
         while step * size >= SHORTEST:
-            y, residual = project(model, x + step * d, held)
-            y = np.clip(y, -model.bound, model.bound)
-            change = model.energy_change(x, y) / model.scale
-            if (
-                residual <= CLOSES
-                and np.abs(model.closure(y)[0]).max() <= CLOSES
-                and change < DECREASE * step * slope
-                and not model.refuses(y)
-            ):
+            y = _closed(model, x + step * d, held)
+            change = math.inf if y is None else model.energy_change(x, y) / model.scale
+            if y is not None and change < DECREASE * step * slope and not model.refuses(y):
                 if best is None or change < best[0]:
                     best = (change, y, step * size)
                 break

@@ -202,6 +202,11 @@ class Posed:
             return int(self.multiplicity[contact.index])
         return self.structure.gaps[contact.index].weight
 
+    def sides(self, contact: Contact) -> tuple[int, ...]:
+        """Sides on which a contact may be open: both for a ray on a facet."""
+        one = contact.is_limit or contact.index in self.walls
+        return (contact.side,) if one else (1, -1)
+
     def weights(self, contacts: Sequence[Contact], multipliers: np.ndarray) -> np.ndarray:
         """Spread multipliers [..., r] of contacts over the gaps, [..., c], for the Hessian of a Lagrangian."""
         return gap_weights(len(self.structure.gaps), contacts, multipliers)
