@@ -287,12 +287,7 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum
     """Yield admissible states with one contact held closed, spread at random over every contact."""
     if not model.has_limits or model.freedom != 2:
         return
-    # a ray passes a facet on either side
-    gaps = [
-        Contact("gap", c.index, side)
-        for c in model.every_gap
-        for side in ((1,) if c.index in model.walls else (1, -1))
-    ]
+    gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
     for row in (*model.limits, *gaps):
         for _ in range(SAMPLES):
             x = rng.uniform(-math.pi, math.pi, model.size)
