@@ -110,6 +110,20 @@ def test_a_public_name_says_all_and_shows_an_example(name):
     assert ">>> " in (section(inspect.getdoc(what), "Examples") or "")
 
 
+def test_methods_of_public_classes_say_what_they_take():
+    classes = [c for c in functions_and_classes(origami_nlp).values() if inspect.isclass(c)]
+    classes.remove(origami_nlp.Model)  # what solvers call has its shapes in one line
+    lacks = {
+        f"{c.__name__}.{name}": missing
+        for c in classes
+        for name, method in inspect.getmembers(c, inspect.isroutine)
+        if name[0] != "_" and str(getattr(method, "__module__", "")).startswith("origami_nlp")
+        if len(inspect.signature(method).parameters) > 1 or inspect.ismethod(method)
+        if (missing := list(lacking(method)))
+    }
+    assert not lacks
+
+
 @pytest.mark.parametrize("room", ROOMS)
 def test_functions_and_results_of_a_room_say_all(room):
     face = functions_and_classes(import_module(f"origami_nlp.{room}"))

@@ -9,8 +9,8 @@ three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.
    plane only.  In general its part across the axis is sum a_i w_i u_i + O(a^2): u_i is the unit vector of flap
    i across the axis, w_i = sin(sector) > 0.  If some g_j > pi, all u_i lie in an open half plane: there is a vector
    v with v . u_i >= d > 0 for every i, also at all states near by, so that closure gives
-   0 >= d min(w) sum a_i - O(a^2) and hence all a_i = 0.  So
-   every admissible state near by keeps the three creases shut.
+   0 >= d min(w) sum a_i - O(a^2) and hence all a_i = 0.  So every admissible state near by keeps the
+   three creases shut.
 3. *Its ends.*  g_j > pi means s phi(h_j) > 0, for one j only (the g sum to 2 pi).  The states with s phi(h_j) > 0
    are thus open in the set of all admissible states, and a path that leaves them passes through their closure's
    only other states, s phi(h_j) = 0: the segment phi(h_j) = 0, phi(h_k) + phi(h_l) = -s pi.

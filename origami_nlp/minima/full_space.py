@@ -1,8 +1,7 @@
 """Is a state that is stable within its symmetry stable in the full contact-admissible space?
 
 The state is classified anew in the model without symmetry, with the certificates of `kkt.certificates`.
-A state that is no
-minimum there gets a descent that anyone can replay: states that close, are admissible, have
+A state that is no minimum there gets a descent that anyone can replay: states that close, are admissible, have
 strictly falling energy, and end at a lower stable state.
 """
 

@@ -53,8 +53,8 @@ def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> N
 def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
     """Tell whether fold angles are radians.
 
-    FOLD says degrees, under both names; under the old one programs wrote
-    radians as well, and a file whose largest fold is below 3.15 degrees is no file that people make.
+    FOLD says degrees, under both names; under the old one programs wrote radians as well, and a file whose
+    largest fold is below 3.15 degrees is no file that people make.
     """
     largest = float(np.nanmax(np.abs(angles), initial=0.0))
     if legacy and 0 < largest <= math.pi * (1 + 1e-6):

@@ -159,7 +159,20 @@ class Model(Posed):
         )
 
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Evaluate the loop-closure equations [..., m] and their Jacobian [..., m, n] at states [..., n]."""
+        """Evaluate the loop-closure equations and their Jacobian.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+
+        Returns
+        -------
+        values : numpy.ndarray
+            Shape [..., m]; 0 where the vertex closes.
+        jacobian : numpy.ndarray
+            Shape [..., m, n].
+        """
         g, jac = self._call("closure", x)
         return g[..., 0], jac
 
@@ -192,7 +205,24 @@ class Model(Posed):
         contacts: Sequence[Contact] = (),
         weight: float = 1.0,
     ) -> np.ndarray:
-        """Hessian [..., n, n] of weight U - multipliers . (closure, openings); multipliers [..., m + r]."""
+        """Hessian of weight U - multipliers . (closure, openings), energies over `scale`.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+        multipliers
+            Of closure and contacts, shape [..., m + r].
+        contacts
+            r of them.
+        weight
+            Of the energy.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [..., n, n].
+        """
         m = self.equation_count
         mu = -self.weights(contacts, multipliers[..., m:])
         return self.hessian(x, -multipliers[..., :m], mu, weight)

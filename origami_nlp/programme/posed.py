@@ -137,11 +137,33 @@ class Posed:
         return facet_of_ray(self.scene, r) + 1
 
     def expand(self, x: np.ndarray) -> np.ndarray:
-        """Return all N fold angles from the variables, shapes [..., n] -> [..., N]."""
+        """Return all N fold angles from the variables.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [..., N] [rad], valley positive.
+        """
         return np.asarray(x)[..., self.variable_of_crease]
 
     def reduce(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return the variables of a symmetric state, shapes [..., N] -> [..., n] (means of orbits)."""
+        """Return the variables of a symmetric state: means over its orbits.
+
+        Parameters
+        ----------
+        fold_angles
+            States, shape [..., N] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [..., n] [rad].
+        """
         phi = np.asarray(fold_angles, dtype=float)
         out = np.zeros((*phi.shape[:-1], self.size))
         for crease, v in enumerate(self.variable_of_crease):
@@ -149,15 +171,48 @@ class Posed:
         return out / self.multiplicity
 
     def energy(self, x: np.ndarray) -> float:
-        """Elastic energy of a state [n] in the scene's units, less the work of the load if there is one."""
+        """Elastic energy of a state, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            The state, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
         return self.scale * float(self.parameters.energy(np.asarray(x)))
 
     def energies(self, x: np.ndarray) -> np.ndarray:
-        """Elastic energies of states [..., n] in the scene's units, [...]."""
+        """Elastic energies of states, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [...], in the scene's units.
+        """
         return self.scale * self.parameters.energy(np.asarray(x))
 
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
-        """Energy of y less that of x, in the scene's units, without cancellation for nearby states."""
+        """Energy of y less that of x, without cancellation for nearby states.
+
+        Parameters
+        ----------
+        x, y
+            States, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
         return self.scale * float(self.parameters.energy_change(x, y))
 
     @property
@@ -189,7 +244,18 @@ class Posed:
         return f"{who} on the axis" if gap.type == "axis" else f"{who} on its mirror image"
 
     def name(self, contact: Contact) -> str:
-        """Say in words which contact it is."""
+        """Say in words which contact it is.
+
+        Parameters
+        ----------
+        contact
+            Of this programme.
+
+        Returns
+        -------
+        str
+            With the creases or facets that touch, 1-based.
+        """
         if not contact.is_limit:
             return self.gap_name(self.structure.gaps[contact.index])
         creases = self.creases_of(contact.index)
