@@ -35,14 +35,12 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY, distinct
+from origami_nlp.numerics import BALANCED, BESIDE, SETTLED, STATIONARY, distinct
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model, Programme
 
 FIRM = 1e-7
 """Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
-LEVEL = 1e-9
-"""Slopes along an edge, relative to the largest torque, below this have no sign."""
 
 MOST_SAMPLES = 10_000_000
 """Random states that memory bears."""
@@ -201,7 +199,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     """Name sign changes of dU/ds along an edge at which no critical point was found."""
     pull = model.parameters.torque(edge.x)
     slope = np.einsum("kj,kj->k", pull, edge.tangent)
-    size = LEVEL * float(np.abs(pull).max())
+    size = BALANCED * float(np.abs(pull).max())
     known = np.concatenate([found, vertices])
     out = []
     for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
