@@ -22,15 +22,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import FOLLOWED, RANK, ROUNDED, SETTLED, bracketed_roots, null_space
+from origami_nlp.numerics import (
+    FOLLOWED,
+    INDEPENDENT,
+    RANK,
+    ROUNDED,
+    SETTLED,
+    bracketed_roots,
+    null_space,
+)
 from origami_nlp.programme import Contact, Programme
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
 SAMPLES = 480
 """Directions sampled on each circle, besides those in which contacts stay closed."""
-DEGENERATE = 1e-9
-"""Eigenvalues of closure's quadratic form (the largest are about 1) below this leave the cone unknown."""
 
 
 Placing = Callable[[np.ndarray], np.ndarray]
@@ -190,7 +196,7 @@ def _placings(state: State, radius: float) -> list[Placing]:
     kernel = np.linalg.svd(jac)[2][len(sizes) - 1 :].T
     hessian = model.lagrangian_hessian(x, -left, (), 0.0)
     form, axes = np.linalg.eigh(kernel.T @ hessian @ kernel)
-    if np.abs(form).min() <= DEGENERATE or len(form) != 3:
+    if np.abs(form).min() <= INDEPENDENT or len(form) != 3:
         raise ValueError("the quadratic form of closure is degenerate")
     sign = np.sign(np.median(np.sign(form)))
     alone = int(np.argmin(sign * form))

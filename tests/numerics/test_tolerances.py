@@ -32,7 +32,6 @@ BESIDE_THE_TABLE = {
     "contact/force_cone.TOLERANCE": "rounding of unit generators of a cone",
     "contact/margin.CARRIES": "moment that carries nothing",
     "critical/find.FIRM": "accuracy of multipliers beside a singular state, where links decide",
-    "critical/link.DEGENERATE": "eigenvalues of a quadratic form, whose largest are about 1",
     "critical/result.ROUNDING": "moments that are stated as 0",
     "kkt/descent.RISE": "energy of a contact tolerance, where a path is polished",
     "kkt/descent.SHORTEST": "step",
