@@ -18,7 +18,7 @@ from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.starts import BATCH
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, ENDS, OUTSIDE, ROUNDED, null_space
+from origami_nlp.numerics import CLOSES, OUTSIDE, ROUNDED, SAME, null_space
 from origami_nlp.programme import Contact, Programme
 
 MOST_BATCHES = 4
@@ -43,7 +43,7 @@ def handle_minima(model: Programme, seed: int) -> list[np.ndarray]:
             continue
         tried[held] = tried.get(held, 0) + 1
         end = minimise_along(model, x, held)
-        if all(np.abs(end - known).max() > ENDS for known in ends):
+        if all(np.abs(end - known).max() > SAME for known in ends):
             ends.append(end)
     return ends
 
