@@ -11,9 +11,7 @@ FOLDER = Path(__file__).parent.parent / "notebooks"
 NAMES = (
     "01_stable_states.ipynb",
     "03_contact.ipynb",
-    "05_cones.ipynb",
     "06_speed_error.ipynb",
-    "07_from_a_fold_file.ipynb",
 )
 # 02 is tested beside the equations
 LARGEST = 1_500_000  # bytes, outputs included
@@ -21,7 +19,8 @@ VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succe
 """Rounding errors, times and counts of the search: they may differ between machines."""
 
 
-LONG = "04_landscapes.ipynb"  # run with the long studies: what it calls has tests of its own
+LONG = ("04_landscapes.ipynb", "05_cones.ipynb", "07_from_a_fold_file.ipynb")
+"""Run with the long studies: what they call has tests of its own."""
 
 
 @pytest.fixture
@@ -36,7 +35,7 @@ def printed(cell):
     return VARIES.sub("~", text)
 
 
-@pytest.mark.parametrize("stored", [*NAMES, LONG], indirect=True)
+@pytest.mark.parametrize("stored", [*NAMES, *LONG], indirect=True)
 def test_notebook_is_stored_with_outputs(stored):
     nbformat.validate(stored)
     code = [cell for cell in stored.cells if cell.cell_type == "code"]
@@ -46,7 +45,9 @@ def test_notebook_is_stored_with_outputs(stored):
 
 
 @pytest.mark.parametrize(
-    "stored", [*NAMES, pytest.param(LONG, marks=pytest.mark.slow)], indirect=True
+    "stored",
+    [*NAMES, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)],
+    indirect=True,
 )
 # the kernel says on stderr and as a warning that it talks over local TCP
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")

@@ -54,10 +54,14 @@ def find_critical_points(
     seed: int = 0,
     all_links: bool = False,
 ) -> CriticalPoints:
-    """Find every critical point of the energy of `scene` on its contact-admissible symmetric set.
+    """Find every critical point of the energy on the contact-admissible symmetric set X.
+
+    Critical in the sense of stratified Morse theory: on the inside, the edges and the vertices of X.
 
     Parameters
     ----------
+    scene
+        What is folded.
     minima
         Result of `find_minima` on the same scene; the lists of minima are then compared.
     samples
@@ -67,10 +71,22 @@ def find_critical_points(
     all_links
         Also count the sampled link of every regular point, and report disagreement as a doubt.
 
+    Returns
+    -------
+    CriticalPoints
+        In order of energy; their contributions sum to the Euler characteristic of X where none is missing.
+
     Raises
     ------
     OptionError
         If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), samples=16)
+    >>> found.morse_sum, len(found.minima)
+    (1, 2)
     """
     check_type("scene", scene, Scene)
     if minima is not None:
@@ -92,7 +108,7 @@ def find_critical_points(
 
 
 def _interior_points(
-    model: Model, strata: Strata, doubts: list[str], all_links: bool
+    model: Programme, strata: Strata, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -126,7 +142,7 @@ def _firm(model: Programme) -> float:
 
 
 def _edge_points(
-    model: Model,
+    model: Programme,
     strata: Strata,
     vertices: np.ndarray,
     doubts: list[str],
@@ -214,7 +230,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     return out
 
 
-def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
+def _vertex_point(model: Programme, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
     state = State(model, vertex.x)
     rows = _descriptions(state)
@@ -239,7 +255,7 @@ def _vertex_point(model: Model, vertex: StratumVertex, doubts: list[str]) -> Cri
     return _point(state, None, contribution, part, kind, names, multipliers, state.residual, how)
 
 
-def _distinct(model: Model, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Programme, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[model.admissible(points.x[order])] if len(order) else order

@@ -100,8 +100,8 @@ RANDOM = (
     (4, "none", 16),
     (5, "none", 2),
     (5, "none", 3),
-    (6, "none", 1),
-    (6, "none", 2),
+    pytest.param(6, "none", 1, marks=pytest.mark.slow),
+    pytest.param(6, "none", 2, marks=pytest.mark.slow),
     (6, "D1", 3),
     (6, "D1", 7),
 )

@@ -121,7 +121,9 @@ def kkt_points(scene, rng, starts):
     return np.array(ends)
 
 
-@pytest.mark.parametrize("scene", SOME[1:], ids=lambda s: s.name)
+@pytest.mark.parametrize(
+    "scene", [pytest.param(SOME[1], marks=pytest.mark.slow), SOME[2]], ids=lambda s: s.name
+)
 def test_every_kkt_point_of_a_multistart_is_listed(scene):
     listed = np.array([p.fold_angles for p in critical_points(scene).points])
     ends = kkt_points(scene, np.random.default_rng(7), 30)

@@ -209,7 +209,7 @@ def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
             assert np.abs(np.subtract(other, same[0])).max() <= close_to
 
 
-@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("sign", [1, pytest.param(-1, marks=pytest.mark.slow)])
 def test_next_to_pi_third(sign):
     """alpha_1 = pi/3 +- d: 1e-10 away the minima are those of pi/3, or as many as 1e-6 away."""
     scene = examples.degree6(pi / 3 + sign * 1e-10, 1.0)

@@ -5,6 +5,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -88,17 +89,21 @@ def number(node: ast.expr, known: dict[str, float]) -> float:
     return float(eval(expression, {"__builtins__": {}}, dict(known)))  # our own source, no data
 
 
-def rooms_that_use(name: str) -> list[str]:
-    """Rooms whose modules import an entry."""
-    rooms = set()
+@cache
+def users() -> dict[str, set[str]]:
+    """Rooms by what they import of `numerics`."""
+    rooms: dict[str, set[str]] = {}
     for path in PACKAGE.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and str(node.module).startswith(
-                "origami_nlp.numerics"
-            ):
-                if any(alias.name == name for alias in node.names):
-                    rooms.add(path.relative_to(PACKAGE).parts[0])
-    return sorted(rooms)
+            if isinstance(node, ast.ImportFrom) and "origami_nlp.numerics" in str(node.module):
+                for alias in node.names:
+                    rooms.setdefault(alias.name, set()).add(path.relative_to(PACKAGE).parts[0])
+    return rooms
+
+
+def rooms_that_use(name: str) -> list[str]:
+    """Rooms whose modules import an entry."""
+    return sorted(users().get(name, set()))
 
 
 def page() -> str:
