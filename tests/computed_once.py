@@ -8,10 +8,11 @@ import functools
 import io
 import pickle
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
+import pytest
 from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
@@ -72,3 +73,11 @@ def _searched(number: int) -> MinimaResult:
 def panel_boundary(number: int) -> Boundary:
     """Return the boundary of a panel's landscape, traced on 101 x 101 points."""
     return trace_boundary(PANELS[number], 101)
+
+
+def thinned(cases: Sequence[Any], step: int) -> list[Any]:
+    """Every `step`-th case; the others wait for the long studies (`pytest -m slow`)."""
+    return [
+        case if k % step == 0 else pytest.param(case, marks=pytest.mark.slow)
+        for k, case in enumerate(cases)
+    ]

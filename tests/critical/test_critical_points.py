@@ -21,7 +21,7 @@ from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Model
 from origami_nlp.space import find_space
-from tests.computed_once import panel_result, shared
+from tests.computed_once import panel_result, shared, thinned
 
 PANELS = examples.panels()
 SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis
@@ -78,7 +78,7 @@ def test_the_sum_is_the_same_for_every_energy(data):
     assert other.morse_sum == 1, other.to_dict()
 
 
-@pytest.mark.parametrize("scene", [SOME[0], SOME[1]], ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned([SOME[0], SOME[1]], 2), ids=lambda s: s.name)
 def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     """Index and multiplier sign against the count on the sampled link, on springs without symmetry of their own."""
     rng = np.random.default_rng(3)
@@ -86,7 +86,7 @@ def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     assert found.doubts == () and found.morse_sum == 1
 
 
-@pytest.mark.parametrize("scene", [SHAPES[0], SHAPES[5]], ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned([SHAPES[0], SHAPES[5]], 2), ids=lambda s: s.name)
 def test_springs_at_rest_in_the_flat_state(scene):
     """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
     size = Model(scene).size
@@ -180,7 +180,9 @@ def chart_points(scene, size):
     return model.expand(np.array(kept).reshape(-1, model.size))
 
 
-@pytest.mark.parametrize("scene", [PANELS[0], SOME[1], PANELS[12]], ids=lambda s: s.name)
+@pytest.mark.parametrize(
+    "scene", thinned([PANELS[0], SOME[1], PANELS[12]], 2), ids=lambda s: s.name
+)
 def test_interior_points_are_those_of_the_chart(scene):
     """Both ways: nothing missing, nothing extra; the chart is regular at all interior points of these panels."""
     inner = [p.fold_angles for p in critical_points(scene).points if p.stratum == "interior"]

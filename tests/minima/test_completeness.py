@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, thinned
 from tests.independent.neighbours import Problem
 from tests.independent.rotations import project
 from tests.independent.search_descent import descend, grid_minima, starts
@@ -23,7 +23,7 @@ from tests.independent.search_thin import (
 )
 
 SAME = 1e-4  # distance [rad] within which an end is a listed minimum
-PANELS = pytest.mark.parametrize("scene", examples.panels(), ids=lambda s: s.name)
+PANELS = pytest.mark.parametrize("scene", thinned(examples.panels(), 2), ids=lambda s: s.name)
 
 
 def listed(scene):
@@ -112,7 +112,7 @@ def _thin_sets_hold_nothing_else(scene, size):
 
 @pytest.mark.parametrize(
     "scene",
-    [examples.panels()[k] for k in (4, 13)],
+    thinned([examples.panels()[k] for k in (13, 4)], 2),
     ids=lambda s: s.name,  # all of them: slow
 )
 def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene):

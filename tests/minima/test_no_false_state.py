@@ -14,7 +14,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, thinned
 from tests.independent.closing import EXTENDED, PI, close
 from tests.independent.nearly_singular import KINDS, nearly_singular
 from tests.independent.relations import exact_sectors
@@ -260,7 +260,7 @@ SMALL = [seed for kind in KINDS for seed in [k for k in range(200) if of_kind(k,
 """Two scenes of each kind, of degree 4 and 5: those of higher degree take too long for every day."""
 
 
-@pytest.mark.parametrize("seed", SMALL)
+@pytest.mark.parametrize("seed", thinned(SMALL, 2))
 def test_every_minimum_of_a_nearly_singular_scene_stands(seed):
     assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32, fewest_starts=16)
 
@@ -338,7 +338,7 @@ SEEN_FALSE = [
 ]
 
 
-@pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE[:3])
+@pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE[:2])
 def test_vertices_of_files_where_false_states_were_seen(files, name, vertex):
     result = find_minima(scene_in(files / name, vertex))
     assert result.minima and not failures(result, 600)

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from origami_nlp import examples
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, thinned
 from tests.independent.admissible import admissible
 from tests.independent.neighbours import RADII, Problem, draw, look_around, strata
 from tests.independent.pockets import look_along_contacts
 
 PANELS = examples.panels()
+SOME = thinned(PANELS, 3)
 FULL_RADII = np.logspace(-1, -5, 9)
 NORMAL, SLOW, SLOW_FULL = 200, 10_000, 20_000
 
@@ -46,12 +47,12 @@ def check_full(result, count):
         assert around.admitted >= (count if m.full_space.local_dimension else 0)
 
 
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_no_symmetric_neighbour_is_lower(scene):
     check_symmetric(panel_result(scene, full=True), NORMAL)
 
 
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_no_neighbour_of_a_stable_state_is_lower(scene):
     check_full(panel_result(scene, full=True), NORMAL)
 
@@ -68,7 +69,7 @@ def test_twenty_thousand_neighbours_of_stable_states(scene):
     check_full(panel_result(scene, full=True), SLOW_FULL)
 
 
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_the_same_look_refutes_unstable_and_moved_states(scene):
     """The look can fail: it finds lower neighbours of unstable states and of moved minima."""
     full, rng = full_problem(scene), np.random.default_rng(13)
@@ -85,7 +86,7 @@ def test_the_same_look_refutes_unstable_and_moved_states(scene):
             assert len(look_around(p, moved[0], NORMAL, rng, radii=RADII[4:]).lower)
 
 
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_no_neighbour_that_keeps_facets_touching_is_lower(scene):
     rng = np.random.default_rng(15)
     for m in panel_result(scene, full=True).minima:
@@ -97,7 +98,7 @@ def test_no_neighbour_that_keeps_facets_touching_is_lower(scene):
             assert not len(look_along_contacts(p, p.reduce(phi), 20, rng)[1])
 
 
-@pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", SOME, ids=lambda s: s.name)
 def test_local_dimension_is_that_of_the_neighbours(scene):
     p, rng = Problem.of(scene), np.random.default_rng(14)
     for m in panel_result(scene, full=True).minima:

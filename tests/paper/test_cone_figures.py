@@ -8,9 +8,10 @@ import pytest
 from origami_nlp.cone import count
 from origami_nlp.paper import cone_figures
 from tests.command_line import run
+from tests.computed_once import thinned
 
 
-@pytest.mark.parametrize("name", ["cone-3", "cone-4-firing"])
+@pytest.mark.parametrize("name", thinned(["cone-3", "cone-4-firing"], 2))
 def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
     monkeypatch.setattr(cone_figures, "SIZE", 6)
     cone_figures._diagram.cache_clear()
