@@ -5,7 +5,6 @@ They are of the code under test: the folder belongs to one run of pytest and end
 
 import dataclasses
 import functools
-import io
 import pickle
 import re
 from collections.abc import Callable, Sequence
@@ -18,7 +17,6 @@ from filelock import FileLock
 from origami_nlp import Scene, examples, find_minima
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
-from origami_nlp.programme import Model
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -34,12 +32,7 @@ def once(name: str, compute: Callable[[], T]) -> T:
         if path.exists():
             return pickle.loads(path.read_bytes())
         value = compute()
-        content = io.BytesIO()
-        pickler = pickle.Pickler(content)
-        # compiled functions are kept by each process for itself
-        pickler.dispatch_table = {Model: lambda model: (Model, (model.scene,))}
-        pickler.dump(value)
-        path.write_bytes(content.getvalue())
+        path.write_bytes(pickle.dumps(value))
     return value
 
 

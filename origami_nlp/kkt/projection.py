@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.numerics import ROUNDED, TOUCHES
 from origami_nlp.programme import Contact, Programme, held
 
-DEPENDENT = TOUCHES
+UNRESOLVED = TOUCHES
 """Singular values below this share of the largest are left out, those that closure has this far [rad] from a singular
 state: what it does not resolve does not move."""
 LONGEST = 1.0
@@ -23,7 +23,7 @@ def project(
     *,
     frozen: np.ndarray | None = None,
     steps: int = 30,
-    dependent: float = DEPENDENT,
+    dependent: float = UNRESOLVED,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Move states onto closure with contacts held, by steps of smallest length in the metric of all fold angles.
 
@@ -62,13 +62,13 @@ def project(
         return x, residual
     residual = np.full(len(x), np.inf)
     todo = np.arange(len(x))
-    for _ in range(steps):
-        if not len(todo):
-            break
+    for step in range(steps + 1):
         f, jac = programme.constraints(x[todo], contacts)
         residual[todo] = np.abs(f).max(axis=1, initial=0.0)
         far = residual[todo] > ROUNDED
         todo, f, jac = todo[far], f[far], jac[far] / root
+        if not len(todo) or step == steps:  # the residual is that of the state returned
+            break
         if frozen is not None:
             jac = np.where(frozen[todo][:, None, :], 0.0, jac)
         move = np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=dependent), f)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -88,23 +89,23 @@ class Posed:
         """Name of the group that states of the programme keep."""
         return self.scene.group.name
 
-    @property
+    @cached_property
     def limits(self) -> tuple[Contact, ...]:
         """Both fold limits of every variable, where they are imposed."""
         many = range(self.size if self.has_limits else 0)
         return tuple(Contact("limit", v, side) for v in many for side in (-1, 1))
 
-    @property
+    @cached_property
     def walls(self) -> tuple[int, ...]:
         """Positions of the gaps that are one-sided by themselves: mirrors and the axis."""
         return tuple(i for i, gap in enumerate(self.structure.gaps) if gap.type != "facet-pair")
 
-    @property
+    @cached_property
     def every_gap(self) -> tuple[Contact, ...]:
         """Every gap, on its positive side."""
         return tuple(Contact("gap", i, 1) for i in range(len(self.structure.gaps)))
 
-    @property
+    @cached_property
     def gaps(self) -> tuple[Contact, ...]:
         """Every gap once (a crease on a facet belongs to two facet pairs), on its positive side."""
         same = first_of_each(self.structure.gaps)
@@ -215,7 +216,7 @@ class Posed:
         """
         return self.scale * float(self.parameters.energy_change(x, y))
 
-    @property
+    @cached_property
     def root(self) -> np.ndarray:
         """The metric of all N fold angles: y = root x, root = sqrt(multiplicity), [n]."""
         return np.sqrt(self.multiplicity)

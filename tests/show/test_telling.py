@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from origami_nlp.barriers import find_barriers
 from origami_nlp.contact import find_contacts
 from origami_nlp.critical import compare_minima, find_critical_points
 from origami_nlp.errors import OptionError
@@ -165,6 +166,7 @@ def test_results_travel_and_print_the_same():
     points = compare_minima(find_critical_points(scene, samples=512), result)
     contacts = find_contacts(result, segments=True, check=False)
     results = [result, points, contacts, contacts.segments, find_space(scene, 16)]
+    results.append(find_barriers(scene, result))
     for found in [*results, find_landscape(result, 31)]:
         again = pickle.loads(pickle.dumps(found))
         assert repr(again) == repr(found) and len(repr(found)) > 40
