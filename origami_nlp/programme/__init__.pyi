@@ -3,6 +3,7 @@ from .closure import fold_piece as fold_piece
 from .compiled import Structure as Structure, compile_structure as compile_structure
 from .contact import Contact as Contact, fold_limit as fold_limit, held as held
 from .gaps import Gap as Gap, separation_rows as separation_rows
+from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .nlp import (
     Nlp as Nlp,
