@@ -36,7 +36,9 @@ QUADRATIC = 1e-8
 """A step of Gauss-Newton this short [rad] is the last one."""
 POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
-STALLED = 12
+TINY = 1e-7
+"""A step that moves no fold angle by more [rad] is no progress; one that fails there has converged."""
+STALLED = 6
 """Steps without progress after which a descent stops."""
 
 
@@ -143,7 +145,7 @@ class Descents:
         self._root = np.sqrt(model.parameters.stiffness)
         self._m = model.equation_count
 
-    def run(self, starts: Samples, most: int = 60) -> Ends:
+    def run(self, starts: Samples, most: int = 45) -> Ends:
         """Descend from closed samples.
 
         The hold of a sample ends once its stratum is reached: contacts that pull are let go then.
@@ -252,10 +254,10 @@ class Descents:
             tried, accepted, reached = self._advance(
                 s[go], p.residual[go], d[go], down[go], reach[go], escaped[go] > 0
             )
+            moved[go] = np.abs(tried.x - s.x[go]).max(axis=1) > TINY
             _put(out, go, tried)
-            tiny = np.abs(d[go] / self._root).max(axis=1) < 1e-7
+            tiny = np.abs(d[go] / self._root).max(axis=1) < TINY
             converged[go] = ~accepted & tiny & ~released[go]
-            moved[go] = accepted
             reach = reach.copy()
             reach[go] = reached
         return out, moved, _Progress(reach, escaped, converged)
@@ -437,7 +439,7 @@ class Descents:
             if not len(todo):
                 break
             held, room = _hold(crossed, gap, side)
-            held = self.close(held)
+            held = self.close(held, 6)
             ok, again, _ = self._try(
                 held, s.x[todo], energy[todo], slope[todo] * 0, escaped[todo]
             )
@@ -488,16 +490,28 @@ def _inverse(rows: np.ndarray) -> np.ndarray:
     diagonal = a[:, d, d]
     trace = diagonal.sum(axis=1)
     a[:, d, d] += np.where(diagonal == 0, 1.0, ROUNDED**2 * trace[:, None])
-    inverse = np.linalg.inv(a + EPS * trace[:, None, None] * np.eye(len(d)))
-    poor = np.flatnonzero(
-        inverse[:, d, d].max(axis=1, initial=0.0) * np.maximum(trace, 1.0) > POOR
-    )
+    inverse = _inverted(a + EPS * trace[:, None, None] * np.eye(len(d)))
+    largest = np.abs(inverse[:, d, d]).max(axis=1, initial=0.0)
+    poor = np.flatnonzero(~(largest * np.maximum(trace, 1.0) <= POOR))
     if len(poor):
         value, vector = np.linalg.eigh(a[poor])
         keep = value > RANK**2 * value[:, -1:]
         over = np.where(keep, 1 / np.where(keep, value, 1.0), 0.0)
         inverse[poor] = (vector * over[:, None]) @ vector.transpose(0, 2, 1)
     return inverse
+
+
+def _inverted(a: np.ndarray) -> np.ndarray:
+    """Return inverses of positive definite matrices [K, r, r]; those of three rows by their cofactors."""
+    if a.shape[1] != 3:
+        return np.linalg.inv(a)
+    (p, q, r), (_, s, t), (_, _, u) = a.transpose(1, 2, 0)
+    pp, pq, pr = s * u - t * t, r * t - q * u, q * t - r * s
+    qq, qr, rr = p * u - r * r, q * r - p * t, p * s - q * q
+    with np.errstate(divide="ignore", invalid="ignore"):
+        over = 1 / (p * pp + q * pq + r * pr)
+        inverse = np.array([[pp, pq, pr], [pq, qq, qr], [pr, qr, rr]]) * over
+    return np.nan_to_num(inverse, nan=math.inf, posinf=math.inf, neginf=-math.inf).transpose(2, 0, 1)
 
 
 def _solved(h: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -1,10 +1,9 @@
-"""Multi-start: states spread over the feasible set, one IPOPT solve each, polished and told apart."""
+"""Rounds of descents; every new end is polished and judged when it arrives."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,28 +12,33 @@ from origami_nlp.kkt import (
     Classification,
     Polished,
     Solve,
-    StartStream,
+    State,
+    classify,
     exact_beside,
-    newton,
     polish,
 )
-from origami_nlp.minima.ipopt import solve, solve_on_boundary
-from origami_nlp.numerics import ANSWERED, BESIDE, SAME
-from origami_nlp.programme import Contact, Solvable
+from origami_nlp.minima.descents import Descents, Ends, Samples
+from origami_nlp.minima.starts import IN_ROUNDS
+from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 
-MOST_PAIR_ROUNDS = 4
-SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES = 4, 160
-"""Solves along each contact boundary, and over all of them."""
-FEW_PAIRS = 6
-"""Up to this many facet pairs every solve models all of them from the start."""
+ALIKE = 3e-5
+"""Ends of descents that differ by no more [rad] are judged once."""
+DOWN = 0.05
+"""First step [rad] down either side of a saddle."""
 
 
 @dataclass(eq=False)
 class Answer:
-    """A distinct state that solves ended at: its polish, how many starts reached it, and what it was judged to be."""
+    """A distinct state that descents ended at: its polish, how many reached it, what it was judged to be.
+
+    hits: over all starts.  in_rounds: over those of rounds, which are alike.  listed: found by listing, not by descent.
+    """
 
     polished: Polished
-    hits: int = 1
+    hits: int = 0
+    in_rounds: int = 0
+    listed: bool = False
     what: Classification | None = None
 
     @property
@@ -47,120 +51,136 @@ class Answer:
 class Record:
     """Everything a search did, failures included.
 
-    answers: distinct states that solves ended at.  listed: flat foldings that no solve ended at.
-    statuses: IPOPT's return statuses, counted over all solves.  starts, feasible_starts: starts
-    drawn, and those that satisfied every constraint.  iterations: of IPOPT, over all solves.
-    converged: starts that ended at an answer.
+    answers: distinct states.  starts: drawn.  feasible: admissible among them.  stalled: descents that ended nowhere.
+    by_source: starts, by kind.
     """
 
     answers: list[Answer] = field(default_factory=list)
-    listed: list[Answer] = field(default_factory=list)
-    statuses: Counter[str] = field(default_factory=Counter)
     starts: int = 0
-    feasible_starts: int = 0
-    solves: int = 0
-    iterations: int = 0
-    converged: int = 0
+    feasible: int = 0
+    stalled: int = 0
+    by_source: Counter[int] = field(default_factory=Counter)
+
+    @property
+    def minima(self) -> list[Answer]:
+        """The answers that are minima."""
+        return [a for a in self.answers if a.is_minimum]
 
 
-def run_starts(model: Solvable, seed: int, record: Record) -> Iterator[Answer | None]:
-    """Run starts for ever, one for each `next`; yields the new answer, or None where nothing new was found."""
-    pairs = model.structure.pairs
-    for start in StartStream(model, seed):
-        record.starts += 1
-        record.feasible_starts += start.feasible
-        # Minima that a facet pair pins can be reached only by solves that respect the pair from the start: without it
-        # a solve passes through the facets and ends elsewhere.  With many pairs every second start does without.
-        respect = len(pairs) <= FEW_PAIRS or record.starts % 2 == 0
-        yield run_one(model, start.x, record, pairs=pairs if respect else ())
+class Search:
+    """Descents of one model, their ends judged and counted."""
 
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.record = Record()
+        self._descents = Descents(model)
+        self._ends: list[np.ndarray] = []  # as descents left them
+        self._answer_of: list[Answer | None] = []
 
-def run_one(
-    model: Solvable,
-    x: np.ndarray,
-    record: Record,
-    *,
-    pairs: tuple[tuple[int, int], ...] = (),
-    count: bool = True,
-) -> Answer | None:
-    """Solve from one start, polish, and file the answer in `record`; returns it if it is new.
+    def list_state(self, x: np.ndarray) -> None:
+        """File and judge a state that was listed, not descended to."""
+        if self._known(x) is None:
+            closure = float(np.abs(self.model.closure(x)[0]).max())
+            answer = Answer(Polished(x, (), closure, math.nan, True), listed=True)
+            self.record.answers.append(answer)
+            self._judge(answer)
 
-    With `count` false the solve is not a random start and does not enter the stopping rule.
-    """
-    answer = solve_without_crossing(model, x, record, pairs)
-    if not answer.succeeded:
-        return None
-    record.converged += count
-    for known in record.answers:  # most starts end where another did: no need to polish again
-        if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
-            known.hits += count
-            return None
-    return _file(model, polish(model, answer), record, count)
+    def run(self, starts: Samples, *, count: bool = True) -> None:
+        """Descend from starts (those that cross are dropped), and judge what is new among the ends."""
+        record = self.record
+        feasible = self._feasible(starts)
+        if count:
+            record.starts += len(starts)
+            record.feasible += int(feasible.sum())
+            record.by_source.update(starts.source.tolist())
+        if not feasible.any():
+            return
+        ends = self._descents.run(starts[feasible])
+        good = ends.converged | ends.settled
+        record.stalled += int((~good).sum()) if count else 0
+        below = self._file(ends, np.flatnonzero(good), count)
+        if below:
+            self.run(self._closed(np.array(below)), count=False)
 
+    def _feasible(self, starts: Samples) -> np.ndarray:
+        crossings = self._descents.crossings
+        good = np.isfinite(starts.x).all(axis=1)
+        if not crossings.any:
+            return good
+        at = self._descents.kinematics.fold(starts.x)
+        gap, _ = crossings.of(at, starts.slots)
+        return good & (gap == OPEN)
 
-def run_boundaries(model: Solvable, seed: int, record: Record) -> Iterator[Answer | None]:
-    """Minimise along every contact boundary: where pinned states are, narrow as their basins may be.
+    def _closed(self, x: np.ndarray) -> Samples:
+        """Free samples at states [K, n], closed; those that do not close are dropped."""
+        s = self._descents.close(Samples.on(np.clip(x, -self.model.bound, self.model.bound)))
+        value, _ = self._descents.kinematics.closure(self._descents.kinematics.fold(s.x))
+        return s[np.abs(value).max(axis=1) <= SAME]
 
-    A pinned minimum is a minimum among the states that keep its contact closed; a solver that starts in the
-    interior can miss it.  Yields the new answers; no random starts are counted.
-    """
-    rows = (*model.limits, *model.gaps)
-    tries = max(1, min(SOLVES_A_BOUNDARY, MOST_BOUNDARY_SOLVES // max(1, len(rows))))
-    stream = StartStream(model, seed)
-    for row in rows:
-        for _ in range(tries):
-            answer = solve_on_boundary(model, next(stream).x, row)
-            record.solves += 1
-            record.statuses[answer.status] += 1
-            record.iterations += answer.iterations
-            if answer.succeeded:
-                yield _settle_on_boundary(model, answer, row, record)
+    def _file(
+        self, ends: Ends, which: np.ndarray, count: bool
+    ) -> list[np.ndarray]:
+        """File ends under the answers that they are; returns starts below new saddles."""
+        below: list[np.ndarray] = []
+        x = ends.samples.x
+        while len(which):
+            first = which[0]
+            same = np.abs(x[which] - x[first]).max(axis=1) <= ALIKE
+            hit, which = which[same], which[~same]
+            answer, new = self._answer_at(ends.samples, int(first))
+            if answer is None:
+                continue
+            if count:
+                answer.hits += len(hit)
+                answer.in_rounds += int(np.isin(ends.samples.source[hit], IN_ROUNDS).sum())
+            if new and answer.what is not None and answer.what.descent is not None:
+                d = DOWN * answer.what.descent
+                below += [answer.polished.x + d, answer.polished.x - d]
+        return below
 
+    def _answer_at(self, s: Samples, k: int) -> tuple[Answer | None, bool]:
+        """Return the answer that an end is, and whether it is new."""
+        x = s.x[k]
+        if self._ends:
+            apart = np.abs(np.array(self._ends) - x).max(axis=1)
+            nearest = int(apart.argmin())
+            if apart[nearest] <= ALIKE:
+                return self._answer_of[nearest], False
+        answer, new = self._settle(s, k)
+        self._ends.append(x)
+        self._answer_of.append(answer)
+        return answer, new
 
-def _settle_on_boundary(
-    model: Solvable, answer: Solve, row: Contact, record: Record
-) -> Answer | None:
-    """Polish a minimum along a boundary with its contact closed; keep it if the contact is loaded."""
-    guessed = model.guess(answer.x, answer.pull, answer.pair_force)
-    for side in (row.side,) if row.is_limit else (1, -1):
-        guess = tuple(dict.fromkeys((Contact(row.kind, row.index, side), *guessed)))
-        result = polish(model, answer, guess)
-        if result.converged and result.rows and not _free_beside(model, result):
-            return _file(model, result, record, 0)
-    return None
+    def _settle(self, s: Samples, k: int) -> tuple[Answer, bool]:
+        """Polish an end and file it under the answer that it is, or as a new one, which is judged."""
+        polished = polish(self.model, _as_answer(s, k), _held(s, k))
+        if not polished.converged:
+            polished = self._listed_beside(polished) or exact_beside(self.model, polished)
+        for known in self.record.answers:
+            if _is_same(known.polished, polished):
+                if polished.converged and not known.polished.converged:
+                    known.polished = polished
+                    self._judge(known)
+                    return known, True
+                return known, False
+        answer = Answer(polished)
+        self.record.answers.append(answer)
+        self._judge(answer)
+        return answer, True
 
+    def _judge(self, answer: Answer) -> None:
+        p = answer.polished
+        answer.what = classify(State(self.model, p.x), polished=p.converged)
 
-def _free_beside(model: Solvable, state: Polished) -> bool:
-    """Tell whether a state without contacts lies beside one that a contact was asked to hold: it is the answer then."""
-    free, _ = newton(model, state.x, ())
-    if free is None or not free.converged or np.abs(free.x - state.x).max() > SAME:
-        return False
-    return not model.beyond(free.x, 0.0)
+    def _known(self, x: np.ndarray) -> Answer | None:
+        near = (a for a in self.record.answers if np.abs(a.polished.x - x).max() <= SAME)
+        return next(near, None)
 
-
-def _file(model: Solvable, polished: Polished, record: Record, hits: int) -> Answer | None:
-    """File a polished state under the answer that it is, or as a new one, which is returned.
-
-    What Newton could not polish is taken for the exact state next to it, where there is one.
-    """
-    if not polished.converged:
-        polished = _listed_beside(polished, record) or exact_beside(model, polished)
-    for known in record.answers:
-        if _is_same(known.polished, polished):
-            known.hits += hits
-            if polished.converged and not known.polished.converged:
-                known.polished = polished  # judged anew by whoever asks for the answer
-                return known
-            return None
-    for known in record.listed:
-        if _is_same(known.polished, polished):
-            record.listed.remove(known)
-            known.hits += hits
-            record.answers.append(known)
-            return None
-    new = Answer(polished, int(hits))
-    record.answers.append(new)
-    return new
+    def _listed_beside(self, state: Polished) -> Polished | None:
+        """Return the nearest exact state on record within `BESIDE` of a state, or None."""
+        exact = [a.polished for a in self.record.answers if a.polished.converged]
+        near = [float(np.abs(known.x - state.x).max()) for known in exact]
+        return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
 
 
 def _is_same(one: Polished, other: Polished) -> bool:
@@ -170,35 +190,14 @@ def _is_same(one: Polished, other: Polished) -> bool:
     return bool(np.abs(one.x - other.x).max() <= near)
 
 
-def _listed_beside(state: Polished, record: Record) -> Polished | None:
-    """Return the nearest exact state on record within `BESIDE` of a state, or None."""
-    exact = [a.polished for a in (*record.answers, *record.listed) if a.polished.converged]
-    near = [float(np.abs(known.x - state.x).max()) for known in exact]
-    return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
+def _as_answer(s: Samples, k: int) -> Solve:
+    """The end of a descent as the polish reads it: all contacts that it holds press."""
+    return Solve(s.x[k], "", 0, math.nan, np.abs(s.shut[k]).astype(float), None)
 
 
-def add_state(model: Solvable, x: np.ndarray, record: Record) -> Answer | None:
-    """File a state that was listed, not solved for, unless it is known; it has no hits until a solve ends there."""
-    for known in (*record.answers, *record.listed):
-        if np.abs(known.polished.x - x).max() <= SAME:
-            return None
-    closure = float(np.abs(model.closure(x)[0]).max())
-    listed = Answer(Polished(x, (), closure, math.nan, True), 0)
-    record.listed.append(listed)
-    return listed
-
-
-def solve_without_crossing(
-    model: Solvable, x: np.ndarray, record: Record, pairs: tuple[tuple[int, int], ...] = ()
-) -> Solve:
-    """Solve with separating planes for `pairs`; other facet pairs enter when a solve makes them cross."""
-    for _ in range(MOST_PAIR_ROUNDS):
-        answer = solve(model, x, pairs)
-        record.solves += 1
-        record.statuses[answer.status] += 1
-        record.iterations += answer.iterations
-        crossed = model.crossed(answer.x, ANSWERED)
-        if not crossed or set(crossed) <= set(pairs):
-            return answer
-        pairs = tuple(sorted({*pairs, *crossed}))
-    return answer
+def _held(s: Samples, k: int) -> tuple[Contact, ...]:
+    """The contacts that an end holds."""
+    limits = [fold_limit(int(v), s.shut[k, v]) for v in np.flatnonzero(s.shut[k])]
+    slots = zip(s.slots[k].tolist(), s.sides[k].tolist(), strict=True)
+    gaps = [Contact("gap", gap, side) for gap, side in slots if gap != OPEN]
+    return tuple(dict.fromkeys((*limits, *gaps)))

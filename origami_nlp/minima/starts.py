@@ -1,0 +1,127 @@
+"""Where descents start: corners of the state space, strata between them, touches, and the interior.
+
+Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached from
+the interior, but a start on their own stratum, with its contacts held, reaches them in a third of the cases or more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.minima.descents import Samples, joined
+from origami_nlp.programme import Model, random_strata, vertices
+
+CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
+"""Sources of starts."""
+IN_ROUNDS = (INTERIOR, SUBSET, STRATUM, TOUCH)
+"""Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
+SOURCES = ("corners", "interior", "near corners", "strata", "touches")
+"""Their names, in the order of their numbers."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much time a search may take.
+
+    Attributes
+    ----------
+    corners
+        Candidates for corners of the state space: all of them up to this many, a sample beyond.
+    interior
+        Starts in the interior.
+    a_round
+        Starts of each kind in a round, for one degree of freedom; more with more, up to eight times.
+    rounds
+        Rounds at most.
+    hits
+        How often rounds must have reached every minimum.
+    quiet
+        Rounds without a new minimum after which the search may stop although one was reached less often.
+    """
+
+    corners: int
+    interior: int
+    a_round: int
+    rounds: int
+    hits: int
+    quiet: int
+
+
+EFFORTS = {
+    "quick": Effort(corners=256, interior=32, a_round=16, rounds=1, hits=1, quiet=1),
+    "normal": Effort(corners=2048, interior=64, a_round=32, rounds=8, hits=2, quiet=2),
+    "thorough": Effort(corners=16384, interior=512, a_round=128, rounds=40, hits=4, quiet=4),
+}
+"""By name."""
+
+
+def effort_of(name: object) -> Effort:
+    """Return an effort by its name, or complain."""
+    if not isinstance(name, str) or name not in EFFORTS:
+        raise OptionError(f"effort = {name!r} is unknown: use one of {', '.join(EFFORTS)}")
+    return EFFORTS[name]
+
+
+class Starts:
+    """Rounds of closed starts of a model, the same for the same seed.
+
+    The first holds the corners and the interior besides; each holds corners with some of their creases let go,
+    random strata, and touches; all but corners and the interior hold their contacts until they have converged.
+    """
+
+    def __init__(self, model: Model, seed: int, effort: Effort) -> None:
+        self._model, self._effort = model, effort
+        self._rng = np.random.default_rng(seed)
+        self._corners = vertices(model, effort.corners, self._rng)
+        self.every_corner = (
+            model.has_limits
+            and math.comb(model.size, model.equation_count) * 2 ** max(model.freedom, 0)
+            <= effort.corners
+        )
+        self._a_round = effort.a_round * min(2 ** max(model.freedom - 1, 0), 8)
+
+    def rounds(self) -> Iterator[Samples]:
+        """Yield round after round."""
+        interior = self._effort.interior
+        if not self._model.has_limits:
+            interior *= 8  # nothing but the interior, and each shape in several lifts
+        inside = random_strata(self._model, self._rng, interior, 0)
+        first = [Samples.on(inside, source=INTERIOR)]
+        if len(self._corners):
+            first.append(Samples.on(self._corners, _shut(self._corners), source=CORNER))
+        # batches cost by the call more than by the sample: the first rounds go with them
+        yield joined(*first, *(self._round() for _ in range(self._effort.hits)))
+        for _ in range(self._effort.rounds - self._effort.hits):
+            yield self._round()
+
+    def _round(self) -> Samples:
+        count = self._a_round
+        if not self._model.has_limits:
+            return Samples.on(random_strata(self._model, self._rng, 8 * count, 0), source=INTERIOR)
+        drawn = random_strata(self._model, self._rng, count)
+        parts = [Samples.on(drawn, _shut(drawn), hold=True, source=STRATUM)]
+        if len(self._corners):
+            parts.append(self._near_corners(count))
+        return joined(*parts)
+
+    def _near_corners(self, count: int) -> Samples:
+        """Corners with a random subset of their creases let go."""
+        rng = self._rng
+        x = self._corners[rng.integers(len(self._corners), size=count)]
+        shut = _shut(x)
+        closed = shut != 0
+        order = np.where(closed, rng.random(x.shape), 2.0).argsort(axis=1).argsort(axis=1)
+        keep = (rng.random(count) * closed.sum(axis=1)).astype(int)  # fewer than all
+        return Samples.on(
+            x, np.where(order < keep[:, None], shut, 0), hold=True, source=SUBSET
+        )
+
+
+def _shut(x: np.ndarray) -> np.ndarray:
+    """Creases of states [K, n] at their fold limits: -1, 0 or 1."""
+    return np.where(np.abs(x) == math.pi, np.sign(x), 0).astype(int)
