@@ -18,6 +18,13 @@ from .ipopt import (
     build_solver as build_solver,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
+from .multistart import (
+    FEW_PAIRS as FEW_PAIRS,
+    MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
+    run_one as run_one,
+    solve_without_crossing as solve_without_crossing,
+)
+from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,
@@ -25,14 +32,7 @@ from .result import (
     result_from_dict as result_from_dict,
     result_to_dict as result_to_dict,
 )
-from .search import (
-    FEW_PAIRS as FEW_PAIRS,
-    MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
-    Answer as Answer,
-    Record as Record,
-    run_one as run_one,
-    solve_without_crossing as solve_without_crossing,
-)
-from .stopping import enough as enough
+from .starts import EFFORTS as EFFORTS
+from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words

@@ -60,7 +60,9 @@ class Crossings:
         if len(self._walls):
             normal = cross(at.rays[:, -1], at.rays[:, -2])
             value = np.where(
-                self._last, np.einsum("krx,kx->kr", at.rays[:, self._ray], normal), at.rays[:, self._ray, 1]
+                self._last,
+                np.einsum("krx,kx->kr", at.rays[:, self._ray], normal),
+                at.rays[:, self._ray, 1],
             )
             which = value.argmin(axis=1)
             worst = -value[np.arange(k), which]

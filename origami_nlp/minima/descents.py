@@ -440,9 +440,7 @@ class Descents:
                 break
             held, room = _hold(crossed, gap, side)
             held = self.close(held, 6)
-            ok, again, _ = self._try(
-                held, s.x[todo], energy[todo], slope[todo] * 0, escaped[todo]
-            )
+            ok, again, _ = self._try(held, s.x[todo], energy[todo], slope[todo] * 0, escaped[todo])
             near = np.abs(held.x - crossed.x).max(axis=1) < 0.3
             ok &= room & near
             _put(out, todo[ok], held[ok])
@@ -511,7 +509,9 @@ def _inverted(a: np.ndarray) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         over = 1 / (p * pp + q * pq + r * pr)
         inverse = np.array([[pp, pq, pr], [pq, qq, qr], [pr, qr, rr]]) * over
-    return np.nan_to_num(inverse, nan=math.inf, posinf=math.inf, neginf=-math.inf).transpose(2, 0, 1)
+    return np.nan_to_num(inverse, nan=math.inf, posinf=math.inf, neginf=-math.inf).transpose(
+        2, 0, 1
+    )
 
 
 def _solved(h: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -21,33 +21,29 @@ from origami_nlp.arguments import (
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex
-from origami_nlp.kkt import (
-    Classification,
-    State,
-    classify,
-    flat_foldings,
-    handle_minima,
-    rest_state,
-    rigid_states,
-)
+from origami_nlp.kkt import Classification, State, flat_foldings, rest_state, rigid_states
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
+from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
+from origami_nlp.minima.multistart import run_starts
+from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.search import Answer, Record, add_state, run_boundaries, run_one, run_starts
-from origami_nlp.minima.stopping import enough, expected_undiscovered
+from origami_nlp.minima.search import Search
+from origami_nlp.minima.starts import Effort, Starts, effort_of
+from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
 from origami_nlp.programme import Model
 
-FEWEST_STARTS = 128
+FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
-MOST_STARTS = 1000
+MOST_STARTS = 20_000
 """Default cap on starts; the report says when the search stopped there."""
-DOWN = 0.05
-"""First step [rad] down either side of a saddle."""
+MOST_BATCHED = 24
+"""Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
 Progress = Callable[[int, int, float], None]
-"""Called as progress(starts, minima found, expected undiscovered answers)."""
+"""Called as progress(starts, minima found, estimate of those not found)."""
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
@@ -77,6 +73,7 @@ def find_minima(
     scene: Scene,
     *,
     seed: int = 0,
+    effort: str = "normal",
     max_starts: int = MOST_STARTS,
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
@@ -91,18 +88,21 @@ def find_minima(
         What is folded: vertex, springs, symmetry and contact.
     seed
         Of the random starts; the same seed gives the same answer.
+    effort
+        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts, and how often each minimum must have been
+        reached before the search stops.
     max_starts
-        Cap on random starts, for scenes where the stopping rule asks for more.
+        Cap on starts.
     fewest_starts
-        Random starts before the stopping rule is believed.
+        Starts before the stopping rule is believed.
     guesses
-        States to start from before the random starts (of a neighbouring scene, say), shape [N] each [rad]; they do not
+        States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
         enter the stopping rule.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     progress
-        Called after each start, as progress(starts, minima found, expected undiscovered).
+        Called after each round of starts, as progress(starts, minima found, estimate of those not found).
 
     Returns
     -------
@@ -125,109 +125,189 @@ def find_minima(
     """
     check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)
+    wanted = effort_of(effort)
     check_flag("full", full)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
     begin = time.perf_counter()
     model = Model(scene)
-    record = Record()
-    _list_states(model, seed, record)
-    missing, stopped_by = 0.0, "rule"
+    job = _Job(model, seed, wanted, (fewest_starts, max_starts), progress)
+    job.list_states()
     # where nothing can move within the symmetry, the listed states are all there is
     if model.freedom > 0:
-        for new in run_boundaries(model, seed, record):
-            _judge_new(model, new, record)
-        for guess in guesses:
-            new = run_one(model, model.reduce(guess), record, count=False)
-            _judge_new(model, new, record)
-        missing, stopped_by = _start_at_random(
-            model, seed, record, (fewest_starts, max_starts), progress
-        )
-    minima, others, outcomes = _sort_out(model, record)
+        job.search([model.reduce(g) for g in guesses])
+    minima, others, outcomes = _sort_out(model, job.record)
     if full:
         minima = _in_full_space(scene, minima)
-    report = SearchReport(
-        starts=record.starts,
-        feasible_starts=record.feasible_starts,
-        solves=record.solves,
-        statuses=dict(record.statuses),
-        outcomes=outcomes,
-        expected_undiscovered=missing,
-        stopped_by=stopped_by,
-        seconds=time.perf_counter() - begin,
-        seed=seed,
-        rejected=tuple(r for r in others if r.verdict != "undecided"),
-        undecided=tuple(r for r in others if r.verdict == "undecided"),
-        iterations=record.iterations,
-    )
+    report = job.report(others, outcomes, time.perf_counter() - begin, effort)
     return MinimaResult(scene, model, tuple(minima), report)
 
 
-def _list_states(model: Model, seed: int, record: Record) -> None:
-    """Judge the states that no descent finds: isolated flat foldings, hinge sets, thin sets at phi = +-pi."""
-    thin = handle_minima if model.freedom > 0 else rigid_states
-    # (a lowest state on a hinge set beside its flat folding is the one of the two that may be a minimum)
-    listed = itertools.chain(
-        rest_state(model), hinge_minima(model), flat_foldings(model), thin(model, seed)
-    )
-    for state in listed:
-        _judge_new(model, add_state(model, state, record), record)
+class _Job:
+    """One search: what it may spend, and its record."""
 
+    def __init__(
+        self,
+        model: Model,
+        seed: int,
+        effort: Effort,
+        starts: tuple[int, int],
+        progress: Progress | None,
+    ) -> None:
+        self.model, self.seed, self.effort = model, seed, effort
+        self.fewest, self.most = starts
+        self.progress = progress
+        self.record = Record()
+        self.stopped_by = "rule"
+        self.corners: tuple[int, bool] = (0, False)
 
-def _start_at_random(
-    model: Model, seed: int, record: Record, starts: tuple[int, int], progress: Progress | None
-) -> tuple[float, str]:
-    """Search from random starts, at least and at most `starts`, until the stopping rule says that it is enough.
+    def list_states(self) -> None:
+        """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
+        model = self.model
+        states = itertools.chain(rest_state(model), hinge_minima(model), flat_foldings(model))
+        if model.freedom <= 0:
+            states = itertools.chain(states, rigid_states(model, self.seed))
+        for x in states:
+            if self.record.known(x) is None:
+                self.record.answers.append(listed(model, x))
 
-    Returns the expected number of answers not yet found, and what stopped the search: ``rule`` or ``cap``.
-    """
-    missing = 0.0
-    for new in itertools.islice(run_starts(model, seed, record), starts[1]):
-        _judge_new(model, new, record)
-        hits = [a.hits for a in record.answers if a.is_minimum]
-        reached = sum(h > 0 for h in hits)
-        missing = expected_undiscovered(sum(hits), reached)
-        if progress:
-            found = len(hits) + sum(a.is_minimum for a in record.listed)
-            progress(record.starts, found, missing)
-        if record.starts >= starts[0] and enough(sum(hits), reached):
-            return missing, "rule"
-    return missing, "cap"
+    def search(self, guesses: list[np.ndarray]) -> None:
+        """Start from guesses, then round after round until the stopping rule says that it is enough."""
+        if self.model.size > MOST_BATCHED:
+            self._one_by_one()
+            return
+        under = self._under()
+        search = Search(self.model, self.record, under)
+        if guesses:
+            search.run(search.closed(np.array(guesses)), count=False)
+        starts = Starts(under[0] if under else self.model, self.seed, self.effort)
+        self.corners = starts.corners, starts.every_corner
+        self.stopped_by = "cap"
+        quiet = 0
+        for samples in starts.rounds():
+            found = len(self.record.minima)
+            search.run(samples[np.arange(min(len(samples), self.most - self.record.starts))])
+            quiet = quiet + 1 if len(self.record.minima) == found else 0
+            self._tell()
+            if self.record.starts >= self.most:
+                break
+            if self.record.starts >= self.fewest and self._enough(quiet):
+                self.stopped_by = "rule"
+                break
+
+    def _under(self) -> tuple[Model, Labels] | None:
+        """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
+        scene = self.model.scene
+        if not scene.group.is_trivial:
+            return None
+        labels = canonical_labels(scene)
+        return Model(labels.relabelled(scene)), labels
+
+    def _enough(self, quiet: int) -> bool:
+        hits = self.record.drawn_hits
+        if min(hits, default=self.effort.hits) >= self.effort.hits:
+            return True
+        return quiet >= self.effort.quiet and chao1(hits) < 0.5
+
+    def _one_by_one(self) -> None:
+        """Search with IPOPT alone."""
+        self.stopped_by = "cap"
+        quiet = 0
+        fewest = max(self.fewest, 16 * self.effort.hits)
+        for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
+            if new is not None:
+                judge(self.model, new)
+            quiet = 0 if new is not None and new.is_minimum else quiet + 1
+            self.record.quiet = quiet
+            self._tell()
+            if self.record.starts >= fewest and self._enough(quiet // fewest):
+                self.stopped_by = "rule"
+                break
+
+    def _tell(self) -> None:
+        if self.progress:
+            r = self.record
+            self.progress(r.starts, len(r.minima), chao1(r.drawn_hits))
+
+    def report(
+        self,
+        others: list[Rejected],
+        outcomes: dict[str, int],
+        seconds: float,
+        effort: str,
+    ) -> SearchReport:
+        """Say what was done."""
+        r = self.record
+        return SearchReport(
+            starts=r.starts,
+            feasible_starts=r.feasible_starts,
+            solves=r.solves,
+            statuses=dict(r.statuses),
+            outcomes=outcomes,
+            expected_undiscovered=chao1(r.drawn_hits),
+            stopped_by=self.stopped_by,
+            seconds=seconds,
+            seed=self.seed,
+            rejected=tuple(o for o in others if o.verdict != "undecided"),
+            undecided=tuple(o for o in others if o.verdict == "undecided"),
+            iterations=r.iterations,
+            effort=effort,
+            by_source={name: count for name, count in r.by_source.items() if count},
+            stalled=r.stalled,
+            seen_once=sum(h == 1 for h in r.drawn_hits),
+            quiet=r.quiet,
+            corners=self.corners[0],
+            every_corner=self.corners[1],
+        )
 
 
 def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
     """Return minima and other states, each in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
-    for answer in [*record.listed, *record.answers]:
-        p, energy = answer.polished, model.energy(answer.polished.x)
-        phi = model.expand(p.x)
+    for answer in record.answers:
+        energy = model.energy(answer.polished.x)
+        phi = model.expand(answer.polished.x)
         assert answer.what is not None
         what = _that_closes(model.scene.vertex, phi, answer.what)
         outcomes[what.verdict] += answer.hits
-        angles = tuple(phi.tolist())
-        if what.verdict != "minimum":
+        if what.verdict == "minimum":
+            minima.append(_minimum(model, answer, what, _confirmed(model, answer, record)))
+        else:
+            angles = tuple(phi.tolist())
             others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
-            continue
-        assert what.kind is not None
-        minima.append(
-            Minimum(
-                energy,
-                angles,
-                what.kind,
-                what.local_dimension,
-                p.closure_residual,
-                what.stationarity if math.isnan(p.kkt_residual) else p.kkt_residual,
-                p.converged,
-                answer.hits,
-                what.contacts,
-                what.reason,
-                what.eigenvalues,
-            )
-        )
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
     return minima, others, dict(outcomes)
+
+
+def _minimum(model: Model, answer: Answer, what: Classification, solver: Confirmation) -> Minimum:
+    p = answer.polished
+    assert what.kind is not None
+    return Minimum(
+        model.energy(p.x),
+        tuple(model.expand(p.x).tolist()),
+        what.kind,
+        what.local_dimension,
+        p.closure_residual,
+        what.stationarity if math.isnan(p.kkt_residual) else p.kkt_residual,
+        p.converged,
+        answer.hits,
+        what.contacts,
+        what.reason,
+        what.eigenvalues,
+        solver=solver,
+    )
+
+
+def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation:
+    """Let IPOPT solve from a minimum, with the contacts that are closed there."""
+    state = State(model, answer.polished.x)
+    solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
+    record.solves += 1
+    record.statuses[solver.status] += 1
+    record.iterations += solver.iterations
+    return solver
 
 
 def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) -> Classification:
@@ -248,18 +328,3 @@ def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
         replace(m, full_space=judge_in_full_space(scene, x, states))
         for m, x in zip(minima, states, strict=True)
     ]
-
-
-def _judge_new(model: Model, new: Answer | None, record: Record) -> None:
-    """Classify a new answer; from a saddle, go down both sides once."""
-    pending = [new] if new else []
-    while pending:
-        answer = pending.pop()
-        x = answer.polished.x
-        answer.what = what = classify(State(model, x), polished=answer.polished.converged)
-        if what.descent is not None and answer.hits:
-            for sign in (1.0, -1.0):
-                start = np.clip(x + sign * DOWN * what.descent, -model.bound, model.bound)
-                below = run_one(model, start, record, count=False)
-                if below:
-                    pending.append(below)

@@ -10,10 +10,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from origami_nlp.kkt import Solve
-from origami_nlp.numerics import CLOSES
+from origami_nlp.kkt import Solve, Stratum
+from origami_nlp.numerics import BESIDE, CLOSES, DEPENDENT
 from origami_nlp.programme import (
-    Contact,
+    Nlp,
     Pairs,
     Solvable,
     Structure,
@@ -48,45 +48,94 @@ class Solver:
     upper: np.ndarray
 
 
+WARM = {
+    **OPTIONS,
+    "mu_strategy": "monotone",
+    "mu_init": 1e-9,
+    "warm_start_init_point": "yes",
+    "warm_start_bound_push": 1e-9,
+    "warm_start_bound_frac": 1e-9,
+    "warm_start_slack_bound_push": 1e-9,
+    "warm_start_slack_bound_frac": 1e-9,
+    "warm_start_mult_bound_push": 1e-9,
+}
+"""Options of a solve that starts at its answer: nothing is pushed off a contact."""
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """What IPOPT says of a state that it is started at, with the multipliers of its closed contacts.
+
+    Attributes
+    ----------
+    status
+        Its return status.
+    iterations
+        It made; 0 or 1 where it agrees.
+    moved
+        Largest change of a fold angle [rad].
+    """
+
+    status: str
+    iterations: int
+    moved: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether IPOPT stays at the state."""
+        return self.status == "Solve_Succeeded" and self.moved <= BESIDE
+
+
 @lru_cache(maxsize=64)
-def build_solver(structure: Structure, pairs: Pairs | None, tolerance: float) -> Solver:
-    """Build IPOPT with separating planes for `pairs`; for None without, but every gap as a row (cached)."""
-    nlp = pose_with_gaps(structure) if pairs is None else pose_apart(structure, pairs)
-    options: dict[str, Any] = {
-        "print_time": False,
-        "error_on_fail": False,
-        "ipopt": {**OPTIONS, "tol": tolerance},
-    }
+def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> Solver:
+    """Build IPOPT with separating planes for `pairs` (cached)."""
+    return _built(pose_apart(structure, pairs), OPTIONS, tolerance)
+
+
+@lru_cache(maxsize=256)
+def _build_warm(structure: Structure, gaps: tuple[int, ...], tolerance: float) -> Solver:
+    return _built(pose_with_gaps(structure, gaps), WARM, tolerance)
+
+
+def _built(nlp: Nlp, options: dict[str, Any], tolerance: float) -> Solver:
     form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
-    return Solver(ca.nlpsol("origami", "ipopt", form, options), nlp.lower, nlp.upper)
+    quiet: dict[str, Any] = {"print_time": False, "error_on_fail": False}
+    quiet["ipopt"] = {**options, "tol": tolerance}
+    return Solver(ca.nlpsol("origami", "ipopt", form, quiet), nlp.lower, nlp.upper)
 
 
-def solve_on_boundary(model: Solvable, start: np.ndarray, row: Contact) -> Solve:
-    """Minimise the energy among states that keep one contact closed; facet pairs are not kept apart."""
-    programme = build_solver(model.structure, None, tolerance_for(model))
+def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
+    """Solve once from a state with its own multipliers: only closed contacts are rows, each on its open side."""
+    contacts = [c for c in stratum.contacts if not c.is_limit]
+    gaps = tuple(dict.fromkeys(c.index for c in contacts))
+    programme = _build_warm(model.structure, gaps, tolerance_for(model))
+    m, x = model.equation_count, stratum.state.x
+    lower, upper = programme.lower.copy(), programme.upper.copy()
+    pull, row_pull = np.zeros(model.size), np.zeros(len(lower))
+    forces = np.maximum(stratum.multiplier_set.smallest, 0.0)
+    rest = stratum.state.gradient - stratum.slopes.T @ forces
+    row_pull[:m] = -np.linalg.lstsq(stratum.state.jacobian.T, rest, rcond=DEPENDENT)[0]
+    for contact, force in zip(stratum.contacts, forces.tolist(), strict=True):
+        if contact.is_limit:
+            pull[contact.index] = contact.side * force
+        else:
+            row = m + gaps.index(contact.index)
+            (lower if contact.side > 0 else upper)[row] = 0.0
+            row_pull[row] = -contact.side * force
     bound = np.full(model.size, model.bound)
-    low, high = -bound, bound.copy()
-    lower, upper = programme.lower, programme.upper
-    x0 = np.asarray(start, dtype=float).copy()
-    if row.is_limit:
-        low[row.index] = high[row.index] = x0[row.index] = row.side * math.pi
-    else:
-        upper = upper.copy()
-        lower = lower.copy()
-        position = model.equation_count + row.index
-        lower[position] = upper[position] = 0.0
     out = programme.solver(
-        x0=x0, p=model.parameters.vector, lbx=low, ubx=high, lbg=lower, ubg=upper
+        x0=x,
+        p=model.parameters.vector,
+        lbx=-bound,
+        ubx=bound,
+        lbg=lower,
+        ubg=upper,
+        lam_x0=pull,
+        lam_g0=row_pull,
     )
     stats = programme.solver.stats()
-    return Solve(
-        x=np.asarray(out["x"]).ravel(),
-        status=str(stats["return_status"]),
-        iterations=int(stats["iter_count"]),
-        residual=math.nan,
-        pull=np.asarray(out["lam_x"]).ravel(),
-        pair_force={},
-    )
+    moved = float(np.abs(np.asarray(out["x"]).ravel() - x).max())
+    return Confirmation(str(stats["return_status"]), int(stats["iter_count"]), moved)
 
 
 def tolerance_for(model: Solvable) -> float:

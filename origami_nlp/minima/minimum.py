@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from origami_nlp.kkt import ContactForce, Kind
 from origami_nlp.minima.full_space import FullSpace
+from origami_nlp.minima.ipopt import Confirmation
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Minimum:
         True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
         minimum but undecided.)
     hits
-        Random starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.
+        Starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.
     contacts
         Closed contacts with their moments [N m per rad of opening], positive where they push.
     certificate
@@ -42,6 +43,8 @@ class Minimum:
         the space of all N fold angles.
     full_space
         Verdict in the full contact-admissible space, where it was asked for.
+    solver
+        What IPOPT says when it is started at the state with its multipliers.
 
     Examples
     --------
@@ -63,6 +66,7 @@ class Minimum:
     certificate: str
     hessian_eigenvalues: tuple[float, ...]
     full_space: FullSpace | None = None
+    solver: Confirmation | None = None
 
 
 @dataclass(frozen=True)
@@ -97,11 +101,11 @@ class SearchReport:
     Attributes
     ----------
     starts
-        Random starts.
+        States from which descents began.
     feasible_starts
-        Those that were admissible before they were solved.
+        Those that were admissible; the others were dropped.
     solves
-        Of IPOPT: a start that makes facets cross is solved again with planes between them.
+        Of IPOPT, which confirms each minimum; for large degrees it also searches.
     iterations
         Of IPOPT, over all solves.
     statuses
@@ -109,13 +113,29 @@ class SearchReport:
     outcomes
         Converged starts by what their end state is.
     expected_undiscovered
-        Boender and Rinnooy Kan's estimate of the number of minima that no start reached.
+        Chao's estimate of the number of minima that no drawn start reached: a lower bound in expectation, no guarantee.
     stopped_by
-        ``"rule"`` or ``"cap"``.
+        ``"rule"``, ``"cap"``, or ``"complete"``: nothing was left to sample.
     seconds
         Of wall time.
     seed
         Of the random starts.
+    effort
+        What was asked for.
+    by_source
+        Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
+    stalled
+        Descents that ended nowhere.
+    seen_once
+        Minima that one drawn start reached.
+    quiet
+        Drawn starts since the last new minimum.
+    corners
+        States with as many creases at their fold limits as there are freedoms, from which descents began.
+    every_corner
+        Whether these are all of them: minima among them are decided then.
+    complete
+        Why nothing is missing, where that is known; "" elsewhere.
     rejected
         Distinct answers that are no minimum, with the reason and hits.
     undecided
@@ -132,5 +152,13 @@ class SearchReport:
     stopped_by: str
     seconds: float
     seed: int
+    effort: str = field(default="normal", kw_only=True)
+    by_source: dict[str, int] = field(default_factory=dict, kw_only=True)
+    stalled: int = field(default=0, kw_only=True)
+    seen_once: int = field(default=0, kw_only=True)
+    quiet: int = field(default=0, kw_only=True)
+    corners: int = field(default=0, kw_only=True)
+    every_corner: bool = field(default=False, kw_only=True)
+    complete: str = field(default="", kw_only=True)
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
     undecided: tuple[Rejected, ...] = field(default=(), repr=False)

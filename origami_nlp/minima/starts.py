@@ -18,7 +18,7 @@ from origami_nlp.programme import Model, random_strata, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
 """Sources of starts."""
-IN_ROUNDS = (INTERIOR, SUBSET, STRATUM, TOUCH)
+DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
 SOURCES = ("corners", "interior", "near corners", "strata", "touches")
 """Their names, in the order of their numbers."""
@@ -78,6 +78,7 @@ class Starts:
         self._model, self._effort = model, effort
         self._rng = np.random.default_rng(seed)
         self._corners = vertices(model, effort.corners, self._rng)
+        self.corners = len(self._corners)
         self.every_corner = (
             model.has_limits
             and math.comb(model.size, model.equation_count) * 2 ** max(model.freedom, 0)
@@ -117,9 +118,7 @@ class Starts:
         closed = shut != 0
         order = np.where(closed, rng.random(x.shape), 2.0).argsort(axis=1).argsort(axis=1)
         keep = (rng.random(count) * closed.sum(axis=1)).astype(int)  # fewer than all
-        return Samples.on(
-            x, np.where(order < keep[:, None], shut, 0), hold=True, source=SUBSET
-        )
+        return Samples.on(x, np.where(order < keep[:, None], shut, 0), hold=True, source=SUBSET)
 
 
 def _shut(x: np.ndarray) -> np.ndarray:

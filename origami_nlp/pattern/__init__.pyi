@@ -19,6 +19,7 @@ from .fold_file import (
     read_fold as read_fold,
 )
 from .fold_scene import read_fold_scene as read_fold_scene
+from .labels import Labels as Labels, canonical_labels as canonical_labels
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

@@ -249,7 +249,14 @@ class Kinematics:
         return per_crease.reshape(*per_crease.shape[:-1], -1, self.size).sum(axis=-2)
 
 
-_PERMUTATIONS = ((0, 1, 2, 1), (1, 2, 0, 1), (2, 0, 1, 1), (1, 0, 2, -1), (2, 1, 0, -1), (0, 2, 1, -1))
+_PERMUTATIONS = (
+    (0, 1, 2, 1),
+    (1, 2, 0, 1),
+    (2, 0, 1, 1),
+    (1, 0, 2, -1),
+    (2, 1, 0, -1),
+    (0, 2, 1, -1),
+)
 
 
 def _lever(q: np.ndarray, entry: int) -> tuple[np.ndarray, np.ndarray]:

@@ -51,14 +51,14 @@ def pose_apart(structure: Structure, pairs: Pairs) -> Nlp:
     )
 
 
-def pose_with_gaps(structure: Structure) -> Nlp:
-    """Closure, then every gap as a row (the last ones); facet pairs are free, a caller holds what it wants closed."""
+def pose_with_gaps(structure: Structure, gaps: tuple[int, ...]) -> Nlp:
+    """Closure, then some gaps as rows (the last ones), each on either side: a caller says which."""
     f = compile_structure(structure)
     m = f.piece.equations.shape[0]
-    free = [-math.inf if gap.type == "facet-pair" else 0.0 for gap in structure.gaps]
-    lower, upper = [0.0] * m + free, [0.0] * m + [math.inf] * len(structure.gaps)
-    rows = ca.vertcat(f.piece.equations, f.gaps)
-    return Nlp(f.x, f.p, f.energy, rows, np.array(lower), np.array(upper))
+    rows = ca.vertcat(f.piece.equations, *(f.gaps[i] for i in gaps))
+    free = [math.inf] * len(gaps)
+    lower, upper = np.array([0.0] * m + [-v for v in free]), np.array([0.0] * m + free)
+    return Nlp(f.x, f.p, f.energy, rows, lower, upper)
 
 
 def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:

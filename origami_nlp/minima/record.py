@@ -1,0 +1,113 @@
+"""What a search has found and done: distinct states, how often each was reached, failures included."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.kkt import Classification, Polished, State, classify, exact_beside
+from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.programme import Programme
+
+
+@dataclass(eq=False)
+class Answer:
+    """A distinct state that descents ended at: its polish, how many reached it, what it was judged to be.
+
+    hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.
+    listed: found by listing or tracing, not by descent.
+    """
+
+    polished: Polished
+    hits: int = 0
+    in_rounds: int = 0
+    listed: bool = False
+    what: Classification | None = None
+
+    @property
+    def is_minimum(self) -> bool:
+        """Whether it was judged to be a minimum."""
+        return self.what is not None and self.what.verdict == "minimum"
+
+
+@dataclass
+class Record:
+    """Everything a search did, failures included.
+
+    answers: distinct states.  starts: drawn.  feasible_starts: admissible among them.  stalled: descents that ended
+    nowhere.  by_source: starts, by kind.  quiet: drawn starts since the last new minimum.
+    statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
+    """
+
+    answers: list[Answer] = field(default_factory=list)
+    starts: int = 0
+    feasible_starts: int = 0
+    stalled: int = 0
+    by_source: Counter[str] = field(default_factory=Counter)
+    quiet: int = 0
+    statuses: Counter[str] = field(default_factory=Counter)
+    solves: int = 0
+    iterations: int = 0
+    converged: int = 0
+
+    @property
+    def minima(self) -> list[Answer]:
+        """The answers that are minima."""
+        return [a for a in self.answers if a.is_minimum]
+
+    @property
+    def drawn_hits(self) -> list[int]:
+        """How often drawn starts reached each minimum that any start reached."""
+        return [a.in_rounds for a in self.minima if a.hits]
+
+    def known(self, x: np.ndarray) -> Answer | None:
+        """Return the answer that a polished state is, if there is one."""
+        near = (a for a in self.answers if np.abs(a.polished.x - x).max() <= SAME)
+        return next(near, None)
+
+    def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
+        """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
+
+        What Newton could not polish is taken for the exact state next to it, where there is one.
+        """
+        if not polished.converged:
+            polished = self._exact_beside(polished) or exact_beside(model, polished)
+        for known in self.answers:
+            if _is_same(known.polished, polished):
+                better = polished.converged and not known.polished.converged
+                if better:
+                    known.polished = polished
+                return known, better
+        answer = Answer(polished)
+        self.answers.append(answer)
+        return answer, True
+
+    def _exact_beside(self, state: Polished) -> Polished | None:
+        """Return the nearest exact state on record within `BESIDE` of a state, or None."""
+        exact = [a.polished for a in self.answers if a.polished.converged]
+        near = [float(np.abs(known.x - state.x).max()) for known in exact]
+        return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
+
+
+def judge(model: Programme, answer: Answer) -> None:
+    """Classify an answer."""
+    p = answer.polished
+    answer.what = classify(State(model, p.x), polished=p.converged)
+
+
+def listed(model: Programme, x: np.ndarray) -> Answer:
+    """Return an exact state that was listed as an answer, judged."""
+    closure = float(np.abs(model.closure(x)[0]).max())
+    answer = Answer(Polished(x, (), closure, math.nan, True), listed=True)
+    judge(model, answer)
+    return answer
+
+
+def _is_same(one: Polished, other: Polished) -> bool:
+    """Tell whether two states are one, as far as their accuracy says."""
+    exact = one.converged and other.converged
+    near = max(SAME, one.uncertainty + other.uncertainty) if exact else BESIDE
+    return bool(np.abs(one.x - other.x).max() <= near)

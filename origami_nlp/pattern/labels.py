@@ -1,0 +1,96 @@
+"""The same vertex under other labels: creases numbered from elsewhere, the other way round, or the paper turned over.
+
+None of this changes physics.  A search that draws random numbers by label would; it is therefore made under labels
+that all of these agree on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.vertex import Vertex
+
+
+@dataclass(frozen=True)
+class Labels:
+    """Other labels for the creases of a vertex.
+
+    Attributes
+    ----------
+    start
+        Crease of the scene (0-based) that comes first.
+    backward
+        Whether creases are counted clockwise, as in a mirror.
+    over
+        Whether the paper is turned over: mountains are valleys.
+    degree
+        Number of creases.
+    """
+
+    start: int
+    backward: bool
+    over: bool
+    degree: int
+
+    @property
+    def creases(self) -> np.ndarray:
+        """Crease of the scene that each new label names, [N]."""
+        return (self.start + (-1 if self.backward else 1) * np.arange(self.degree)) % self.degree
+
+    @property
+    def facets(self) -> np.ndarray:
+        """Facet of the scene that each new label names, [N]."""
+        return (self.creases - 1) % self.degree if self.backward else self.creases
+
+    @property
+    def sign(self) -> int:
+        """Sign of fold angles: -1 where the paper is turned over."""
+        return -1 if self.over else 1
+
+    def back(self, x: np.ndarray) -> np.ndarray:
+        """Return states [..., N] under new labels as states of the scene."""
+        out = np.empty_like(x)
+        out[..., self.creases] = self.sign * x
+        return out
+
+    def relabelled(self, scene: Scene) -> Scene:
+        """Return a scene without symmetry under the new labels, its mean stiffness 1."""
+        sectors = np.array(scene.vertex.sector_angles)[self.facets]
+        creases = self.creases
+        return Scene(
+            Vertex(tuple(sectors.tolist()), scene.vertex.flat),
+            tuple((np.array(scene.stiffness)[creases] / np.mean(scene.stiffness)).tolist()),
+            tuple((self.sign * np.array(scene.rest_angles)[creases] + 0.0).tolist()),
+            symmetry="none",
+            contact=scene.contact,
+        )
+
+
+def canonical_labels(scene: Scene) -> Labels:
+    """Return the labels under which a scene's numbers come first in order: the same for all its other labels.
+
+    Numbers that differ by rounding only (1e-12) count as equal; of labels that then agree, which is a symmetry of the
+    scene, the first is taken.
+    """
+    n = scene.degree
+    k = np.array(scene.stiffness) / np.mean(scene.stiffness)
+    columns = np.stack([scene.vertex.sector_angles, k, scene.rest_angles])
+    numbers = np.round(columns, 12) + 0.0
+    best: tuple[tuple[float, ...], Labels] | None = None
+    for start in range(n):
+        for backward in (False, True):
+            for over in (False, True):
+                labels = Labels(start, backward, over, n)
+                sectors, stiffness, rest = (
+                    numbers[0, labels.facets],
+                    numbers[1, labels.creases],
+                    labels.sign * numbers[2, labels.creases] + 0.0,
+                )
+                key = (*sectors.tolist(), *stiffness.tolist(), *rest.tolist())
+                if best is None or key < best[0]:
+                    best = key, labels
+    assert best is not None
+    return best[1]
