@@ -69,8 +69,12 @@ def panel_boundary(number: int) -> Boundary:
 
 
 def thinned(cases: Sequence[Any], step: int) -> list[Any]:
-    """Every `step`-th case; the others wait for the long studies (`pytest -m slow`)."""
+    """Every `step`-th case; the others wait for the long studies (`pytest -m slow`).
+
+    A tuple is the values of several arguments.
+    """
+    rows = [case if isinstance(case, tuple) else (case,) for case in cases]
     return [
-        case if k % step == 0 else pytest.param(case, marks=pytest.mark.slow)
-        for k, case in enumerate(cases)
+        pytest.param(*row, marks=[pytest.mark.slow] if k % step else [])
+        for k, row in enumerate(rows)
     ]

@@ -9,7 +9,6 @@ from nbclient import NotebookClient
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 NAMES = (
-    "01_stable_states.ipynb",
     "03_contact.ipynb",
     "06_speed_error.ipynb",
 )
@@ -19,7 +18,12 @@ VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succe
 """Rounding errors, times and counts of the search: they may differ between machines."""
 
 
-LONG = ("04_landscapes.ipynb", "05_cones.ipynb", "07_from_a_fold_file.ipynb")
+LONG = (
+    "01_stable_states.ipynb",
+    "04_landscapes.ipynb",
+    "05_cones.ipynb",
+    "07_from_a_fold_file.ipynb",
+)
 """Run with the long studies: what they call has tests of its own."""
 
 

@@ -72,7 +72,7 @@ def test_the_set_closes_on_its_plane_and_opens_only_where_no_gap_is_wide(sectors
     rng = np.random.default_rng(side + 1)
     shut, sectors = np.array([0, 2, 4]), np.array(sectors)
     seen = {True: 0, False: 0}
-    for _ in range(40):
+    for _ in range(24):
         hinges = polygon(rng, side)
         phi = three_flaps(hinges, 0, side)
         _, m = rotations.fold(sectors, phi)

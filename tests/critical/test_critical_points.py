@@ -56,7 +56,7 @@ def random_energy(scene, rng):
     )
 
 
-@pytest.mark.parametrize("scene", [SOME[0], SOME[2]], ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned([SOME[2], SOME[0]], 2), ids=lambda s: s.name)
 def test_the_morse_sum_is_the_euler_characteristic(scene):
     found = find_critical_points(scene, all_links=True)
     assert found.doubts == ()
@@ -66,15 +66,10 @@ def test_the_morse_sum_is_the_euler_characteristic(scene):
     assert max(p.residual for p in found.points) < 1e-12
 
 
-@settings(max_examples=2, deadline=None, derandomize=True)
-@given(data=st.data())
-def test_the_sum_is_the_same_for_every_energy(data):
+@pytest.mark.parametrize("shape", thinned([2, 1, 3], 3))
+def test_the_sum_is_the_same_for_every_energy(shape):
     """The space does not know the springs: any point lost or misjudged alone breaks this."""
-    scene = data.draw(st.sampled_from([SHAPES[1], SHAPES[2], SHAPES[3]]))
-    size = Model(scene).size
-    log_k = data.draw(st.lists(st.floats(-3, 3), min_size=size, max_size=size))
-    rest = data.draw(st.lists(st.floats(-math.pi, math.pi), min_size=size, max_size=size))
-    other = find_critical_points(with_energy(scene, np.exp(log_k), rest))
+    other = find_critical_points(random_energy(SHAPES[shape], np.random.default_rng(shape)))
     assert other.morse_sum == 1, other.to_dict()
 
 
@@ -264,7 +259,8 @@ def test_scenes_without_two_freedoms_are_refused():
         find_critical_points(examples.degree6(contact="none"))
 
 
-def test_command_line(tmp_path):
+def test_command_line(tmp_path, monkeypatch):
+    monkeypatch.setattr("origami_nlp.space.find_space", lambda scene: find_space(scene, COARSE))
     runner = CliRunner()
     text = runner.invoke(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "100"]).output
     file = tmp_path / "scene.toml"

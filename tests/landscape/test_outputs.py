@@ -14,7 +14,7 @@ from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.landscape.plain import LISTS, landscape_from_dict
 from tests import computed_once
 from tests.command_line import run, scene_file
-from tests.computed_once import shared
+from tests.computed_once import shared, thinned
 
 
 @shared
@@ -120,7 +120,7 @@ def test_arrays_hold_states(written):
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("ending", ["pdf", "svg"])
+@pytest.mark.parametrize("ending", thinned(["pdf", "svg"], 2))
 def test_vector_figures_without_contact(ending, tmp_path):
     """Without full contact there is no boundary to trace: the picture says so."""
     path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0, contact="fold-limits"))

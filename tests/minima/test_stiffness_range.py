@@ -1,11 +1,13 @@
 """Stiffness ratios up to 1e8 are solved, in any unit; what double precision cannot order is refused."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 from origami_nlp import OrigamiError, Scene, Vertex, examples, find_minima
+from tests.computed_once import panel_result, thinned
 
 VERTICES = {
     "flat-foldable": ("pi/3", "2*pi/3", "2*pi/3", "pi/3"),
@@ -35,15 +37,16 @@ def test_stiffnesses_that_cannot_be_computed_with_are_refused(stiffness, words):
 
 
 @pytest.mark.parametrize("power", [0, pytest.param(8, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("where", ["stiff", "soft"])
-@pytest.mark.parametrize("sectors", VERTICES.values(), ids=VERTICES)
-def test_one_spring_of_a_very_different_stiffness(sectors, where, power):
+@pytest.mark.parametrize(
+    ("name", "where"), thinned(list(itertools.product(VERTICES, ("stiff", "soft"))), 3)
+)
+def test_one_spring_of_a_very_different_stiffness(name, where, power):
     """At 1e4 and 1e8 the same kinds of states: the limit of a rigid, or of no, spring is reached."""
     found = []
     for ratio in (1e4, 1e8):
         unit = 10.0**power
         k = (ratio if where == "stiff" else 1 / ratio) * unit
-        result = find_minima(scene(sectors, (k, unit, unit, unit)), max_starts=64)
+        result = find_minima(scene(VERTICES[name], (k, unit, unit, unit)), max_starts=64)
         assert all(m.polished and m.closure_residual <= 1e-12 for m in result.minima)
         found.append(result.minima)
     few, many = found
@@ -54,9 +57,9 @@ def test_one_spring_of_a_very_different_stiffness(sectors, where, power):
 
 @pytest.mark.parametrize("factor", [1e-298, 1e298])
 def test_any_unit_will_do(factor):
-    base = examples.degree6("pi/4")
+    base = examples.degree6("pi/4", 1)
     scaled = Scene(base.vertex, np.array(base.stiffness) * factor, base.rest_angles, "D1")
-    one, other = find_minima(base), find_minima(scaled)
+    one, other = panel_result(base), find_minima(scaled)
     for a, b in zip(one.minima, other.minima, strict=True):
         assert b.energy == pytest.approx(a.energy * factor, rel=1e-12)
         assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)

@@ -72,7 +72,7 @@ def kawasaki_branches(a, b, t):
     )
 
 
-@pytest.mark.parametrize("seed", some(3, 6))
+@pytest.mark.parametrize("seed", some(2, 6))
 def test_degree_four_against_its_closed_form(seed):
     rng = np.random.default_rng(seed)
     while True:
@@ -128,8 +128,11 @@ def not_flat(rng, n, share):
 @pytest.mark.parametrize(
     ("n", "share"),
     [
-        *((4, -0.2), (5, 0.2), (6, -0.2)),
-        *(pytest.param(*p, marks=pytest.mark.slow) for p in ((4, 0.2), (5, -0.2), (6, 0.2))),
+        *((4, -0.2), (5, 0.2)),
+        *(
+            pytest.param(*p, marks=pytest.mark.slow)
+            for p in ((4, 0.2), (5, -0.2), (6, -0.2), (6, 0.2))
+        ),
     ],
 )
 def test_minima_of_vertices_that_are_not_flat(n, share):
@@ -203,7 +206,7 @@ def test_vertices_that_cannot_be_made(sectors, flat, words):
     assert "\n" not in str(error.value)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.lists(st.floats(0.05, 3.1), min_size=3, max_size=7))
 def test_the_polygon_inequalities_are_sharp(sides):
     """Refused sides never close; accepted ones do: a Gauss-Newton search from many starts decides."""
@@ -229,7 +232,7 @@ def test_the_polygon_inequalities_are_sharp(sides):
 # ---------------------------------------------------------------- noisy data
 
 
-@pytest.mark.parametrize("seed", some(2, 3))
+@pytest.mark.parametrize("seed", some(1, 3))
 def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
     rng = np.random.default_rng(seed)
     clean = np.array([45, 90, 45, 45, 90, 45]) * DEG

@@ -13,7 +13,7 @@ from origami_nlp.pattern import degree6, degree8
 from origami_nlp.space import find_space, find_transitions
 from origami_nlp.space.events import find_events
 from origami_nlp.space.transitions import signature_of
-from tests.computed_once import once
+from tests.computed_once import once, thinned
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
 
@@ -55,7 +55,14 @@ def test_curves_of_events_are_told(events6):
 
 @pytest.mark.parametrize(
     ("make", "alpha", "changes"),
-    [(degree6, math.pi / 4, False), (degree6, math.pi / 3, True), (degree8, math.pi / 4, False)],
+    thinned(
+        [
+            (degree6, math.pi / 3, True),
+            (degree6, math.pi / 4, False),
+            (degree8, math.pi / 4, False),
+        ],
+        2,
+    ),
 )
 def test_signatures_on_both_sides(make, alpha, changes):
     below, at, above = (
