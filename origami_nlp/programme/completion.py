@@ -171,6 +171,13 @@ class Piece:
             return np.maximum(np.abs(q[1]), np.abs(q[3]))
         return np.abs(quat.rotate(tuple(q), self.normal)[1] + exact_cosine(self.order))
 
+    def slopes(self, axes: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Derivatives of the one equation of C_n and D_n, n >= 2, by turns about axes [K, n, 3]: [K, n]."""
+        if self.kind == "C":
+            return -0.5 * np.einsum("kni,ik->kn", axes, end[1:])
+        h = _rotated(end, self.normal)
+        return axes[:, :, 2] * h[0][:, None] - axes[:, :, 0] * h[2][:, None]
+
     def fewer_turns(self, x: np.ndarray, solve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Fold angles [K, k], k < m, that close x if any do, and whether they are of a family, [K]."""
         u, end = self.axes(x, solve)
@@ -187,6 +194,60 @@ class Piece:
                 q = quat.multiply(_turn(axis, -a), q)
             turns.append(last_turn(u[-1], q))
         return np.array(turns).reshape(len(u), len(x)).T / self.share[solve], family
+
+    def meetings(self, variable: int) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles of a variable at which its two completions by all others meet, for one freedom.
+
+        Returns the angles within +-pi (twice that where the crease lies on a mirror, or for C_n) [M], and whether
+        they only touch there: two curves cross, or an isolated state; else one curve turns back.
+        """
+        others = np.delete(np.arange(len(self.rays)), variable)
+        x = np.zeros((3, len(self.rays)))
+        x[:, variable] = np.array([0.0, 2.0, -2.0]) * math.pi / 3 / self.share[variable]
+        u, end = self.axes(x, np.tile(others, (3, 1)))
+        if self.kind == "C" and self.order > 1:
+            values = end[0] ** 2 + quat.dot(u[0], end[1:]) ** 2
+            bounds = np.array([exact_cosine(self.order) ** 2])
+        else:
+            sides = np.cos(self._sides(u, end))
+            moving = int(np.ptp(sides, axis=1).argmax())
+            values = sides[moving]
+            first, second = np.arccos(np.clip(np.delete(sides[:, 0], moving), -1.0, 1.0))
+            bounds = np.cos([first + second, first - second])
+        # values = mean + size cos(turn - start): one side of a triangle against the angle that faces it
+        mean, even, odd = (
+            values.mean(),
+            (2 * values[0] - values[1] - values[2]) / 3,
+            values[1] - values[2],
+        )
+        size, start = math.hypot(even, odd / math.sqrt(3)), math.atan2(odd / math.sqrt(3), even)
+        if size <= 16 * EPS:
+            return np.zeros(0), np.zeros(0, dtype=bool)
+        cosine = (bounds - mean) / size
+        touching = np.abs(np.abs(cosine) - 1) <= 16 * EPS / size
+        cosine = np.where(touching, np.sign(cosine), cosine)[np.abs(cosine) <= 1 + 16 * EPS / size]
+        touching = touching[np.abs((bounds - mean) / size) <= 1 + 16 * EPS / size]
+        angle = start + np.arccos(cosine)[:, None] * np.array([1.0, -1.0])
+        angle = _principal(angle) / self.share[variable]
+        both = angle.ravel(), np.repeat(touching, 2)
+        if self.kind == "C" and self.order > 1:  # a whole turn changes the half angle's sign
+            return np.concatenate([both[0], both[0] - np.copysign(2 * math.pi, both[0])]), np.tile(
+                both[1], 2
+            )
+        return both
+
+    def _sides(self, u: list[np.ndarray], end: np.ndarray) -> np.ndarray:
+        """Sides of the triangle behind two completions, [3, K]."""
+        if len(u) == 3:
+            ends = u[0], _rotated(_inverse(end), u[2]), u[1], u[2]
+        elif len(u) == 2:
+            ends = u[0], np.broadcast_to(E2, u[0].shape), u[1], _rotated(end, E2[:, 0])
+        else:
+            v, w = _rotated(end, self.normal), np.broadcast_to(E2, u[0].shape)
+            third = np.full(u[0].shape[1], math.pi - math.pi / self.order)
+            return np.array([_between(u[0], v), _between(u[0], w), third])
+        a, w, b, v = ends
+        return np.array([_between(b, v), _between(b, a), _between(a, w)])
 
     def one_turn(self, u: np.ndarray, end: np.ndarray) -> Turns:
         """Solve the one equation of C_n and D_n, n >= 2, for the turn about u [3, K]."""
