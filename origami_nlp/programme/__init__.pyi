@@ -1,7 +1,12 @@
 from . import compiled as compiled
 from .closure import fold_piece as fold_piece
 from .compiled import Structure as Structure, compile_structure as compile_structure
-from .completion import close_three as close_three, complete as complete
+from .completion import (
+    Piece as Piece,
+    close_by as close_by,
+    close_three as close_three,
+    complete as complete,
+)
 from .contact import Contact as Contact, fold_limit as fold_limit, held as held
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics

@@ -24,6 +24,10 @@ from origami_nlp.numerics import EPS, OUTSIDE, ROUNDED, quaternion as quat
 from origami_nlp.programme.closure import exact_cosine, exact_sine
 from origami_nlp.programme.posed import Posed
 
+E2 = np.array([[0.0], [1.0], [0.0]])
+Turns = tuple[list[np.ndarray], np.ndarray, np.ndarray]
+"""Turns [2, K] each, whether they exist, [2, K] or [K], and whether they are of a family, same shape."""
+
 
 def complete(
     model: Posed, x: np.ndarray, solve: tuple[int, ...] | np.ndarray
@@ -52,37 +56,37 @@ def complete(
     is +-pi.  A crease that closes at +pi may close at -pi as well: one of the two is returned.
     Without fold limits angles are the principal ones, except that without symmetry, where the sheet asks for it, the
     largest of the three makes a whole turn backward.
-    Where a family of states closes (axes that lie on each other), one or two members are returned: a turn that does
-    nothing is 0, up to rounding of the axes.
-    x -> -x gives the negatives, in the other order.
+    Where a family of states closes (two creases lie on each other, or a turn moves nothing), the first of the turns
+    that only their sum matters of, or the one that moves nothing, is 0; both completions are this one.
+    x -> -x gives the negatives in the other order, but for the choice between +pi and -pi.
     """
-    x = np.array(x, dtype=float)
-    piece, m = Piece(model), model.equation_count
+    states, exists, _ = close_by(Piece(model), model.has_limits, x, solve)
+    return states, exists
+
+
+def close_by(
+    piece: Piece, limits: bool, x: np.ndarray, solve: tuple[int, ...] | np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`complete`, with a third array of bool [K, 2]: whether the state is one of a family."""
+    x, m = np.array(x, dtype=float), piece.equation_count
     solve = np.sort(np.broadcast_to(np.asarray(solve, dtype=int), (len(x), m)), axis=1)
-    rows = np.arange(len(x))
-    turns = x * piece.share
-    np.put_along_axis(turns, solve, 0.0, axis=1)
-    axes, end = piece.fold(turns)
-    u = [axes[solve[:, i], :, rows].T for i in range(m)]
-    limits = model.has_limits
+    u, end = piece.axes(x, solve)
     if m == 3:
-        angles, exists = _three_turns(u[0], u[1], u[2], _inverse(end), limits)
+        angles, exists, family = _three_turns(*u, _inverse(end), limits)
     elif m == 2:
-        v, w = _rotated(end, (0.0, 1.0, 0.0)), np.array([[0.0], [1.0], [0.0]])
-        *angles, exists = _two_turns(u[0], u[1], v, w)
+        angles, exists, family = _two_turns(*u, _rotated(end, E2[:, 0]), E2)
     else:
-        one, exists = piece.one_turn(u[0], end)
-        angles = [one]
+        angles, exists, family = piece.one_turn(u[0], end)
     states = np.repeat(x[:, None, :], 2, axis=1)
     for i in range(m):
         share = piece.share[solve[:, i]]
-        states[rows, :, solve[:, i]] = (angles[i] / share).T
-    exists = np.broadcast_to(exists, (2, len(x))).T
-    if not limits:
-        return states, exists.copy()
-    solved = np.take_along_axis(states, solve[:, None, :], axis=2)
-    exists = exists & (np.abs(solved) <= math.pi + OUTSIDE).all(axis=2)
-    return _at_limits(piece, states, exists, solve), exists
+        states[np.arange(len(x)), :, solve[:, i]] = (angles[i] / share).T
+    exists, family = (np.broadcast_to(mask, (2, len(x))).T.copy() for mask in (exists, family))
+    if limits:
+        solved = np.take_along_axis(states, solve[:, None, :], axis=2)
+        exists &= (np.abs(solved) <= math.pi + OUTSIDE).all(axis=2)
+        states = at_limits(piece, states, exists, solve)
+    return states, exists, family
 
 
 def close_three(
@@ -107,7 +111,7 @@ def close_three(
     exists
         Of bool, shape [K, 2].
     """
-    angles, exists = _three_turns(u1.T, u2.T, u3.T, target.T, limits)
+    angles, exists, _ = _three_turns(u1.T, u2.T, u3.T, target.T, limits)
     return np.stack(angles, axis=-1).transpose(1, 0, 2), np.ascontiguousarray(exists.T)
 
 
@@ -119,7 +123,7 @@ class Piece:
 
     def __init__(self, model: Posed) -> None:
         s, sectors = model.structure, model.parameters.sectors
-        self.kind, self.order = s.kind, s.order
+        self.kind, self.order, self.equation_count = s.kind, s.order, model.equation_count
         count = len(s.has_crease)
         azimuth = np.concatenate([[0.0], np.cumsum(sectors[: count - 1])])
         rays = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(count)], axis=1)
@@ -148,6 +152,14 @@ class Piece:
             q = quat.multiply(q, quat.fold(c, s, ray))
         return np.array(axes), np.array(quat.multiply(q, self.tail))
 
+    def axes(self, x: np.ndarray, solve: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+        """Fold with the creases solve [K, m] flat: their axes, m times [3, K], and the end of the piece [4, K]."""
+        turns = x * self.share
+        np.put_along_axis(turns, solve, 0.0, axis=1)
+        axes, end = self.fold(turns)
+        rows = np.arange(len(x))
+        return [axes[solve[:, i], :, rows].T for i in range(solve.shape[1])], end
+
     def misses(self, x: np.ndarray) -> np.ndarray:
         """Largest closure residual of fold angles [K, n], [K]; infinite on the sheet q = -1."""
         _, q = self.fold(x * self.share)
@@ -159,22 +171,104 @@ class Piece:
             return np.maximum(np.abs(q[1]), np.abs(q[3]))
         return np.abs(quat.rotate(tuple(q), self.normal)[1] + exact_cosine(self.order))
 
-    def one_turn(self, u: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Solve the one equation of C_n and D_n, n >= 2, for the turn about u [3, K]: angles [2, K], exists [K]."""
+    def slopes(self, axes: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Derivatives of the one equation of C_n and D_n, n >= 2, by turns about axes [K, n, 3]: [K, n]."""
+        if self.kind == "C":
+            return -0.5 * np.einsum("kni,ik->kn", axes, end[1:])
+        h = _rotated(end, self.normal)
+        return axes[:, :, 2] * h[0][:, None] - axes[:, :, 0] * h[2][:, None]
+
+    def fewer_turns(self, x: np.ndarray, solve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles [K, k], k < m, that close x if any do, and whether they are of a family, [K]."""
+        u, end = self.axes(x, solve)
+        turns, family = [], np.zeros(len(x), dtype=bool)
+        if len(u) == 2 or (u and self.order == 1 and self.kind == "D"):
+            # the first turn takes the last axis, or the mirror's normal, to where it has to be
+            v = u[1] if len(u) == 2 else _rotated(end, E2[:, 0])
+            w = _rotated(_inverse(end), u[1]) if len(u) == 2 else E2
+            a, family = _azimuth(u[0], v, w)
+            turns.append(a)
+        if u and self.kind == "C":
+            q: Any = tuple(_inverse(end))
+            for axis, a in zip(u, turns, strict=False):
+                q = quat.multiply(_turn(axis, -a), q)
+            turns.append(last_turn(u[-1], q))
+        return np.array(turns).reshape(len(u), len(x)).T / self.share[solve], family
+
+    def meetings(self, variable: int) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles of a variable at which its two completions by all others meet, for one freedom.
+
+        Returns the angles within +-pi (twice that where the crease lies on a mirror, or for C_n) [M], and whether
+        they only touch there: two curves cross, or an isolated state; else one curve turns back.
+        """
+        others = np.delete(np.arange(len(self.rays)), variable)
+        x = np.zeros((3, len(self.rays)))
+        x[:, variable] = np.array([0.0, 2.0, -2.0]) * math.pi / 3 / self.share[variable]
+        u, end = self.axes(x, np.tile(others, (3, 1)))
+        if self.kind == "C" and self.order > 1:
+            values = end[0] ** 2 + quat.dot(u[0], end[1:]) ** 2
+            bounds = np.array([exact_cosine(self.order) ** 2])
+        else:
+            sides = np.cos(self._sides(u, end))
+            moving = int(np.ptp(sides, axis=1).argmax())
+            values = sides[moving]
+            first, second = np.arccos(np.clip(np.delete(sides[:, 0], moving), -1.0, 1.0))
+            bounds = np.cos([first + second, first - second])
+        # values = mean + size cos(turn - start): one side of a triangle against the angle that faces it
+        mean, even, odd = (
+            values.mean(),
+            (2 * values[0] - values[1] - values[2]) / 3,
+            values[1] - values[2],
+        )
+        size, start = math.hypot(even, odd / math.sqrt(3)), math.atan2(odd / math.sqrt(3), even)
+        if size <= 16 * EPS:
+            return np.zeros(0), np.zeros(0, dtype=bool)
+        cosine = (bounds - mean) / size
+        touching = np.abs(np.abs(cosine) - 1) <= 16 * EPS / size
+        cosine = np.where(touching, np.sign(cosine), cosine)[np.abs(cosine) <= 1 + 16 * EPS / size]
+        touching = touching[np.abs((bounds - mean) / size) <= 1 + 16 * EPS / size]
+        angle = start + np.arccos(cosine)[:, None] * np.array([1.0, -1.0])
+        angle = _principal(angle) / self.share[variable]
+        both = angle.ravel(), np.repeat(touching, 2)
+        if self.kind == "C" and self.order > 1:  # a whole turn changes the half angle's sign
+            return np.concatenate([both[0], both[0] - np.copysign(2 * math.pi, both[0])]), np.tile(
+                both[1], 2
+            )
+        return both
+
+    def _sides(self, u: list[np.ndarray], end: np.ndarray) -> np.ndarray:
+        """Sides of the triangle behind two completions, [3, K]."""
+        if len(u) == 3:
+            ends = u[0], _rotated(_inverse(end), u[2]), u[1], u[2]
+        elif len(u) == 2:
+            ends = u[0], np.broadcast_to(E2, u[0].shape), u[1], _rotated(end, E2[:, 0])
+        else:
+            v, w = _rotated(end, self.normal), np.broadcast_to(E2, u[0].shape)
+            third = np.full(u[0].shape[1], math.pi - math.pi / self.order)
+            return np.array([_between(u[0], v), _between(u[0], w), third])
+        a, w, b, v = ends
+        return np.array([_between(b, v), _between(b, a), _between(a, w)])
+
+    def one_turn(self, u: np.ndarray, end: np.ndarray) -> Turns:
+        """Solve the one equation of C_n and D_n, n >= 2, for the turn about u [3, K]."""
         sides = np.array([[1.0], [-1.0]])
         if self.kind == "D":
-            v, w = _rotated(end, self.normal), np.array([[0.0], [1.0], [0.0]])
-            opposite = math.pi - math.pi / self.order
-            corner, exists = _corner(_between(u, v), _between(u, w), opposite)
-            return _principal(_azimuth(u, v, w) + sides * corner), exists
+            v = _rotated(end, self.normal)
+            corner, exists = _corner(
+                _between(u, v), _between(u, E2), math.pi - math.pi / self.order
+            )
+            toward, lost = _azimuth(u, v, E2)
+            return [_principal(toward + sides * corner)], exists, lost
         along = quat.dot(u, end[1:])
         reach, cosine = np.hypot(end[0], along), exact_cosine(self.order)
         spare = _cleared(reach - cosine)
         half = np.arctan2(np.sqrt(np.maximum(spare, 0.0) * (reach + cosine)), cosine)
-        return 2 * _principal(sides * half - np.arctan2(along, end[0])), spare >= 0
+        lost = reach <= 16 * EPS  # C2 only
+        half = np.where(lost, 0.0, sides * half - np.arctan2(along, end[0]))
+        return [2 * _principal(half)], spare >= 0, lost
 
 
-def _at_limits(
+def at_limits(
     piece: Piece, states: np.ndarray, exists: np.ndarray, solve: np.ndarray
 ) -> np.ndarray:
     """Set solved fold angles that miss +-pi by rounding to it, where closure stays at rounding."""
@@ -189,11 +283,10 @@ def _at_limits(
 
 def _three_turns(
     u1: np.ndarray, u2: np.ndarray, u3: np.ndarray, target: np.ndarray, limits: bool
-) -> tuple[list[np.ndarray], np.ndarray]:
-    """`close_three` on components [3, K], [4, K]: angles [2, K] each, exists [2, K]."""
-    a, b, exists = _two_turns(u1, u2, u3, _rotated(target, u3))
-    rest = quat.multiply(_turn(u2, -b), quat.multiply(_turn(u1, -a), tuple(target)))
-    c = 2 * np.arctan2(quat.dot(u3, rest[1:]), rest[0])  # a whole turn of it changes the sign
+) -> Turns:
+    """`close_three` on components [3, K], [4, K]."""
+    (a, b), exists, family = _two_turns(u1, u2, u3, _rotated(target, u3))
+    c = last_turn(u3, quat.multiply(_turn(u2, -b), quat.multiply(_turn(u1, -a), tuple(target))))
     wrong = np.abs(c) > math.pi + (OUTSIDE if limits else 0.0)
     angles = np.array([a, b, np.where(wrong, c - np.copysign(2 * math.pi, c), c)])
     # the sign is mended by a whole turn of one of them, which within limits leads from +-pi to -+pi only
@@ -201,19 +294,24 @@ def _three_turns(
     size = np.take_along_axis(angles, largest, axis=0)
     turned = np.where(wrong, size - np.copysign(2 * math.pi, size), size)
     np.put_along_axis(angles, largest, turned, axis=0)
-    both = np.broadcast_to(exists, a.shape)
-    return list(angles), both & (np.abs(angles) <= math.pi + OUTSIDE).all(
-        axis=0
-    ) if limits else both
+    exists = np.broadcast_to(exists, a.shape)
+    if limits:
+        exists = exists & (np.abs(angles) <= math.pi + OUTSIDE).all(axis=0)
+    return list(angles), exists, family
 
 
-def _two_turns(
-    u1: np.ndarray, u2: np.ndarray, v: np.ndarray, w: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Solve Q(u1, a) Q(u2, b) v = w: a, b [2, K], exists [K]."""
+def _two_turns(u1: np.ndarray, u2: np.ndarray, v: Any, w: Any) -> Turns:
+    """Solve Q(u1, a) Q(u2, b) v = w."""
     corner, exists = _corner(_between(u2, v), _between(u2, u1), _between(u1, w))
-    b = _principal(_azimuth(u2, v, u1) + np.array([[1.0], [-1.0]]) * corner)
-    return _azimuth(u1, quat.rotate(_turn(u2, b), v), w), b, exists
+    toward, lost = _azimuth(u2, v, u1)
+    b = _principal(toward + np.array([[1.0], [-1.0]]) * corner)
+    a, lost_too = _azimuth(u1, quat.rotate(_turn(u2, b), v), w)
+    return [a, b], exists, lost | lost_too
+
+
+def last_turn(u: np.ndarray, q: Any) -> np.ndarray:
+    """Turn about u [3, K] nearest to the rotation q, in [-2 pi, 2 pi]: a whole turn of it changes the sign of q."""
+    return 2 * np.arctan2(quat.dot(u, q[1:]), q[0])
 
 
 def _corner(left: Any, right: Any, opposite: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -237,11 +335,14 @@ def _between(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.sqrt((apart**2).sum(axis=0)), np.sqrt((across**2).sum(axis=0)))
 
 
-def _azimuth(u: np.ndarray, v: Any, w: Any) -> np.ndarray:
-    """Turn about unit u that takes v to over w, in [-pi, pi]; 0 where one of them is along u, up to rounding."""
+def _azimuth(u: np.ndarray, v: Any, w: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Turn about unit u that takes v to over w, in [-pi, pi]; 0, and True, where one of them is along u."""
     v, w = ([x[k] - along * u[k] for k in range(3)] for x in (v, w) for along in [quat.dot(u, x)])
     angle = np.arctan2(quat.dot(u, quat.cross(v, w)), quat.dot(v, w))
-    return np.where(np.minimum(quat.dot(v, v), quat.dot(w, w)) <= (64 * EPS) ** 2, 0.0, angle)
+    lost = (
+        np.minimum(quat.dot(v, v), quat.dot(w, w)) <= (16 * EPS) ** 2
+    )  # rounding of a product of folds
+    return np.where(lost, 0.0, angle), lost
 
 
 def _principal(angle: np.ndarray) -> np.ndarray:

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import ROUNDED, SETTLED, distinct
-from origami_nlp.programme.completion import Piece, complete
+from origami_nlp.numerics import OUTSIDE, ROUNDED, SETTLED, distinct
+from origami_nlp.programme.completion import Piece, at_limits, close_by, complete
 from origami_nlp.programme.posed import Posed
 
 TRIES = 32
@@ -20,9 +20,10 @@ TRIES = 32
 
 
 def vertices(model: Posed, most: int, rng: np.random.Generator) -> np.ndarray:
-    """List the closed states at which all but m = `equation_count` variables are at +-pi.
+    """List the closed states that the creases at +-pi leave no freedom.
 
-    All of them where there are at most `most` candidates, else those of a sample of this size.  A candidate is m
+    At most m = `equation_count` variables are not at +-pi, and closure determines these.  All such states are listed
+    where there are at most `most` candidates, else those of a sample of this size.  A candidate is a choice of 0 to m
     variables to be solved and the signs of the others; the sample holds with a candidate the one of opposite signs.
     So the list is the same under x -> -x, always; it is the same however creases are numbered where it is all of
     them, and else in distribution.
@@ -39,27 +40,55 @@ def vertices(model: Posed, most: int, rng: np.random.Generator) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        Different states (`SETTLED`), shape [V, n], in a fixed order.  States with more fold angles at +-pi are among
-        them, with every choice of signs of the solved ones that closes on the sheet: all flat foldings, therefore, in
-        which at least n - m creases are folded and a choice of m variables closes alone.  The flat state is not.
-        Not admissible in general: facets may cross.
+        Different states (`SETTLED`), shape [V, n], in a fixed order.  Not admissible in general: facets may cross.
+        Flat foldings are among them unless creases that lie on each other can turn against each other, and so is the
+        flat state of a model without freedom.
+
+    Notes
+    -----
+    Where the solved creases can move (a family) there is no such state with these, but its ends are: there fewer
+    variables are not at +-pi.  So these are solved too, from the first equations; the others then hold or not.
     """
     n, m = model.size, model.equation_count
     if not model.has_limits or n < m:
         return np.zeros((0, n))
-    if math.comb(n, m) * 2 ** (n - m) <= most:
-        subsets = np.array(list(itertools.combinations(range(n), m)))
-        signs = np.array(list(itertools.product((-1.0, 1.0), repeat=n - m)))
-        solve = np.repeat(subsets, len(signs), axis=0)
-        signs = np.tile(signs, (len(subsets), 1))
-    else:
-        solve, signs = _random_subsets(rng, most // 2, n, m), _random_signs(rng, most // 2, n - m)
-        solve, signs = np.tile(solve, (2, 1)), np.concatenate([signs, -signs])
-    x = np.zeros((len(solve), n))
-    x[_others(solve, n)] = math.pi * signs.ravel()
-    states, exists = complete(model, x, solve)
-    solve = np.repeat(solve[:, None, :], 2, axis=1)
-    return _different(_all_signs(model, states[exists], solve[exists]))
+    piece = Piece(model)
+    many = [math.comb(n, k) * 2 ** (n - k) for k in range(m + 1)]
+    found = [np.zeros((0, n))]
+    for k, number in enumerate(many):
+        share = most * number // (2 * sum(many))
+        solve, signs = _candidates(n, k, rng, share if sum(many) > most else None)
+        x = np.zeros((len(solve), n))
+        x[_others(solve, n)] = math.pi * signs.ravel()
+        states, exists, family = _solved(piece, x, solve)
+        found.append(states[exists & ~family])
+    return _different(np.concatenate(found))
+
+
+def _candidates(
+    n: int, k: int, rng: np.random.Generator, half: int | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Choose k variables to be solved [K, k] and signs of the others [K, n - k]: all, or `half` and their opposites."""
+    if half is not None:
+        solve, signs = _random_subsets(rng, half, n, k), _random_signs(rng, half, n - k)
+        return np.tile(solve, (2, 1)), np.concatenate([signs, -signs])
+    subsets = np.array(list(itertools.combinations(range(n), k)), dtype=int)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=n - k)))
+    return np.repeat(subsets, len(signs), axis=0), np.tile(signs, (len(subsets), 1))
+
+
+def _solved(
+    piece: Piece, x: np.ndarray, solve: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Close states at fold limits by k <= m fold angles: states, which exist, which are of a family."""
+    k = solve.shape[1]
+    if k == piece.equation_count:
+        return close_by(piece, True, x, solve)
+    turns, family = piece.fewer_turns(x, np.sort(solve, axis=1))
+    np.put_along_axis(x, np.sort(solve, axis=1), turns, axis=1)
+    inside = (np.abs(x) <= math.pi + OUTSIDE).all(axis=1)
+    x = at_limits(piece, x[:, None], inside[:, None], solve)[:, 0]
+    return x, inside & (piece.misses(x) <= ROUNDED), family
 
 
 def random_strata(
@@ -144,20 +173,6 @@ def _others(solve: np.ndarray, n: int) -> np.ndarray:
     mask = np.ones((len(solve), n), dtype=bool)
     np.put_along_axis(mask, solve, False, axis=1)
     return mask
-
-
-def _all_signs(model: Posed, x: np.ndarray, solve: np.ndarray) -> np.ndarray:
-    """Add to states [K, n] those that close with other signs of solved fold angles [K, m] at +-pi."""
-    solved = np.take_along_axis(x, solve, axis=1)
-    at_limit = np.abs(solved) == math.pi
-    more = at_limit.any(axis=1)
-    out = [x]
-    for signs in itertools.product((-1.0, 1.0), repeat=solve.shape[1]):
-        other = x[more]
-        turned = np.where(at_limit[more], signs * solved[more], solved[more])
-        np.put_along_axis(other, solve[more], turned, axis=1)
-        out.append(other[Piece(model).misses(other) <= 2 * ROUNDED])
-    return np.concatenate(out)
 
 
 def _different(x: np.ndarray) -> np.ndarray:

@@ -1,0 +1,303 @@
+"""All minima of a scene with one freedom: every curve of closed states, every root of the energy's slope on it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import project
+from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, Curves
+from origami_nlp.numerics import (
+    ANSWERED,
+    CLOSES,
+    FOLLOWED,
+    RANK,
+    RESOLVED,
+    ROUNDED,
+    SETTLED,
+    UNPOLISHED,
+    distinct,
+)
+from origami_nlp.programme import Contact, Model, fold_limit, vertices
+
+MOST_VERTICES = 10_000
+"""More candidates than a model with one freedom has."""
+BATCH = 256
+"""States that the compiled functions take at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """Where the minima of a model with one freedom can be.
+
+    Attributes
+    ----------
+    states
+        Candidates [K, n] [rad], closed to rounding, those with contacts and stationary ones to about 1e-8.
+    contacts
+        Contacts that each closes and that may hold it, as far as its origin says.
+    origins
+        ``stationary`` (the slope of the energy changes sign), ``limit`` (an end at |phi| = pi), ``contact`` (an end at a
+        mirror, the axis or a facet) or ``crossing`` (curves cross, or a state stands alone).
+    pieces
+        Pieces of curves that were resolved.
+    complete
+        Whether every piece was resolved.
+    reason
+        What that rests on, or where it failed.
+    """
+
+    states: np.ndarray
+    contacts: tuple[tuple[Contact, ...], ...]
+    origins: tuple[str, ...]
+    pieces: int
+    complete: bool
+    reason: str
+
+
+def trace(model: Model) -> Traced:
+    """Find every state of a model with one freedom that can be a minimum.
+
+    All closed states lie on curves over the fold angle of one crease, given in closed form.  Each piece is resolved as
+    a Chebyshev series, with each variable as the driver where it is the fastest; all roots of the energy's slope are
+    those of a matrix.  To these come the ends of the curves: fold limits, contacts, crossings.
+
+    Parameters
+    ----------
+    model
+        With `freedom` 1, any group and contact.
+
+    Returns
+    -------
+    Traced
+        Candidates, for `polish` and `classify` to decide on: not all are minima, nor admissible.
+
+    Raises
+    ------
+    OptionError
+        If the model has more freedoms, or none.
+    """
+    if model.freedom != 1:
+        raise OptionError(f"a model with {model.freedom} freedoms has no curves to trace: need 1")
+    curves = Curves(model)
+    branches, failures = curves.resolved()
+    found = _Found()
+    for some, lift in _lifts(model, curves, branches):
+        _add_stationary(curves, some, lift, found)
+    if model.has_limits:
+        for x in vertices(model, MOST_VERTICES, np.random.default_rng(0)):
+            held = np.flatnonzero(np.abs(x) == math.pi)
+            found.add(x, tuple(fold_limit(int(v), x[v]) for v in held), "limit")
+    for x in _crossings(curves):
+        found.add(x, (), "crossing")
+    if model.gaps:
+        _add_contacts(curves, branches, found)
+    return found.result(model, len(branches.side), failures)
+
+
+class _Found:
+    """Candidates, one after the other."""
+
+    def __init__(self) -> None:
+        self.states: list[np.ndarray] = []
+        self.contacts: list[tuple[Contact, ...]] = []
+        self.origins: list[str] = []
+
+    def add(self, x: np.ndarray, contacts: tuple[Contact, ...], origin: str) -> None:
+        self.states.append(x)
+        self.contacts.append(contacts)
+        self.origins.append(origin)
+
+    def result(self, model: Model, pieces: int, failures: list[str]) -> Traced:
+        """Drop what is not admissible, and what is listed twice."""
+        x = np.array(self.states).reshape(-1, model.size)
+        x = x[:0] if not len(x) else x
+        good = np.flatnonzero(model.admissible(x, ANSWERED))
+        keep = good[distinct(x[good], RESOLVED)]
+        reason = (
+            f"one freedom: each of {pieces} pieces of the curves of closed states was resolved, and every root of the "
+            f"energy's slope taken; nearer than {RESOLVED:g} rad to a crossing nothing was told apart from it"
+        )
+        if failures:
+            reason = "not resolved: " + "; ".join(failures[:3])
+        return Traced(
+            x[keep],
+            tuple(self.contacts[k] for k in keep),
+            tuple(self.origins[k] for k in keep),
+            pieces,
+            not failures,
+            reason,
+        )
+
+
+def _lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
+    """Split branches by the whole turns [L, n] that lead to states of the model: all of the sheet and its bound."""
+    out = []
+    keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
+    for key in np.unique(keys, axis=0):
+        some = branches.take((keys == key).all(axis=1))
+        odd, pinned = bool(key[0]), key[1:]
+        # a variable that stands at +-pi is written as +pi or -pi by rounding
+        options = [
+            (-1.0, 0.0, 1.0) if free and (pin or not model.has_limits) else (0.0,)
+            for free, pin in zip(curves.free_turn, pinned, strict=True)
+        ]
+        turns = np.array(list(itertools.product(*options)))
+        if curves.sheets:
+            turns = turns[turns.sum(axis=1) % 2 == odd]
+        if len(turns):
+            out.append((some, turns))
+    return out
+
+
+def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found) -> None:
+    """Add all states where the slope of the energy rises through zero, or touches it."""
+    model = curves.model
+    torque = model.parameters.torque(b.x) * b.tangents
+    more = model.parameters.stiffness * b.tangents
+    series = np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2))
+    steps = np.einsum("kj,bjn->bkn", TO_SERIES, more)
+    series = series[:, None] + 2 * math.pi * np.einsum("bkn,ln->blk", steps, lift)
+    scale = (
+        np.abs(torque).sum(axis=2).max(axis=1)[:, None] + 1e-12 * model.parameters.stiffness.max()
+    )
+    may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + 1e-12 * scale
+    which, lifts = np.nonzero(may)
+    k, where, slope = _roots(series[which, lifts])
+    which, lifts = which[k], lifts[k]
+    driver = b.sections.driver[which]
+    way = np.sign(np.take_along_axis(b.tangents[which, NODES // 2], driver[:, None], 1)[:, 0])
+    rising = way * slope > -UNPOLISHED * np.broadcast_to(scale, may.shape)[which, lifts]
+    which, lifts, where = which[rising], lifts[rising], where[rising]
+    for x in _at(curves, b.take(which), where, lift[lifts]):
+        held = np.flatnonzero(np.abs(np.abs(x) - math.pi) <= FOLLOWED) if model.has_limits else ()
+        found.add(x, tuple(fold_limit(int(v), x[v]) for v in held), "stationary")
+
+
+def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.ndarray:
+    """States of branches at positions [B] in [-1, 1], whole turns [B, n] added, within the model's bound."""
+    if not len(where):
+        return np.zeros((0, curves.model.size))
+    angle = b.sections.angle(where[:, None])[:, 0]
+    x, _, _ = curves.states(b.sections.driver, angle)
+    x = x[np.arange(len(where)), b.side]
+    nodes = np.cos(np.outer(np.arccos(np.clip(where, -1, 1)), np.arange(NODES)))
+    near = np.einsum("bk,kj,bjn->bn", nodes, TO_SERIES, b.x)
+    x = x + np.where(curves.free_turn, 2 * math.pi * np.round((near - x) / (2 * math.pi)), 0.0)
+    x = np.where(b.pinned, np.copysign(math.pi, near), x) + 2 * math.pi * lift
+    speed = np.abs(curves.tangents(x)[0])
+    fastest = speed[np.arange(len(x)), b.sections.driver] >= 0.5 * speed.max(axis=1)
+    inside = (np.abs(x) <= curves.model.bound + CLOSES).all(axis=1)
+    return np.clip(x[inside & fastest], -curves.model.bound, curves.model.bound)
+
+
+def _roots(series: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Find roots in [-1, 1] of Chebyshev series [B, NODES]: whose, where, and the slope there.
+
+    Eigenvalues of the colleague matrix; a pair of complex ones is a double root where rounding can have split it.
+    """
+    if not len(series):
+        return np.zeros(0, dtype=int), np.zeros(0), np.zeros(0)
+    size = np.abs(series).max(axis=1, keepdims=True)
+    c = series / np.maximum(size, 1e-300)
+    small = np.abs(c[:, -1]) < 1e-15  # the matrix divides by the last one
+    c[small, -1] = 1e-15
+    n = NODES - 1
+    matrix = np.zeros((len(c), n, n))
+    k = np.arange(n - 1)
+    matrix[:, k, k + 1] = matrix[:, k + 1, k] = 0.5
+    matrix[:, 0, 1] = 1.0
+    matrix[:, -1, :] -= c[:, :-1] / (2 * c[:, -1:])
+    roots = np.linalg.eigvals(matrix)
+    real = (np.abs(roots.imag) <= SETTLED * 100) & (np.abs(roots.real) <= 1 + SETTLED)
+    which, column = np.nonzero(real)
+    where = np.clip(roots[which, column].real, -1.0, 1.0)
+    slopes = np.array([_slope(series[w], x) for w, x in zip(which, where, strict=True)])
+    return which, where, slopes
+
+
+def _slope(series: np.ndarray, where: float) -> float:
+    return float(np.polynomial.chebyshev.chebval(where, np.polynomial.chebyshev.chebder(series)))
+
+
+def _crossings(curves: Curves) -> list[np.ndarray]:
+    """States where completions touch and closure is singular, in the model's bound, with no neighbour clearly lower."""
+    model, out = curves.model, []
+    shift = 1e-4
+    for v, angle in curves.crossings:
+        driver = np.full(3, v)
+        x, exists, _ = curves.states(driver, angle + np.array([0.0, shift, -shift]))
+        near = x[1:][exists[1:]]
+        for state in x[0][exists[0]][:1]:
+            if curves.tangents(state[None])[1][0] > RANK:
+                continue
+            state = np.where(
+                np.abs(np.abs(state) - math.pi) <= RESOLVED, np.copysign(math.pi, state), state
+            )
+            state = np.where(np.abs(state) <= RESOLVED, 0.0, state)
+            turns = [(-1.0, 0.0, 1.0) if free else (0.0,) for free in curves.free_turn]
+            every = state + 2 * math.pi * np.array(list(itertools.product(*turns)))
+            every = every[(np.abs(every) <= model.bound + CLOSES).all(axis=1)]
+            every = every[curves.piece.misses(every) <= 2 * ROUNDED]
+            for y in every:
+                step = near - state
+                step -= np.where(
+                    curves.free_turn, 2 * math.pi * np.round(step / (2 * math.pi)), 0.0
+                )
+                step = step[np.abs(step).max(axis=1) < 1e-2]
+                if model.has_limits:
+                    step = step[(np.abs(y + step) <= math.pi + CLOSES).all(axis=1)]
+                change = step @ model.parameters.torque(y)
+                if not (change < -1e-2 * shift * np.abs(model.parameters.torque(y)).max()).any():
+                    out.append(y)
+    return out
+
+
+def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
+    """Add the states at which a gap closes."""
+    model = curves.model
+    for b, lift in _lifts(model, curves, branches):
+        inside = (np.abs(b.x) <= math.pi + SETTLED).all(axis=(1, 2))
+        b = b.take(inside)
+        if not len(b.side):
+            continue
+        for turns in lift:
+            x = b.x + 2 * math.pi * turns
+            values = _gaps(model, x.reshape(-1, model.size)).reshape(*x.shape[:2], -1)
+            for contact in model.gaps:
+                series = np.einsum("kj,bj->bk", TO_SERIES, values[..., contact.index])
+                size = np.abs(series).sum(axis=1)
+                may = np.flatnonzero((2 * np.abs(series[:, 0]) <= size + SETTLED) & (size > CLOSES))
+                k, where, _ = _roots(series[may])
+                which = may[k]
+                states = _at(curves, b.take(which), where, np.tile(turns, (len(which), 1)))
+                for state in states:
+                    _add_contact(model, state, contact, found)
+
+
+def _add_contact(model: Model, x: np.ndarray, contact: Contact, found: _Found) -> None:
+    """Add the state beside x at which a gap is closed exactly, if it touches there."""
+    y, residual = project(model, x, [contact])
+    if residual > FOLLOWED or np.abs(y - x).max() > SETTLED * 100:
+        return
+    if not model.admissible(y[None], ANSWERED)[0]:
+        return
+    closed = model.closed(y)
+    rows = dict.fromkeys(itertools.chain(closed.base, *(r for c in closed.branches for r in c)))
+    for side in (1, -1):
+        one = Contact(contact.kind, contact.index, side)
+        if any(r.kind == contact.kind and r.index == contact.index for r in rows):
+            found.add(y, (one,), "contact")
+            break
+
+
+def _gaps(model: Model, x: np.ndarray) -> np.ndarray:
+    """Gaps of states [K, n], in batches of one size: the compiled functions are made once."""
+    count = len(x)
+    spare = np.zeros((-count % BATCH, model.size))
+    x = np.concatenate([x, spare])
+    return np.concatenate([model.local(part).gaps for part in np.split(x, len(x) // BATCH)])[:count]
