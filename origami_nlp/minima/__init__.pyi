@@ -18,6 +18,13 @@ from .ipopt import (
     build_solver as build_solver,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
+from .pinches import (
+    Starts as Starts,
+    close_pinched as close_pinched,
+    model_rows as model_rows,
+    model_strata as model_strata,
+    touch_starts as touch_starts,
+)
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,
@@ -36,3 +43,4 @@ from .search import (
 from .stopping import enough as enough
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words
+from .touches import TouchStrata as TouchStrata, list_strata as list_strata
