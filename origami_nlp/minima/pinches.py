@@ -24,6 +24,7 @@ import numpy as np
 from origami_nlp.errors import SceneError
 from origami_nlp.folding import (
     find_crossings,
+    find_tip_crossings,
     fold_vertex,
     row_values,
     stack_depths,
@@ -249,6 +250,7 @@ def faulty(model: Model, x: np.ndarray, act: np.ndarray, touches: np.ndarray) ->
     left = np.flatnonzero(~bad)
     depth = find_crossings(rays[left], model.structure.pairs).depth
     wrong = (depth > OUTSIDE).any(axis=1)
+    wrong |= (find_tip_crossings(rays[left], touches[left]).depth > OUTSIDE).any(axis=(1, 2))
     stacked = stack_depths(stack_rule(vertex.sector_angles), x[left], act[left])
     bad[left] = wrong | (stacked > OUTSIDE).any(axis=1)
     return bad
