@@ -1,6 +1,7 @@
 from . import compiled as compiled
 from .closure import fold_piece as fold_piece
 from .compiled import Structure as Structure, compile_structure as compile_structure
+from .completion import close_three as close_three, complete as complete
 from .contact import Contact as Contact, fold_limit as fold_limit, held as held
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .model import Local as Local, Model as Model
@@ -13,4 +14,5 @@ from .nlp import (
 )
 from .parameters import Parameters as Parameters
 from .protocol import Programme as Programme, Solvable as Solvable
+from .strata import random_strata as random_strata, vertices as vertices
 from .touching import ClosedContacts as ClosedContacts, ContactWords as ContactWords

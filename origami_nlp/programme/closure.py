@@ -76,7 +76,7 @@ def fold_piece(
         if r == 0:
             flat: tuple[Any, Any, Any] = (ca.SX(1), ca.SX(0), ca.SX(0))
         elif kind == "D" and r == count - 1 and flat_sheet:
-            flat = (ca.SX(_cos(order)), ca.SX(_sin(order)), ca.SX(0))
+            flat = (ca.SX(exact_cosine(order)), ca.SX(exact_sine(order)), ca.SX(0))
         else:
             azimuth = azimuth + sectors[r - 1]
             flat = (ca.cos(azimuth), ca.sin(azimuth), ca.SX(0))
@@ -93,11 +93,11 @@ def fold_piece(
         ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
             gap = ca.sum1(sectors) - math.pi / order
             q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
-        normal = quat.rotate(q, (ca.SX(_sin(order)), ca.SX(-_cos(order)), ca.SX(0)))
+        normal = quat.rotate(q, (ca.SX(exact_sine(order)), ca.SX(-exact_cosine(order)), ca.SX(0)))
         if order == 1:
             equations = ca.vertcat(q[1], q[3])
         else:
-            equations = normal[1] + _cos(order)
+            equations = normal[1] + exact_cosine(order)
         return Folded(tuple(rays), q, normal, equations, ca.SX(1))
     if not flat_sheet:
         gap = ca.sum1(sectors) - 2 * math.pi / order
@@ -110,14 +110,14 @@ def fold_piece(
     for _ in range(order - 1):
         images += [quat.rotate(turn, c) for c in images[-count:]]
     # T^n = -1 for every solution of T_w = cos(pi/n), so the n-fold product is on the sheet q = +1
-    return Folded(tuple(images), turn, None, turn[0] - _cos(order), ca.SX(1))
+    return Folded(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
 
 
-def _cos(order: int) -> float:
+def exact_cosine(order: int) -> float:
     """cos(pi/order), exact where it is rational."""
     return {1: -1.0, 2: 0.0, 3: 0.5}.get(order, math.cos(math.pi / order))
 
 
-def _sin(order: int) -> float:
+def exact_sine(order: int) -> float:
     """sin(pi/order), exact where it is rational."""
     return {1: 0.0, 2: 1.0, 6: 0.5}.get(order, math.sin(math.pi / order))
