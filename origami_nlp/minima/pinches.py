@@ -31,8 +31,8 @@ from origami_nlp.folding import (
     stack_rule,
 )
 from origami_nlp.minima.touches import MOST_TOUCHES, Family, Row, TouchStrata, list_strata
-from origami_nlp.numerics import FOLLOWED, OUTSIDE, cross, quaternion as quat
-from origami_nlp.programme import Model
+from origami_nlp.numerics import FOLLOWED, OUTSIDE
+from origami_nlp.programme import Model, close_three
 
 DRAWS = 8
 """States drawn on a stratum at a time."""
@@ -418,35 +418,3 @@ def _walk(turns: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         a, b = f[:, i], g[:, i]
         w, x, y, z = w * a - z * b, x * a + y * b, y * a - x * b, z * a + w * b
     return axes, np.stack([w, x, y, z], axis=-1)
-
-
-def close_three(
-    u1: np.ndarray, u2: np.ndarray, u3: np.ndarray, target: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve Q(u1, a) Q(u2, b) Q(u3, c) = target [K, 4] for axes [K, 3]: angles [K, 2, 3], exists [K, 2]."""
-
-    def dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-        return (u * v).sum(axis=-1)
-
-    w = np.stack(quat.rotate(target.T, u3.T), axis=-1)
-    along = dot(u2, u3)[:, None] * u2
-    c, s = dot(u1, u3 - along), dot(u1, cross(u2, u3))
-    cosine = (dot(u1, w) - dot(u1, along)) / np.maximum(np.hypot(c, s), 1e-300)
-    reach = np.arccos(np.clip(cosine, -1, 1))
-    angles = np.empty((len(u1), 2, 3))
-    exists = np.repeat((np.abs(cosine) <= 1)[:, None], 2, axis=1)
-    for i, side in enumerate((1, -1)):
-        b = np.arctan2(s, c) + side * reach
-        b -= 2 * math.pi * np.round(b / (2 * math.pi))
-        turned = quat.fold(np.cos(b / 2), np.sin(b / 2), u2.T)
-        v = np.stack(quat.rotate(turned, u3.T), axis=-1)
-        a = np.arctan2(
-            dot(u1, cross(v, w)), dot(v - dot(u1, v)[:, None] * u1, w - dot(u1, w)[:, None] * u1)
-        )
-        back = quat.fold(np.cos(a / 2), -np.sin(a / 2), u1.T)
-        over = (turned[0], *(-part for part in turned[1:]))
-        rest = quat.multiply(over, quat.multiply(back, tuple(target.T)))
-        last = 2 * np.arctan2(quat.dot(u3.T, rest[1:]), rest[0])
-        angles[:, i] = np.stack([a, b, last], axis=-1)
-        exists[:, i] &= np.abs(last) <= math.pi
-    return angles, exists
