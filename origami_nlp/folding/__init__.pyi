@@ -1,13 +1,12 @@
 from .crossings import (
     Crossings as Crossings,
     StackRule as StackRule,
-    TipCrossings as TipCrossings,
     find_crossings as find_crossings,
-    find_tip_crossings as find_tip_crossings,
     pair_rows as pair_rows,
     row_values as row_values,
     stack_depths as stack_depths,
     stack_rule as stack_rule,
+    tip_depths as tip_depths,
 )
 from .embedding import (
     crossing_depth as crossing_depth,

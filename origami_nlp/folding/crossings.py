@@ -200,25 +200,11 @@ def row_values(rays: np.ndarray, k: np.ndarray, j: np.ndarray) -> np.ndarray:
     return (normal * rays[at, k]).sum(axis=-1)
 
 
-@dataclass(frozen=True, eq=False)
-class TipCrossings:
-    """Facets beside a crease that lies on another facet, where they pass through that facet.
+def tip_depths(rays: np.ndarray, touches: np.ndarray) -> np.ndarray:
+    """Return how far facets beside a crease that lies on another facet reach through that facet.
 
-    Attributes
-    ----------
-    depth
-        Of facet k - 1 and of facet k at each touch: sine of the angle by which its far end is on the wrong side of facet
-        j, 0 where it is not, [K, S, 2].
-    row
-        The row (k, j) that is 0 where that facet lies flat on facet j, [K, S, 2, 2]; (-1, -1) where it has none.
-    """
-
-    depth: np.ndarray
-    row: np.ndarray
-
-
-def find_tip_crossings(rays: np.ndarray, touches: np.ndarray) -> TipCrossings:
-    """Tell whether both facets beside a touching crease are on the open side; `find_crossings` cannot see it.
+    Where the facets are in general position, `find_crossings` sees another crossing of the same facets' neighbours too;
+    in a stack, where these lie in one plane, it may not.
 
     Parameters
     ----------
@@ -229,21 +215,10 @@ def find_tip_crossings(rays: np.ndarray, touches: np.ndarray) -> TipCrossings:
 
     Returns
     -------
-    TipCrossings
-        By slot.
+    numpy.ndarray
+        Sine of the angle by which the far end of facet k - 1 or k is on the wrong side of facet j, shape [K, S].
     """
     n = rays.shape[1]
-    at = np.arange(len(rays))[:, None]
     k, j, side = np.moveaxis(touches, -1, 0)
-    tip, normal = rays[at, k], cross(rays[at, j], rays[at, (j + 1) % n])
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-300)
-    ahead = cross(normal, tip)
-    depth, row = [], []
-    for facet, far in (((k - 1) % n, (k - 1) % n), (k, (k + 1) % n)):
-        c = rays[at, far]
-        depth.append(np.maximum(-side * (normal * c).sum(axis=-1), 0.0))
-        end = np.where((ahead * c).sum(axis=-1) > 0, (j + 1) % n, j)
-        fits = (tip * c).sum(axis=-1) >= (tip * rays[at, end]).sum(axis=-1)
-        named = np.where(fits[..., None], np.stack([far, j], -1), np.stack([end, facet], -1))
-        row.append(np.where(_is_row(named, n)[..., None], named, -1))
-    return TipCrossings(np.stack(depth, axis=-1), np.stack(row, axis=-2))
+    beside = [row_values(rays, (k + step) % n, j) for step in (-1, 1)]
+    return np.maximum(np.maximum(-side * beside[0], -side * beside[1]), 0.0)

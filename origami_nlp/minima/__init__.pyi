@@ -1,4 +1,5 @@
 from . import find as find, ipopt as ipopt, search as search, table as table
+from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,

@@ -24,11 +24,11 @@ import numpy as np
 from origami_nlp.errors import SceneError
 from origami_nlp.folding import (
     find_crossings,
-    find_tip_crossings,
     fold_vertex,
     row_values,
     stack_depths,
     stack_rule,
+    tip_depths,
 )
 from origami_nlp.minima.touches import MOST_TOUCHES, Family, Row, TouchStrata, list_strata
 from origami_nlp.numerics import FOLLOWED, OUTSIDE
@@ -144,7 +144,9 @@ def touch_starts(
     found: list[tuple[np.ndarray, ...]] = []
     have = 0
     for _ in range(PASSES if len(strata) else 0):
-        turn = _in_turn(strata, tried, rng)[: max(2 * (count - have), 16)]
+        # those that gave nothing at first are probably empty
+        due = np.where((started == 0) & (tried >= 4 * DRAWS), 4 * tried, tried)
+        turn = _in_turn(strata, due, rng)[: max(2 * (count - have), 16)]
         tried[turn] += DRAWS
         x, act, touches, number = draw(model, strata, np.repeat(turn, DRAWS), rng)
         # the first of every stratum, then the second of every stratum, ... up to twice its share
@@ -177,8 +179,8 @@ def touch_starts(
     return Starts(x, act, touches, gaps, number, strata, tried, started)
 
 
-def _in_turn(strata: TouchStrata, tried: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Order strata: least tried first, then by turns one of each class, in it one of each way to pinch."""
+def _in_turn(strata: TouchStrata, due: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Order strata: lowest `due` first, then by turns one of each class, in it one of each way to pinch."""
     r = len(strata)
     chance = rng.random(r)
     way, seen = np.zeros(r, int), 0
@@ -186,9 +188,9 @@ def _in_turn(strata: TouchStrata, tried: np.ndarray, rng: np.random.Generator) -
         way[seen : seen + len(family.way)] = family.way
         seen += len(family.way)
     kind = strata.touches * 64 + strata.closed
-    of_way = _rank(chance, (kind, way, tried))
-    of_kind = _rank(of_way + chance, (kind, tried))
-    return np.lexsort((chance, of_kind, tried))
+    of_way = _rank(chance, (kind, way, due))
+    of_kind = _rank(of_way + chance, (kind, due))
+    return np.lexsort((chance, of_kind, due))
 
 
 def _rank(value: np.ndarray, groups: tuple[np.ndarray, ...]) -> np.ndarray:
@@ -250,7 +252,7 @@ def faulty(model: Model, x: np.ndarray, act: np.ndarray, touches: np.ndarray) ->
     left = np.flatnonzero(~bad)
     depth = find_crossings(rays[left], model.structure.pairs).depth
     wrong = (depth > OUTSIDE).any(axis=1)
-    wrong |= (find_tip_crossings(rays[left], touches[left]).depth > OUTSIDE).any(axis=(1, 2))
+    wrong |= (tip_depths(rays[left], touches[left]) > OUTSIDE).any(axis=1)
     stacked = stack_depths(stack_rule(vertex.sector_angles), x[left], act[left])
     bad[left] = wrong | (stacked > OUTSIDE).any(axis=1)
     return bad

@@ -19,7 +19,7 @@ What is not listed is of higher codimension: creases on creases, and pieces that
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -216,6 +216,17 @@ class TouchStrata:
         text = ", ".join(f"crease {k + 1} on facet {j + 1}" for k, j in way.touches)
         shut = [str(i + 1) for i in np.flatnonzero(family.shut[r])]
         return text + (f"; closed: {', '.join(shut)}" if shut else "")
+
+    def numbers(self, rows: Iterable[Row], closed: Iterable[int]) -> np.ndarray:
+        """Return the strata with just these touches and closed creases; none where they are not listed."""
+        touches, shut, out, seen = frozenset(rows), set(closed), [], 0
+        for family in self.families:
+            same = [t for t, way in enumerate(family.pinched) if frozenset(way.touches) == touches]
+            mask = np.isin(np.arange(family.shut.shape[1]), list(shut))
+            is_here = np.isin(family.way, same) & (family.shut == mask).all(axis=1)
+            out.append(np.flatnonzero(is_here) + seen)
+            seen += len(family.way)
+        return np.concatenate([np.zeros(0, int), *out])
 
     def find(self, number: int) -> tuple[Family, int]:
         """Return the family of a stratum and its position there."""
