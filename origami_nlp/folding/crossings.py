@@ -97,7 +97,7 @@ def pair_rows(pairs: Sequence[tuple[int, int]] | np.ndarray, count: int) -> np.n
 def _is_row(rows: np.ndarray, count: int) -> np.ndarray:
     """Tell which (k, j) are rows, shape [..., 2] -> [...]."""
     apart = (rows[..., 0] - rows[..., 1]) % count
-    return (apart >= 3) & (apart <= count - 2)
+    return np.asarray((apart >= 3) & (apart <= count - 2))
 
 
 @dataclass(frozen=True, eq=False)

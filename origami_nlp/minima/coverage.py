@@ -81,8 +81,8 @@ def count_strata(
     kind = np.zeros((size, 2), int)
     kind[label] = np.stack([strata.touches, strata.closed], axis=1)
     counts = []
-    for touches, closed in sorted({(int(t), int(c)) for t, c in kind}):
-        own = (kind == (touches, closed)).all(axis=1)
+    for pair in sorted({(int(t), int(c)) for t, c in kind}):
+        own = (kind == pair).all(axis=1)
         sums = [int((own & what).sum()) for what in (own, tried, started, hit)]
-        counts.append(StrataCount(touches, closed, *sums))
+        counts.append(StrataCount(*pair, *sums))
     return tuple(counts), elsewhere

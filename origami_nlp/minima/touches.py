@@ -276,5 +276,5 @@ def list_strata(sectors: tuple[float, ...], rows: frozenset[Row]) -> TouchStrata
         keys.append(np.array(group)[f.way] * 2**n + f.shut @ 2 ** np.arange(n))
     none = [np.zeros(0, int)]
     _, label = np.unique(np.concatenate([*keys, *none]), return_inverse=True)
-    joined = (np.concatenate([*parts, *none]) for parts in (touches, closed))
-    return TouchStrata(tuple(families), *joined, label)
+    number_of, closed_of = (np.concatenate([*parts, *none]) for parts in (touches, closed))
+    return TouchStrata(tuple(families), number_of, closed_of, label)

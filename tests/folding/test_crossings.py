@@ -48,47 +48,56 @@ def test_depths_are_those_of_the_pairs():
         found = find_crossings(rays, pairs)
         assert np.abs(found.depth - pair_depths(rays, pairs)).max() < 1e-14
         assert np.abs(found.depth.max(axis=1) - np.maximum(crossing_margin(rays), 0)).max() < 1e-14
-        assert (found.depth > 0).any() and (found.depth == 0).any()
+        assert (found.depth > 0).any() == (n > 4) and (found.depth == 0).any()
         d = corner_determinants(rays)
         k, j = np.moveaxis(found.row, -1, 0)
         named = k >= 0
         state = np.broadcast_to(np.arange(len(rays))[:, None], k.shape)
-        assert np.abs(found.value[named] - d[state[named], j[named], k[named]]).max(initial=0) < 1e-14
-        assert np.abs(row_values(rays, k % n, j % n)[named] - found.value[named]).max(initial=0) < 1e-14
+        assert (
+            np.abs(found.value[named] - d[state[named], j[named], k[named]]).max(initial=0) < 1e-14
+        )
+        assert (
+            np.abs(row_values(rays, k % n, j % n)[named] - found.value[named]).max(initial=0)
+            < 1e-14
+        )
         assert named.all() == (n > 4)  # a vertex of degree 4 has fold limits only
         assert set(((k - j) % n)[named].tolist()) <= set(range(3, n - 1))
 
 
 def test_a_crossing_ends_where_its_row_changes_sign():
-    # the state is pushed across the row that is named, by Gauss-Newton on closure and the determinant
+    # crossed states are pushed across the row that is named, by Gauss-Newton on closure and the determinant
     rng = np.random.default_rng(2)
     tried = undone = on_arc = 0
     for n in (5, 6, 7, 8):
-        for _ in range(6):
+        for _ in range(2):
             p = problem(rng, n)
-            x, _ = closed_states(rng, p, 80)
+            x, _ = closed_states(rng, p, 600)
             rays, _ = fold(p.sectors, x)
             pairs = facet_pairs(n)
             found = find_crossings(rays, pairs)
-            for s, q in np.argwhere((found.depth > 0) & (found.depth < 0.05))[:20]:
-                k, j = found.row[s, q]
-                y, residual = retract(p, Stratum(gaps=((int(j), int(k)),)), x[s][None])
-                moved = np.abs(y - x[s]).max()
-                if residual[0] > 1e-12 or moved > 0.3:
-                    continue
-                beyond, _ = project(p.sectors, p.orbit, y + 1e-3 * (y - x[s]) / moved)
+            some = np.argwhere((found.depth > 0) & (found.depth < 0.05))
+            for q, row in {(q, tuple(found.row[s, q].tolist())) for s, q in some}:
+                k, j = row
+                own = [s for s, pair in some if pair == q and (found.row[s, q] == row).all()]
+                y, residual = retract(p, Stratum(gaps=((j, k),)), x[own])
+                moved = np.abs(y - x[own]).max(axis=1)
+                good = (residual <= 1e-12) & (moved < 0.3)
+                y, before, moved = y[good], x[own][good], moved[good, None]
+                beyond, residual = project(p.sectors, p.orbit, y + 1e-3 * (y - before) / moved)
                 after, _ = fold(p.sectors, beyond)
-                d = corner_determinants(after)[0, j, k]
-                assert d * found.value[s, q] < 0
-                tried += 1
-                undone += find_crossings(after, pairs[q][None]).depth[0, 0] == 0
+                assert (corner_determinants(after)[:, j, k] * found.value[own, q][good] < 0).all()
+                tried += len(y)
+                undone += int((find_crossings(after, pairs[q][None]).depth[:, 0] == 0).sum())
                 at, _ = fold(p.sectors, y)
-                a, b, c = at[0, j], at[0, (j + 1) % n], at[0, k]
+                a, b, c = at[:, j], at[:, (j + 1) % n], at[:, k]
                 normal = np.cross(a, b)
-                on_arc += np.cross(a, c) @ normal > -1e-9 and np.cross(c, b) @ normal > -1e-9
-    assert tried > 200
+                on = (np.cross(a, c) * normal).sum(axis=1) > -1e-9
+                on_arc += int((on & ((np.cross(c, b) * normal).sum(axis=1) > -1e-9)).sum())
+    assert tried > 100
     assert undone == tried
-    assert on_arc > 0.9 * tried  # small crossings end at the tip, unless another moves on by more
+    assert (
+        on_arc > 0.9 * tried
+    )  # crossings this small end at the tip, but where another moves faster
 
 
 def test_names_of_the_ends_of_a_pair():
@@ -198,7 +207,11 @@ def test_a_facet_that_reaches_through_where_its_tip_lies_has_no_order():
             vertex = Vertex(tuple(p.sectors.tolist()))
             verdict = np.array([examine(vertex, state).admissible for state in x], bool)
             assert not verdict[deep].any()
-            flagged, fine, seen = flagged + int(deep.sum()), fine + int(verdict.sum()), seen + len(x)
+            flagged, fine, seen = (
+                flagged + int(deep.sum()),
+                fine + int(verdict.sum()),
+                seen + len(x),
+            )
             assert not tip_depths(rays, touches[:, None] * [1, 1, 0]).any()  # empty slots
     assert flagged > 10 and fine > 10
     assert fine + 2 * flagged > 0.9 * seen
