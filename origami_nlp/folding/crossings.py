@@ -69,7 +69,7 @@ def find_crossings(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarr
     a_row = _is_row(table, n)
     nearest = np.where(a_row, np.abs(v), np.inf).argmin(axis=-1)  # [K, P]
     at = np.arange(len(table))
-    row = np.where(a_row.any(axis=-1)[:, None], table[at, nearest], -1)
+    row = np.where(a_row.any(axis=-1, keepdims=True), table[at, nearest], -1)
     value = np.take_along_axis(values, nearest[..., None], axis=-1)[..., 0]
     return Crossings(depth, row, value)
 

@@ -30,9 +30,11 @@ from origami_nlp.folding import stack_rule
 MOST_TOUCHES = 3
 """Slots for touches that a state has."""
 MOST_FULL = 8
-"""Largest degree of which every stratum is listed; above, at most `MOST_SHUT` creases are closed, and none beside two
-touches: their number grows as 2^N N^4."""
+"""Largest degree of which every stratum is listed: their number grows as 2^N N^4."""
 MOST_SHUT = 2
+"""Closed creases beside a touch above that degree; none beside two touches."""
+MOST_TWICE = 12
+"""Largest degree with two touches."""
 
 Row = tuple[int, int]
 """(k, j): crease k on facet j, 0-based."""
@@ -155,8 +157,11 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
     for t, way in enumerate(ways):
         for p, piece in enumerate(way.pieces):
             corners[t, p, : len(piece)] = piece
-    masks = (np.arange(2**n)[:, None] >> np.arange(n) & 1).astype(bool)
-    masks = masks[masks.sum(axis=1) <= most + 1]
+    sizes = range(min(most + 1, n) + 1)
+    chosen = [list(c) for size in sizes for c in itertools.combinations(range(n), size)]
+    masks = np.zeros((len(chosen), n), bool)
+    for mask, creases in zip(masks, chosen, strict=True):
+        mask[creases] = True
     way_of, shut, tip_shut = [], [], []
     for t, way in enumerate(ways):
         own = [np.isin(np.arange(n), [c[0] for c in piece]) for piece in way.pieces]
@@ -164,8 +169,7 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
         tips = [k for k, _ in way.touches] if not way.flat else []
         good = ~masks[:, tips].any(axis=1)
         if way.flat:
-            closed, flat = way.flat
-            good &= masks[:, closed] & ~masks[:, flat]
+            good &= masks[:, way.flat[0]] & ~masks[:, way.flat[1]]
             room -= 1
         good &= masks.sum(axis=1) <= most + len(way.flat) // 2
         used = (masks[:, None, :] & np.array(own)[None]).sum(axis=2)
@@ -173,13 +177,12 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
             if tip and (len(tips) != 1 or room[-1] < 1):
                 continue
             left = room - np.array([*[0] * (pieces - 1), int(tip)])
-            chosen = masks[good & (used <= left).all(axis=1)]
+            closed = masks[good & (used <= left).all(axis=1)]
             if tip:
-                chosen = chosen[chosen.sum(axis=1) < most]
-                chosen = chosen | (np.arange(n) == tips[0])
-            way_of.append(np.full(len(chosen), t))
-            shut.append(chosen)
-            tip_shut.append(np.full(len(chosen), tip))
+                closed = closed[closed.sum(axis=1) < most] | (np.arange(n) == tips[0])
+            way_of.append(np.full(len(closed), t))
+            shut.append(closed)
+            tip_shut.append(np.full(len(closed), tip))
     turn, facet, start, end = np.moveaxis(corners, -1, 0)
     where = np.concatenate(way_of), np.concatenate(shut), np.concatenate(tip_shut)
     return Family(tuple(ways), turn, facet, start, end, *where)
@@ -256,7 +259,8 @@ def list_strata(sectors: tuple[float, ...], rows: frozenset[Row]) -> TouchStrata
     n = len(sectors)
     whole = Pinched((), (), (), (tuple((i, i, -1, -1) for i in range(n)),))
     once = pinch(whole, n, rows)
-    twice = {_shape(way, n): way for first in once for way in pinch(first, n, rows)}
+    again = once if n <= MOST_TWICE else []
+    twice = {_shape(way, n): way for first in again for way in pinch(first, n, rows)}
     many = n > MOST_FULL
     families = [
         _family(ways, n, most)
