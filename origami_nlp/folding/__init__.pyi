@@ -1,3 +1,13 @@
+from .crossings import (
+    Crossings as Crossings,
+    StackRule as StackRule,
+    find_crossings as find_crossings,
+    pair_rows as pair_rows,
+    row_values as row_values,
+    stack_depths as stack_depths,
+    stack_rule as stack_rule,
+    tip_depths as tip_depths,
+)
 from .embedding import (
     crossing_depth as crossing_depth,
     examine as examine,

@@ -1,4 +1,5 @@
 from . import find as find, ipopt as ipopt, search as search, table as table
+from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
@@ -25,6 +26,13 @@ from .multistart import (
     solve_without_crossing as solve_without_crossing,
 )
 from .record import Answer as Answer, Record as Record
+from .pinches import (
+    TouchStarts as TouchStarts,
+    close_pinched as close_pinched,
+    model_rows as model_rows,
+    model_strata as model_strata,
+    touch_starts as touch_starts,
+)
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,
@@ -36,3 +44,4 @@ from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words
+from .touches import TouchStrata as TouchStrata, list_strata as list_strata

@@ -1,71 +1,106 @@
-"""Which facets cross at many states, and which contact would have kept each crossing from happening."""
+"""Which facets cross at many states of a model, and which contact would have kept each crossing from happening."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.numerics import OUTSIDE, cross
+from origami_nlp.folding import find_crossings, pair_rows, stack_depths, stack_rule
+from origami_nlp.numerics import OUTSIDE, TOUCHES, cross
 from origami_nlp.programme import OPEN, Folded, Model
-from origami_nlp.programme.gaps import first_of_each
+
+NAMELESS = -2
+"""Something crosses, but no gap of the model undoes it."""
 
 
 class Crossings:
-    """Modelled facet pairs, mirrors and the axis of a model.
+    """Modelled facet pairs, mirrors and the axis of a model, and without symmetry the stacks that depths do not see.
 
-    Two arcs cross where the four heights of their ends off each other's plane have one sign in turn; the end of
-    smallest height has come through last: it names the contact, and its side is where it came from.
+    Parameters
+    ----------
+    model
+        The posed scene.
+
+    Attributes
+    ----------
+    any
+        Whether there is anything to look at.
     """
 
     def __init__(self, model: Model) -> None:
         gaps, pairs = model.structure.gaps, model.structure.pairs
-        self._walls = np.array(model.walls, dtype=int)
         self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
-        same = first_of_each(gaps)
-        first = {g.pair: i for i, g in reversed(list(enumerate(gaps))) if g.pair is not None}
-        # rows of a pair (i, j): i on j, i + 1 on j, j on i, j + 1 on i
-        order = (2, 3, 0, 1)
-        self._rows = np.array(
-            [[same[first[p] + o] for o in order] for p in pairs], dtype=int
-        ).reshape(-1, 4)
+        self._walls = np.array(model.walls, dtype=int)
         of_wall = [gaps[i].rays for i in self._walls]
         self._ray = np.array([r for r, _ in of_wall], dtype=int)
         self._last = np.array([side == 1 for _, side in of_wall], dtype=bool)
         self.any = bool(len(self._walls) or len(self._pairs))
+        cyclic = model.structure.kind == "C"
+        rays = len(model.structure.has_crease) * (model.structure.order if cyclic else 1)
+        self._gap = np.full((rays, rays), NAMELESS)
+        for contact in model.gaps:
+            if gaps[contact.index].pair is not None:
+                k, j = gaps[contact.index].rays
+                # next to facet j it is a fold limit, or a crease that has no fold at all
+                if not (k - j in (-1, 2) or (cyclic and (k - j) % rays in (2, rays - 1))):
+                    self._gap[k, j] = contact.index
+        self._real = np.ones((0, 4), dtype=bool)
+        if len(self._pairs):
+            table = pair_rows(self._pairs, rays)
+            self._real = self._gap[table[..., 0], table[..., 1]] != NAMELESS
+        full = bool(len(self._pairs)) and model.scene.group.is_trivial
+        self._stack = stack_rule(model.scene.vertex.sector_angles) if full else None
 
-    def of(self, at: Folded, slots: np.ndarray, tolerance: float = OUTSIDE):
-        """Return for each folded state the deepest crossing's gap (`OPEN` where there is none) and its side."""
-        k = len(slots)
+    def of(
+        self, at: Folded, x: np.ndarray, shut: np.ndarray, tolerance: float = OUTSIDE
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the gap that undoes the deepest crossing of each state (`OPEN`: nothing crosses), and its open side.
+
+        Parameters
+        ----------
+        at
+            K folded states.
+        x, shut
+            Their fold angles, and creases at their fold limits (-1, 0, 1), shape [K, n].
+        tolerance
+            What counts as rounding.
+        """
+        k = len(x)
         gap, side, depth = np.full(k, OPEN), np.ones(k, dtype=int), np.full(k, tolerance)
         if len(self._pairs):
-            rays = at.rays[:, :-4]
-            normals = cross(rays, np.roll(rays, -1, axis=1))
-            normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
-            height = normals @ rays.transpose(0, 2, 1)  # [K, facet, ray]
-            i, j = self._pairs.T
-            n = rays.shape[1]
-            i1, j1 = (i + 1) % n, (j + 1) % n
-            v = np.stack(
-                [height[:, i, j], -height[:, i, j1], -height[:, j, i], height[:, j, i1]], axis=-1
-            )
-            deep = np.maximum(v.min(axis=-1), (-v).min(axis=-1))
-            which = deep.argmax(axis=1)
-            rows = np.arange(k)
-            worst = deep[rows, which]
-            end = np.abs(v[rows, which]).argmin(axis=1)
-            value = v[rows, which, end] * np.array([1, -1, -1, 1])[end]
-            bad = worst > depth
-            gap[bad] = self._rows[which, end][bad]
-            side[bad] = -np.sign(value[bad]).astype(int)
-            depth = np.where(bad, worst, depth)
+            self._of_pairs(at, gap, side, depth)
         if len(self._walls):
-            normal = cross(at.rays[:, -1], at.rays[:, -2])
-            value = np.where(
-                self._last,
-                np.einsum("krx,kx->kr", at.rays[:, self._ray], normal),
-                at.rays[:, self._ray, 1],
-            )
-            which = value.argmin(axis=1)
-            worst = -value[np.arange(k), which]
-            bad = worst > depth
-            gap[bad], side[bad] = self._walls[which][bad], 1
+            self._of_walls(at, gap, side, depth)
+        if self._stack is not None and shut.any():
+            self._of_stacks(x, shut, gap, side)
         return gap, side
+
+    def _of_pairs(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
+        found = find_crossings(at.rays[:, :-4], self._pairs, self._real)
+        which, rows = found.depth.argmax(axis=1), np.arange(len(gap))
+        worst = found.depth[rows, which]
+        bad = np.flatnonzero(worst > depth)
+        ray, facet = found.row[bad, which[bad]].T
+        gap[bad] = np.where(ray < 0, NAMELESS, self._gap[ray, facet])
+        side[bad] = -np.sign(found.value[bad, which[bad]]).astype(int)
+        depth[bad] = worst[bad]
+
+    def _of_walls(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
+        normal = cross(at.rays[:, -1], at.rays[:, -2])
+        rays = at.rays[:, self._ray]
+        value = np.where(self._last, (rays @ normal[..., None])[..., 0], rays[..., 1])
+        which = value.argmin(axis=1)
+        worst = -value[np.arange(len(gap)), which]
+        bad = np.flatnonzero(worst > depth)
+        gap[bad], side[bad], depth[bad] = self._walls[which[bad]], 1, worst[bad]
+
+    def _of_stacks(
+        self, x: np.ndarray, shut: np.ndarray, gap: np.ndarray, side: np.ndarray
+    ) -> None:
+        """Name the row of the deepest violation of the stack rule, where depths see no crossing."""
+        assert self._stack is not None
+        depths = stack_depths(self._stack, x, shut)
+        which, rows = depths.argmax(axis=1), np.arange(len(gap))
+        bad = np.flatnonzero((gap == OPEN) & (depths[rows, which] > TOUCHES))
+        row = self._stack.row[which[bad]]
+        gap[bad] = np.where(depths[bad, which[bad]] >= 1.0, NAMELESS, self._gap[row[:, 0], row[:, 1]])
+        side[bad] = shut[bad, which[bad]]

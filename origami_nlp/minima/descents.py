@@ -413,7 +413,7 @@ class Descents:
         )
         if not self.crossings.any:
             return good, None, None
-        gap, side = self.crossings.of(at, trial.slots)
+        gap, side = self.crossings.of(at, trial.x, trial.shut)
         crossed = gap != OPEN
         return good & ~crossed, np.where(crossed, gap, OPEN), side
 
@@ -470,6 +470,8 @@ def _hold(s: Samples, gap: np.ndarray, side: np.ndarray) -> tuple[Samples, np.nd
     """Put a gap into a free slot of each sample; returns the samples and whether there was one."""
     slots, sides = s.slots.copy(), s.sides.copy()
     free = (slots == OPEN) & ~(slots == gap[:, None]).any(axis=1, keepdims=True)
+    free &= (gap >= 0)[:, None]  # what has no name cannot be held
+    gap = np.maximum(gap, 0)
     room = free.any(axis=1)
     first = free.argmax(axis=1)
     r = np.flatnonzero(room)

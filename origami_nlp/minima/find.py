@@ -30,7 +30,7 @@ from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
-from origami_nlp.minima.starts import Effort, Starts, effort_of
+from origami_nlp.minima.starts import Effort, Rounds, effort_of
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
@@ -180,11 +180,11 @@ class _Job:
         search = Search(self.model, self.record, under)
         if guesses:
             search.run(search.closed(np.array(guesses)), count=False)
-        starts = Starts(under[0] if under else self.model, self.seed, self.effort)
+        starts = Rounds(under[0] if under else self.model, self.seed, self.effort)
         self.corners = starts.corners, starts.every_corner
         self.stopped_by = "cap"
         quiet = 0
-        for samples in starts.rounds():
+        for samples in starts:
             found = len(self.record.minima)
             search.run(samples[np.arange(min(len(samples), self.most - self.record.starts))])
             quiet = quiet + 1 if len(self.record.minima) == found else 0

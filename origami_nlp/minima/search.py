@@ -64,7 +64,8 @@ class Search:
         good = np.isfinite(starts.x).all(axis=1)
         if not crossings.any:
             return good
-        gap, _ = crossings.of(self._descents.kinematics.fold(starts.x), starts.slots)
+        at = self._descents.kinematics.fold(starts.x)
+        gap, _ = crossings.of(at, starts.x, starts.shut)
         return good & (gap == OPEN)
 
     def closed(self, x: np.ndarray) -> Samples:

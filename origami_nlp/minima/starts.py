@@ -1,7 +1,7 @@
 """Where descents start: corners of the state space, strata between them, touches, and the interior.
 
-Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached from
-the interior, but a start on their own stratum, with its contacts held, reaches them in a third of the cases or more.
+Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached
+from the interior, but a start on their own stratum, with its contacts held, reaches them in a third of the cases or more.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.descents import Samples, joined
-from origami_nlp.programme import Model, random_strata, vertices
+from origami_nlp.minima.pinches import TouchStarts, model_rows, touch_starts
+from origami_nlp.programme import OPEN, Model, random_strata, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
 """Sources of starts."""
@@ -67,7 +68,7 @@ def effort_of(name: object) -> Effort:
     return EFFORTS[name]
 
 
-class Starts:
+class Rounds:
     """Rounds of closed starts of a model, the same for the same seed.
 
     The first holds the corners and the interior besides; each holds corners with some of their creases let go,
@@ -84,9 +85,11 @@ class Starts:
             and math.comb(model.size, model.equation_count) * 2 ** max(model.freedom, 0)
             <= effort.corners
         )
+        self._touch = model.scene.group.is_trivial and bool(model_rows(model))
+        self.touches: TouchStarts | None = None
         self._a_round = effort.a_round * min(2 ** max(model.freedom - 1, 0), 8)
 
-    def rounds(self) -> Iterator[Samples]:
+    def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
         interior = self._effort.interior
         if not self._model.has_limits:
@@ -108,7 +111,17 @@ class Starts:
         parts = [Samples.on(drawn, _shut(drawn), hold=True, source=STRATUM)]
         if len(self._corners):
             parts.append(self._near_corners(count))
+        if self._touch:
+            parts.append(self._touching(2 * count))
         return joined(*parts)
+
+    def _touching(self, count: int) -> Samples:
+        """States on strata with touches, every second one with its contacts held until it has converged."""
+        self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
+        sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
+        hold = np.arange(len(new)) % 2 == 0
+        source = np.full(len(new), TOUCH)
+        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source)
 
     def _near_corners(self, count: int) -> Samples:
         """Corners with a random subset of their creases let go."""

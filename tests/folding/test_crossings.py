@@ -1,0 +1,217 @@
+"""Crossings of many states, the rows that undo them, stacks and tips, against tests that share no code with them."""
+
+import math
+
+import numpy as np
+
+from origami_nlp import Vertex, examine
+from origami_nlp.folding import (
+    find_crossings,
+    pair_depths,
+    pair_rows,
+    row_values,
+    stack_depths,
+    stack_rule,
+    tip_depths,
+)
+from tests.independent.arcs import corner_determinants, crossing_margin, facet_pairs
+from tests.independent.neighbours import Problem
+from tests.independent.rotations import fold, project, spin_sign
+from tests.independent.stationary import Stratum, retract
+
+
+def problem(rng, n):
+    while True:
+        a = rng.dirichlet(np.full(n, 3.0)) * 2 * math.pi
+        if 0.1 < a.min() and a.max() < 3:
+            a = np.array(Vertex(tuple(a.tolist())).sector_angles)
+            return Problem(a, np.arange(n), np.ones(n), np.zeros(n), "full")
+
+
+def closed_states(rng, p, count, shut=None):
+    """Closed states within +-pi, with the creases of `shut` [count, n] held at +-pi."""
+    x = rng.uniform(-math.pi, math.pi, (count, p.size))
+    shut = np.zeros(x.shape, int) if shut is None else shut
+    x = np.where(shut, shut * math.pi, x)
+    x, residual = project(p.sectors, p.orbit, x, held=shut != 0)
+    good = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
+    good &= spin_sign(p.sectors, x) > 0
+    return x[good], shut[good]
+
+
+def test_depths_are_those_of_the_pairs():
+    rng = np.random.default_rng(1)
+    for n in range(4, 10):
+        p = problem(rng, n)
+        rays, _ = fold(p.sectors, closed_states(rng, p, 60)[0])
+        pairs = facet_pairs(n)
+        found = find_crossings(rays, pairs)
+        assert np.abs(found.depth - pair_depths(rays, pairs)).max() < 1e-14
+        assert np.abs(found.depth.max(axis=1) - np.maximum(crossing_margin(rays), 0)).max() < 1e-14
+        assert (found.depth > 0).any() == (n > 4) and (found.depth == 0).any()
+        d = corner_determinants(rays)
+        k, j = np.moveaxis(found.row, -1, 0)
+        named = k >= 0
+        state = np.broadcast_to(np.arange(len(rays))[:, None], k.shape)
+        assert (
+            np.abs(found.value[named] - d[state[named], j[named], k[named]]).max(initial=0) < 1e-14
+        )
+        assert (
+            np.abs(row_values(rays, k % n, j % n)[named] - found.value[named]).max(initial=0)
+            < 1e-14
+        )
+        assert named.all() == (n > 4)  # a vertex of degree 4 has fold limits only
+        assert set(((k - j) % n)[named].tolist()) <= set(range(3, n - 1))
+
+
+def test_a_crossing_ends_where_its_row_changes_sign():
+    # crossed states are pushed across the row that is named, by Gauss-Newton on closure and the determinant
+    rng = np.random.default_rng(2)
+    tried = undone = on_arc = 0
+    for n in (5, 6, 7, 8):
+        for _ in range(2):
+            p = problem(rng, n)
+            x, _ = closed_states(rng, p, 600)
+            rays, _ = fold(p.sectors, x)
+            pairs = facet_pairs(n)
+            found = find_crossings(rays, pairs)
+            some = np.argwhere((found.depth > 0) & (found.depth < 0.05))
+            for q, row in {(q, tuple(found.row[s, q].tolist())) for s, q in some}:
+                k, j = row
+                own = [s for s, pair in some if pair == q and (found.row[s, q] == row).all()]
+                y, residual = retract(p, Stratum(gaps=((j, k),)), x[own])
+                moved = np.abs(y - x[own]).max(axis=1)
+                good = (residual <= 1e-12) & (moved < 0.3)
+                y, before, moved = y[good], x[own][good], moved[good, None]
+                beyond, residual = project(p.sectors, p.orbit, y + 1e-3 * (y - before) / moved)
+                after, _ = fold(p.sectors, beyond)
+                assert (corner_determinants(after)[:, j, k] * found.value[own, q][good] < 0).all()
+                tried += len(y)
+                undone += int((find_crossings(after, pairs[q][None]).depth[:, 0] == 0).sum())
+                at, _ = fold(p.sectors, y)
+                a, b, c = at[:, j], at[:, (j + 1) % n], at[:, k]
+                normal = np.cross(a, b)
+                on = (np.cross(a, c) * normal).sum(axis=1) > -1e-9
+                on_arc += int((on & ((np.cross(c, b) * normal).sum(axis=1) > -1e-9)).sum())
+    assert tried > 100
+    assert undone == tried
+    assert (
+        on_arc > 0.9 * tried
+    )  # crossings this small end at the tip, but where another moves faster
+
+
+def test_names_of_the_ends_of_a_pair():
+    assert pair_rows([(0, 2), (4, 1)], 5).tolist() == [
+        [[2, 0], [3, 0], [0, 2], [1, 2]],
+        [[1, 4], [2, 4], [4, 1], [0, 1]],
+    ]
+
+
+def shut_at_random(rng, count, n):
+    shut = np.zeros((count, n), int)
+    for row in shut:
+        chosen = rng.permutation(n)[: rng.integers(1, n - 3)]
+        row[chosen] = rng.choice([-1, 1], len(chosen))
+    return shut
+
+
+def test_the_stack_rule_refuses_nothing_that_has_an_order():
+    rng = np.random.default_rng(3)
+    flagged = refused = seen = 0
+    for n in range(5, 9):
+        for _ in range(10):
+            p = problem(rng, n)
+            vertex = Vertex(tuple(p.sectors.tolist()))
+            x, shut = closed_states(rng, p, 200, shut_at_random(rng, 200, n))
+            rays, _ = fold(p.sectors, x)
+            clear = find_crossings(rays, facet_pairs(n)).depth.max(axis=1) <= 1e-12
+            depth = stack_depths(stack_rule(p.sectors), x, shut)
+            wrong = depth.max(axis=1) > 1e-6
+            verdict = np.array([examine(vertex, state).admissible for state in x[clear]], bool)
+            assert not verdict[wrong[clear]].any()
+            flagged += int(wrong[clear].sum())
+            refused += int((~verdict).sum())
+            seen += len(verdict)
+    assert flagged > 100 and refused < seen
+    assert flagged > 0.9 * refused  # what the depths do not see is nearly always two layers deep
+
+
+def test_the_row_of_a_stack_is_where_the_facet_turns():
+    # at phi_e = 0 the row vanishes, with its ray on the arc; on the allowed side it has the sign of the fold
+    rng = np.random.default_rng(4)
+    checked = 0
+    for n in range(5, 9):
+        p = problem(rng, n)
+        rule = stack_rule(p.sectors)
+        for i in range(n):
+            e, (k, j) = rule.end[i], rule.row[i]
+            for side in (-1, 1):
+                x = rng.uniform(-1, 1, (1, n))  # an open chain will do: rows are local
+                x[0, i] = side * math.pi
+                for turn, sign in ((0.0, 0), (-1e-3 * side, side), (1e-3 * side, -side)):
+                    x[0, e] = turn
+                    rays = chain(p.sectors, x[0], min(i, e) - 2)
+                    a, b, c = rays[j], rays[(j + 1) % n], rays[k]
+                    value = np.dot(np.cross(a, b), c)
+                    if sign == 0:
+                        assert abs(value) < 1e-12
+                        normal = np.cross(a, b)
+                        assert np.cross(a, c) @ normal > -1e-12
+                        assert np.cross(c, b) @ normal > -1e-12
+                    else:
+                        assert np.sign(value) == sign
+                    checked += 1
+    assert checked == 6 * (5 + 6 + 7 + 8)
+
+
+def chain(sectors, phi, first):
+    """Rays from `first` on, by number mod N, of a polygon that need not close."""
+    n = len(sectors)
+    order = [(first + m) % n for m in range(n)]
+    rays, _ = fold(sectors[order], phi[order][None])
+    out = np.empty((n, 3))
+    out[order] = rays[0]
+    return out
+
+
+def test_a_facet_that_reaches_through_where_its_tip_lies_has_no_order():
+    # crease i closed, the crease at the tip flat: the next facet lies on the wider one, and the one after it may reach
+    # through; what is flagged must be refused
+    rng = np.random.default_rng(5)
+    flagged = fine = seen = 0
+    for n in (6, 7):
+        for _ in range(24):
+            p = problem(rng, n)
+            rule = stack_rule(p.sectors)
+            i = int(rng.integers(n))
+            if rule.end[i] < 0:
+                continue
+            shut = np.zeros((60, n), int)
+            others = [m for m in range(n) if m not in (i, rule.end[i])]
+            shut[:, rng.choice(others, n - 5, replace=False)] = 1
+            shut[:, i] = 1
+            shut *= rng.choice([-1, 1], shut.shape)
+            x = np.where(shut, shut * math.pi, rng.uniform(-3, 3, shut.shape))
+            held = shut != 0
+            x[:, rule.end[i]], held[:, rule.end[i]] = 0.0, True
+            x, residual = project(p.sectors, p.orbit, x, held=held)
+            good = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
+            good &= spin_sign(p.sectors, x) > 0
+            x, shut = x[good], shut[good]
+            rays, _ = fold(p.sectors, x)
+            good = find_crossings(rays, facet_pairs(n)).depth.max(axis=1, initial=0) <= 1e-12
+            good &= stack_depths(rule, x, shut).max(axis=1, initial=0) <= 1e-12
+            x, shut, rays = x[good], shut[good], rays[good]
+            touches = np.concatenate([np.tile(rule.row[i], (len(x), 1)), shut[:, [i]]], axis=1)
+            deep = tip_depths(rays, touches[:, None])[:, 0] > 1e-9
+            vertex = Vertex(tuple(p.sectors.tolist()))
+            verdict = np.array([examine(vertex, state).admissible for state in x], bool)
+            assert not verdict[deep].any()
+            flagged, fine, seen = (
+                flagged + int(deep.sum()),
+                fine + int(verdict.sum()),
+                seen + len(x),
+            )
+            assert not tip_depths(rays, touches[:, None] * [1, 1, 0]).any()  # empty slots
+    assert flagged > 10 and fine > 10
+    assert fine + 2 * flagged > 0.9 * seen
