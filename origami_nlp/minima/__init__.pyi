@@ -25,7 +25,6 @@ from .multistart import (
     run_one as run_one,
     solve_without_crossing as solve_without_crossing,
 )
-from .record import Answer as Answer, Record as Record
 from .pinches import (
     TouchStarts as TouchStarts,
     close_pinched as close_pinched,
@@ -33,6 +32,7 @@ from .pinches import (
     model_strata as model_strata,
     touch_starts as touch_starts,
 )
+from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,

@@ -102,5 +102,7 @@ class Crossings:
         which, rows = depths.argmax(axis=1), np.arange(len(gap))
         bad = np.flatnonzero((gap == OPEN) & (depths[rows, which] > TOUCHES))
         row = self._stack.row[which[bad]]
-        gap[bad] = np.where(depths[bad, which[bad]] >= 1.0, NAMELESS, self._gap[row[:, 0], row[:, 1]])
+        gap[bad] = np.where(
+            depths[bad, which[bad]] >= 1.0, NAMELESS, self._gap[row[:, 0], row[:, 1]]
+        )
         side[bad] = shut[bad, which[bad]]

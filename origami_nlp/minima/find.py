@@ -21,12 +21,21 @@ from origami_nlp.arguments import (
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex
-from origami_nlp.kkt import Classification, State, flat_foldings, rest_state, rigid_states
+from origami_nlp.kkt import (
+    Classification,
+    Solve,
+    State,
+    flat_foldings,
+    polish,
+    rest_state,
+    rigid_states,
+)
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
+from origami_nlp.minima.one_freedom import trace
 from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
@@ -159,6 +168,7 @@ class _Job:
         self.progress = progress
         self.record = Record()
         self.stopped_by = "rule"
+        self.complete = ""
         self.corners: tuple[int, bool] = (0, False)
 
     def list_states(self) -> None:
@@ -173,6 +183,9 @@ class _Job:
 
     def search(self, guesses: list[np.ndarray]) -> None:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
+        if self.model.freedom == 1 and self._traced():
+            self.stopped_by = "complete"
+            return
         if self.model.size > MOST_BATCHED:
             self._one_by_one()
             return
@@ -194,6 +207,18 @@ class _Job:
             if self.record.starts >= self.fewest and self._enough(quiet):
                 self.stopped_by = "rule"
                 break
+
+    def _traced(self) -> bool:
+        """Judge all that the curves of one freedom hold; tells whether they were resolved."""
+        traced = trace(self.model)
+        for x, contacts in zip(traced.states, traced.contacts, strict=True):
+            end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
+            answer, new = self.record.file(self.model, polish(self.model, end, contacts))
+            answer.listed = True
+            if new:
+                judge(self.model, answer)
+        self.complete = traced.reason if traced.complete else ""
+        return traced.complete
 
     def _under(self) -> tuple[Model, Labels] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
@@ -258,6 +283,7 @@ class _Job:
             quiet=r.quiet,
             corners=self.corners[0],
             every_corner=self.corners[1],
+            complete=self.complete,
         )
 
 
