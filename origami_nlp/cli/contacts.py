@@ -24,13 +24,17 @@ def contacts(
     segments: Annotated[
         bool, typer.Option("--segments", help="Also follow the contact boundaries (metastability).")
     ] = False,
-    max_starts: o.MaxStarts = 1000,
+    max_starts: o.MaxStarts = 20_000,
+    effort: o.Effort = "normal",
+    workers: o.Workers = 1,
 ) -> None:
     """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
     from origami_nlp.contact import find_contacts, report
 
     out = Output(json=json, markdown=markdown, html=html)
-    result = search(read_scene(scene), scene, seed=seed, max_starts=max_starts)
+    result = search(
+        read_scene(scene), scene, seed=seed, max_starts=max_starts, effort=effort, workers=workers
+    )
     found = find_contacts(result, state=state, segments=segments)
     report.print_contacts(found, out.console)
     out.write("json", report.contacts_to_dict, found)

@@ -21,7 +21,9 @@ def minima(
     figure: o.FigureFile = None,
     fold: o.StatesFold = None,
     mesh: o.StatesMesh = None,
-    max_starts: o.MaxStarts = 1000,
+    max_starts: o.MaxStarts = 20_000,
+    effort: o.Effort = "normal",
+    workers: o.Workers = 1,
     full: Annotated[
         bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
     ] = False,
@@ -56,7 +58,9 @@ def minima(
         rest_angle=rest_angle,
         rest_angles=rest_angles,
     )
-    result = search(stated, scene, seed=seed, max_starts=max_starts, full=full)
+    result = search(
+        stated, scene, seed=seed, max_starts=max_starts, effort=effort, workers=workers, full=full
+    )
     print_result(result, out.console)
     out.write("json", result_to_dict, result)
     out.save("figure", draw_minima, result)

@@ -18,6 +18,10 @@ def _max_starts(value: int) -> int:
     return check_whole("max_starts", value, 1)
 
 
+def _workers(value: int) -> int:
+    return check_whole("workers", value, 1)
+
+
 def _rest_angle(value: float | None) -> float | None:
     return None if value is None else check_number("--rest-angle", value, 0.0, 180.0)
 
@@ -91,7 +95,18 @@ StatesMesh = Annotated[
 # ---------------------------------------------------------------- how to search
 
 Seed = Annotated[int, typer.Option(callback=_seed, help="Seed of the random starts.")]
-MaxStarts = Annotated[int, typer.Option(callback=_max_starts, help="Cap on random starts.")]
+MaxStarts = Annotated[int, typer.Option(callback=_max_starts, help="Cap on starts.")]
+Effort = Annotated[
+    str,
+    typer.Option(
+        metavar="quick|normal|thorough",
+        help="Starts, and how often each minimum is to be reached before the search stops.",
+    ),
+]
+Workers = Annotated[
+    int,
+    typer.Option(callback=_workers, help="Processes for the descents; the result is the same."),
+]
 
 # ---------------------------------------------------------------- FOLD files
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli.progress import progress
@@ -13,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def search(scene: Scene, name: str | None, **options: Any) -> MinimaResult:
-    """Find the minima of `scene`, and tell starts, minima and expected undiscovered ones (on stderr).
+    """Find the minima of `scene`, and tell starts and minima (on stderr).
 
     name: of a scene without a label.  options: of `find_minima`.
     """
@@ -21,9 +20,8 @@ def search(scene: Scene, name: str | None, **options: Any) -> MinimaResult:
 
     with progress(scene.label or str(name)) as tell:
 
-        def report(starts: int, found: int, missing: float) -> None:
-            shown = "-" if math.isinf(missing) else f"{missing:.2f}"
-            tell(text=f"{starts} starts, {found} minima, expected undiscovered {shown}")
+        def report(starts: int, found: int, once: int) -> None:
+            tell(text=f"{starts} starts, {found} minima, {once} of them reached once")
 
         return find_minima(scene, progress=report, **options)
 

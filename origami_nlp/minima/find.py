@@ -51,8 +51,8 @@ MOST_STARTS = 20_000
 """Default cap on starts; the report says when the search stopped there."""
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
-Progress = Callable[[int, int, float], None]
-"""Called as progress(starts, minima found, estimate of those not found)."""
+Progress = Callable[[int, int, int], None]
+"""Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
@@ -87,6 +87,7 @@ def find_minima(
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
     full: bool = False,
+    workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
     """Find and classify the energy minima of a scene among states of its symmetry.
@@ -110,8 +111,11 @@ def find_minima(
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
+    workers
+        Processes that descents are shared out to, where there are many; the result is the same.
     progress
-        Called after each round of starts, as progress(starts, minima found, estimate of those not found).
+        Called after each round of starts, as progress(starts, minima found, how many of these one drawn
+        start reached).
 
     Returns
     -------
@@ -136,6 +140,7 @@ def find_minima(
     check_options(seed, max_starts, fewest_starts)
     wanted = effort_of(effort)
     check_flag("full", full)
+    check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
     begin = time.perf_counter()
@@ -144,7 +149,7 @@ def find_minima(
     job.list_states()
     # where nothing can move within the symmetry, the listed states are all there is
     if model.freedom > 0:
-        job.search([model.reduce(g) for g in guesses])
+        job.search([model.reduce(g) for g in guesses], workers)
     minima, others, outcomes = _sort_out(model, job.record)
     if full:
         minima = _in_full_space(scene, minima)
@@ -181,7 +186,7 @@ class _Job:
             if self.record.known(x) is None:
                 self.record.answers.append(listed(model, x))
 
-    def search(self, guesses: list[np.ndarray]) -> None:
+    def search(self, guesses: list[np.ndarray], workers: int) -> None:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         if self.model.freedom == 1 and self._traced():
             self.stopped_by = "complete"
@@ -190,14 +195,16 @@ class _Job:
             self._one_by_one()
             return
         under = self._under()
-        search = Search(self.model, self.record, under)
-        if guesses:
-            search.run(search.closed(np.array(guesses)), count=False)
-        starts = Rounds(under[0] if under else self.model, self.seed, self.effort)
-        self.corners = starts.corners, starts.every_corner
+        with Search(self.model, self.record, under, workers) as search:
+            if guesses:
+                search.run(search.closed(np.array(guesses)), count=False)
+            self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
+
+    def _rounds(self, search: Search, rounds: Rounds) -> None:
+        self.corners = rounds.corners, rounds.every_corner
         self.stopped_by = "cap"
         quiet = 0
-        for samples in starts:
+        for samples in rounds:
             found = len(self.record.minima)
             search.run(samples[np.arange(min(len(samples), self.most - self.record.starts))])
             quiet = quiet + 1 if len(self.record.minima) == found else 0
@@ -252,7 +259,7 @@ class _Job:
     def _tell(self) -> None:
         if self.progress:
             r = self.record
-            self.progress(r.starts, len(r.minima), chao1(r.drawn_hits))
+            self.progress(r.starts, len(r.minima), sum(h == 1 for h in r.drawn_hits))
 
     def report(
         self,

@@ -17,6 +17,7 @@ from origami_nlp.minima.telling import (
     contact_words,
     freedom_words,
     geometry_lines,
+    search_lines,
     undecided_lines,
 )
 from origami_nlp.pattern import Scene
@@ -95,12 +96,6 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
 
 
 def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport) -> str:
-    statuses = ", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items()))
-    stop = "" if s.stopped_by == "rule" else "; stopped at the cap on starts"
-    text = (
-        f"{s.starts} starts, {s.solves} IPOPT solves ({statuses}), {s.seconds:.2f} s, seed {s.seed}; "
-        f"expected undiscovered minima {s.expected_undiscovered:.2g}{stop}"
-    )
     more = not_asked_words(scene, minima)
-    lines = [text, *[more] * bool(more), *undecided_lines(s), *geometry_lines(scene)]
+    lines = [*search_lines(s), *[more] * bool(more), *undecided_lines(s), *geometry_lines(scene)]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

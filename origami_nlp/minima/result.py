@@ -146,8 +146,9 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     data = to_plain(m)
     for contact in data["contacts"]:  # who touches: creases or facets
         del contact["facets" if contact["creases"] else "creases"]
-    if m.full_space is None:
-        del data["full_space"]
+    for name in ("full_space", "solver"):
+        if data[name] is None:
+            del data[name]
     return data
 
 

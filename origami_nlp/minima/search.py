@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
 from origami_nlp.kkt import Solve, polish
-from origami_nlp.minima.descents import Descents, Ends, Samples
+from origami_nlp.minima.descents import Descents, Ends, Samples, joined
 from origami_nlp.minima.record import Answer, Record, judge
 from origami_nlp.minima.starts import DRAWN, SOURCES
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
+from origami_nlp.workers import worker_pool
 
+BATCH = 768
+"""Descents made at once."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
 DOWN = 0.05
@@ -29,15 +33,28 @@ class Search:
         Of the scene as it is stated.
     under
         The same scene under other labels, where descents are made, and these labels; None: `model` itself.
+    workers
+        Processes that descents are shared out to.
     """
 
-    def __init__(self, model: Model, record: Record, under: tuple[Model, Labels] | None) -> None:
+    def __init__(
+        self, model: Model, record: Record, under: tuple[Model, Labels] | None, workers: int = 1
+    ) -> None:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model)
         self._ends: list[np.ndarray] = []  # as descents left them
         self._answer_of: list[Answer] = []
+        self._workers = workers
+        self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
+
+    def __enter__(self) -> Search:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
 
     def run(self, starts: Samples, *, count: bool = True) -> None:
         """Descend from starts (those that cross are dropped), and judge what is new among the ends."""
@@ -50,7 +67,7 @@ class Search:
             for source, name in enumerate(SOURCES):
                 record.by_source[name] += int((starts.source == source).sum())
         if feasible.any():
-            ends = self._descents.run(starts[feasible])
+            ends = self._descended(starts[feasible])
             good = ends.converged | ends.settled
             record.stalled += int((~good).sum()) if count else 0
             below = self._file(ends, np.flatnonzero(good), count)
@@ -58,6 +75,22 @@ class Search:
                 self.run(self.closed(np.array(below)), count=False)
         drawn = int(np.isin(starts.source, DRAWN).sum()) if count else 0
         record.quiet = 0 if len(record.minima) > minima else record.quiet + drawn
+
+    def _descended(self, starts: Samples) -> Ends:
+        """Descend in batches of one size, so that the answer does not depend on who makes them."""
+        parts = [
+            starts[np.arange(k, min(k + BATCH, len(starts)))] for k in range(0, len(starts), BATCH)
+        ]
+        if self._workers == 1 or len(parts) == 1:
+            ends = [self._descents.run(part) for part in parts]
+        else:
+            self._pool = self._pool or worker_pool(self._workers)
+            ends = list(self._pool.map(self._descents.run, parts))
+        return Ends(
+            joined(*(e.samples for e in ends)),
+            np.concatenate([e.converged for e in ends]),
+            np.concatenate([e.settled for e in ends]),
+        )
 
     def _feasible(self, starts: Samples) -> np.ndarray:
         crossings = self._descents.crossings

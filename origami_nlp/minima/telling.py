@@ -11,6 +11,7 @@ from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
+from origami_nlp.minima.stopping import unseen_share
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words
 
@@ -81,6 +82,10 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")
+        if m.solver is not None and not m.solver.agrees:
+            lines.append(
+                f"   IPOPT, started here, does not stay: {m.solver.status}, {m.solver.moved:.1g} rad away"
+            )
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
     return [*lines, *filter(None, [not_asked_words(scene, minima)])]
@@ -101,16 +106,20 @@ def full_space_lines(f: FullSpace) -> list[str]:
 
 
 def search_lines(s: SearchReport) -> list[str]:
-    """Say in a few lines how the search went, failures included."""
+    """Say in a few lines how the search went, failures included, and what is known of what it did not find."""
+    sources = ", ".join(f"{count} {name}" for name, count in s.by_source.items())
     lines = [
-        f"{s.starts} starts ({s.feasible_starts} feasible), {s.solves} IPOPT solves, "
-        f"{s.seconds:.2f} s, seed {s.seed}; expected undiscovered minima "
-        f"{s.expected_undiscovered:.2g}"
-        + ("" if s.stopped_by == "rule" else "; stopped at the cap on starts"),
-        "IPOPT: " + ", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())),
-        "converged starts ended at: "
-        + ", ".join(f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count),
+        f"{s.starts} starts ({s.feasible_starts} admissible{'; ' * bool(sources)}{sources}), "
+        f"{s.stalled} ended nowhere, {s.seconds:.2f} s, seed {s.seed}, effort {s.effort}"
+        if s.starts
+        else f"no start was drawn, {s.seconds:.2f} s",
+        *completeness_lines(s),
+        f"IPOPT: {s.solves} solves, {s.iterations} iterations: "
+        + (", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())) or "none"),
     ]
+    ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
+    if ended:
+        lines.append("starts ended at: " + ", ".join(ended))
     reasons: dict[tuple[str, str], int] = {}
     for r in s.rejected:
         if r.hits:
@@ -120,6 +129,31 @@ def search_lines(s: SearchReport) -> list[str]:
         f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
         for (verdict, reason), count in sorted(reasons.items())
     ]
+    return lines
+
+
+def completeness_lines(s: SearchReport) -> list[str]:
+    """Say what is known of minima that the search did not find: as much as the numbers carry, and no more."""
+    if s.stopped_by == "complete":
+        return [f"complete: {s.complete}"]
+    lines = []
+    if s.every_corner:
+        lines.append(
+            f"all {s.corners} states were tried that fold limits alone leave no freedom: minima among them are decided"
+        )
+    if s.quiet:
+        lines.append(
+            f"the last {s.quiet} drawn starts found no other minimum: those not found draw less than "
+            f"{unseen_share(s.quiet):.2g} of such starts (95 %); nothing follows for their number"
+        )
+    else:
+        lines.append("the last round of starts found another minimum: there may well be more")
+    if s.seen_once:
+        lines.append(
+            f"{s.seen_once} minim{'a were' if s.seen_once > 1 else 'um was'} reached by one drawn start only"
+        )
+    if s.stopped_by == "cap":
+        lines.append("stopped at the cap, before every minimum was reached often enough")
     return lines
 
 
