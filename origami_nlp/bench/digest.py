@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.minima import FEWEST_STARTS
+from origami_nlp.bench.tally import FEWEST_STARTS
 
 LEVEL = 1e-10
 """Error of fold angles [rad] at which methods are compared."""

@@ -29,7 +29,7 @@ from origami_nlp.bench.scaling import run_scaling
 from origami_nlp.bench.tally import Attempts, summary
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.minima import FEW_PAIRS, FEWEST_STARTS, find_minima
+from origami_nlp.minima import FEW_PAIRS, find_minima
 from origami_nlp.programme import Model
 
 SCHEMA = "origami-nlp/bench/1"

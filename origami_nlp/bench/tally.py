@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bench.judging import Outcome
-from origami_nlp.minima import enough
+from origami_nlp.minima import EFFORTS
 
 LEVELS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 """Errors of fold angles [rad] at which methods are compared."""
@@ -82,14 +82,16 @@ def ratios(method: Attempts, ours: Attempts, level: float) -> list[float]:
 
 
 def until_the_rule(attempts: Attempts, fewest: int) -> dict[str, Any]:
-    """Return what a search finds that stops by the package's own rule, starts of all rounds one after the other."""
+    """Return what a search finds that stops when every minimum was reached often enough (as the package's does), starts
+    of all rounds one after the other."""
     seconds, minimum = attempts.seconds.ravel(), attempts.minimum.ravel()
     done = np.isfinite(seconds)
     seconds, minimum = seconds[done], minimum[done]
     stop, stopped = len(seconds), False
     for k in range(1, len(seconds) + 1):
         reached = minimum[:k][minimum[:k] >= 0]
-        if k >= fewest and enough(len(reached), len(set(reached.tolist()))):
+        often = np.unique(reached, return_counts=True)[1].min(initial=0)
+        if k >= fewest and often >= EFFORTS["normal"].hits:
             stop, stopped = k, True
             break
     errors = attempts.errors[0].ravel()[done][:stop]

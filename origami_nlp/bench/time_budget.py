@@ -1,10 +1,8 @@
-"""Where the time of the main job goes: one search of each panel, stage by stage, and what share is the floor.
+"""Where the time of the main job goes: one search of each panel, stage by stage.
 
 The stage functions of the search are wrapped by stopwatches for the time of one `find_minima`; a stage that runs
-inside another counts for itself only.  Inside an IPOPT solve CasADi reports the time in functions and derivatives;
-linear algebra is estimated as one dense factorisation (LAPACK) of the KKT matrix an iteration, the rest is
-IPOPT's own.  The floor is the function evaluations of the solves alone.  CPU time of one thread, which other
-processes of the machine disturb less than wall time.
+inside another counts for itself only.  CPU time of one thread, which other processes of the machine disturb less
+than wall time.
 """
 
 from __future__ import annotations
@@ -25,24 +23,23 @@ from origami_nlp.show import rows_markdown, rows_table
 
 STAGES = (
     "building",
-    "function evaluation",
-    "linear algebra",
-    "IPOPT overhead",
     "starts",
+    "descents",
+    "foldings and hinges",
     "polish",
-    "thin sets and foldings",
-    "classification",
+    "judging",
+    "IPOPT confirms",
     "other",
 )
-FACTORISATIONS_TIMED = 200
 
 
 @dataclass(frozen=True)
 class TimeBudget:
-    """Seconds of one search by stage (`STAGES`), with its numbers of solves and IPOPT iterations."""
+    """Seconds of one search by stage (`STAGES`), its starts, and what IPOPT did to confirm the minima."""
 
     name: str
     seconds: dict[str, float]
+    starts: int
     solves: int
     iterations: int
 
@@ -51,22 +48,12 @@ class TimeBudget:
         """CPU time of the search, solver building included."""
         return sum(self.seconds.values())
 
-    @property
-    def solving(self) -> float:
-        """Seconds inside IPOPT."""
-        return sum(self.seconds[s] for s in STAGES[1:4])
-
-    @property
-    def over_floor(self) -> float:
-        """Total time over the floor, the function evaluations of the solves."""
-        return self.total / self.seconds["function evaluation"]
-
 
 class _Stopwatch:
     """Exclusive times of nested stages."""
 
     def __init__(self) -> None:
-        self.seconds: dict[str, float] = dict.fromkeys((*STAGES, "IPOPT"), 0.0)
+        self.seconds: dict[str, float] = dict.fromkeys(STAGES, 0.0)
         self._inside: list[float] = []
 
     def timed(self, stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -98,100 +85,54 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
-    from origami_nlp.kkt import starts
-    from origami_nlp.minima import find as minima, ipopt, search
+    from origami_nlp.minima import descents, find as minima, ipopt, record, search, starts
     from origami_nlp.programme import compiled as structure
 
-    watch, inside = _Stopwatch(), {"evaluation": 0.0}
-    for cached in (
-        structure.compile_structure,
-        ipopt.build_solver,
-    ):
+    watch = _Stopwatch()
+    for cached in (structure.compile_structure, ipopt.build_solver, ipopt.build_warm):
         cached.cache_clear()
-
-    def asked(programme: Any) -> Any:
-        """Let a built programme report CasADi's own times after each solve."""
-
-        class Solver:
-            def __call__(self, **arguments: Any) -> Any:
-                out = programme.solver(**arguments)
-                stats = programme.solver.stats()
-                inside["evaluation"] += sum(
-                    v for k, v in stats.items() if k.startswith("t_proc_nlp_")
-                )
-                return out
-
-            def stats(self) -> Any:
-                return programme.solver.stats()
-
-        return type(programme)(Solver(), programme.lower, programme.upper)
-
-    def builder(original: Any) -> Any:
-        build = watch.timed("building", original)
-        return lambda *args: asked(build(*args))
-
     with ExitStack() as stack:
         for owner, name, stage in (
-            (minima, "classify", "classification"),
-            (minima, "handle_minima", "thin sets and foldings"),
-            (minima, "flat_foldings", "thin sets and foldings"),
+            (record, "classify", "judging"),
+            (minima, "flat_foldings", "foldings and hinges"),
+            (minima, "hinge_minima", "foldings and hinges"),
+            (minima, "polish", "polish"),
             (search, "polish", "polish"),
-            (search, "solve", "IPOPT"),
-            (search, "solve_on_boundary", "IPOPT"),
-            (starts.StartStream, "__next__", "starts"),
+            (minima, "confirm", "IPOPT confirms"),
+            (ipopt, "build_warm", "building"),
+            (descents.Descents, "run", "descents"),
+            (starts.Rounds, "_round", "starts"),
+            (starts, "vertices", "starts"),
         ):
             stack.enter_context(_wrapped(owner, name, partial(watch.timed, stage)))
-        stack.enter_context(_wrapped(ipopt, "build_solver", builder))
         begin = time.process_time()
         model = Model(scene)
         watch.timed("building", lambda: model.functions.evaluators)()
         result = minima.find_minima(scene, seed=seed)
         total = time.process_time() - begin
-    seconds = dict.fromkeys(STAGES, 0.0)
-    for stage, spent in watch.seconds.items():
-        if stage in seconds:
-            seconds[stage] = spent
-    solving = watch.seconds["IPOPT"]
-    algebra = min(
-        result.search.iterations * _factorisation(model.size, model.equation_count),
-        max(0.0, solving - inside["evaluation"]),
-    )
-    seconds["function evaluation"] = inside["evaluation"]
-    seconds["linear algebra"] = algebra
-    seconds["IPOPT overhead"] = solving - inside["evaluation"] - algebra
+    seconds = dict(watch.seconds)
     seconds["other"] = max(0.0, total - sum(watch.seconds.values()))
-    return TimeBudget(scene.name or "", seconds, result.search.solves, result.search.iterations)
+    s = result.search
+    return TimeBudget(scene.name or "", seconds, s.starts, s.solves, s.iterations)
 
 
-def _factorisation(variables: int, equations: int) -> float:
-    """Seconds of one dense factorisation and solve of a KKT matrix (median)."""
-    size = variables + equations
-    matrix = np.eye(size) + np.random.default_rng(0).normal(size=(size, size))
-    right, times = np.ones(size), []
-    for _ in range(FACTORISATIONS_TIMED):
-        begin = time.perf_counter()
-        np.linalg.solve(matrix, right)
-        times.append(time.perf_counter() - begin)
-    return float(np.median(times))
-
-
-HEADS = ("scene", *STAGES, "total [s]", "solves", "iterations", "total / floor")
+HEADS = ("scene", *STAGES, "total [s]", "starts", "solves", "iterations")
 
 
 def rows(budgets: list[TimeBudget]) -> list[tuple[str, ...]]:
-    """One row a panel: share of each stage [%], total [s], total over floor; and the sum of all."""
+    """One row a panel: share of each stage [%], total [s]; and the sum of all."""
     names = [b.name.replace("degree ", "N = ").replace("alpha_1 = ", "") for b in budgets]
     total = {s: sum(b.seconds[s] for b in budgets) for s in STAGES}
-    solves, steps = sum(b.solves for b in budgets), sum(b.iterations for b in budgets)
-    every = [*budgets, TimeBudget("all", total, solves, steps)]
+    counts = [sum(getattr(b, f) for b in budgets) for f in ("starts", "solves", "iterations")]
+    every = [*budgets, TimeBudget("all", total, *counts)]
     return [
         (
             name,
             *(f"{100 * b.seconds[s] / b.total:.0f} %" for s in STAGES),
             f"{b.total:.2f}",
+            str(b.starts),
             str(b.solves),
             str(b.iterations),
-            f"{b.over_floor:.0f}",
         )
         for name, b in zip([*names, "all"], every, strict=True)
     ]
@@ -211,17 +152,7 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
     """Draw the stages of each panel as stacked bars, and write the figure (suffix decides the format)."""
     from matplotlib.figure import Figure
 
-    colours = (
-        "#999999",
-        "#0072B2",
-        "#56B4E9",
-        "#CCE5F2",
-        "#F0E442",
-        "#E69F00",
-        "#CC79A7",
-        "#009E73",
-        "#DDDDDD",
-    )
+    colours = ("#999999", "#F0E442", "#0072B2", "#CC79A7", "#E69F00", "#009E73", "#56B4E9", "#DDDDDD")
     figure = Figure(figsize=(9, 0.32 * len(budgets) + 1.8), layout="constrained")
     axes = figure.subplots()
     y, left = np.arange(len(budgets)), np.zeros(len(budgets))
@@ -236,7 +167,7 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
     figure.legend(
         *axes.get_legend_handles_labels(),
         loc="outside lower center",
-        ncols=5,
+        ncols=4,
         fontsize=8,
         frameon=False,
     )

@@ -1,4 +1,12 @@
-from . import find as find, ipopt as ipopt, search as search, table as table
+from . import (
+    descents as descents,
+    find as find,
+    ipopt as ipopt,
+    record as record,
+    search as search,
+    starts as starts,
+    table as table,
+)
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .figure import draw_minima as draw_minima
 from .find import (

@@ -93,7 +93,8 @@ def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> Solver
 
 
 @lru_cache(maxsize=256)
-def _build_warm(structure: Structure, gaps: tuple[int, ...], tolerance: float) -> Solver:
+def build_warm(structure: Structure, gaps: tuple[int, ...], tolerance: float) -> Solver:
+    """Build IPOPT for starts at its answers, with some gaps as rows (cached)."""
     return _built(pose_with_gaps(structure, gaps), WARM, tolerance)
 
 
@@ -108,7 +109,7 @@ def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
     """Solve once from a state with its own multipliers: only closed contacts are rows, each on its open side."""
     contacts = [c for c in stratum.contacts if not c.is_limit]
     gaps = tuple(dict.fromkeys(c.index for c in contacts))
-    programme = _build_warm(model.structure, gaps, tolerance_for(model))
+    programme = build_warm(model.structure, gaps, tolerance_for(model))
     m, x = model.equation_count, stratum.state.x
     lower, upper = programme.lower.copy(), programme.upper.copy()
     pull, row_pull = np.zeros(model.size), np.zeros(len(lower))

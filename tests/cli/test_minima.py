@@ -31,7 +31,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
         "left_out",
     }
     assert data["model"]["contact_pairs"] == [[1, 3]]
-    assert {"starts", "solves", "statuses", "expected_undiscovered", "seconds", "seed"} <= set(
+    assert {"starts", "solves", "statuses", "quiet", "effort", "seconds", "seed"} <= set(
         data["search"]
     )
     assert sum(data["search"]["statuses"].values()) == data["search"]["solves"]
