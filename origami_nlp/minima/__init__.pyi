@@ -18,6 +18,7 @@ from .ipopt import (
     build_solver as build_solver,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
+from .one_freedom import Traced as Traced, trace as trace
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,

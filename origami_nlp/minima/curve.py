@@ -81,7 +81,7 @@ class Branches:
     """Branches [B] of sections, resolved: states and tangents at the nodes.
 
     sections: one for each.  side: which completion.  x: fold angles [B, NODES, n], continuous.  tangents: of unit
-    length, [B, NODES, n].  odd: whether x is on the sheet q = -1.  pinned: variables that stand at half a period, [B, n].
+    length, [B, NODES, n].  odd: whether x is on the sheet q = -1.  pinned: variables that stay at half a period.
     """
 
     sections: Sections
@@ -157,7 +157,10 @@ class Curves:
         driver = np.repeat(np.arange(n), 2)
         ends, exists, _ = self.states(driver, self.reach[driver] * np.tile([1.0, -1.0], n))
         ends = ends[exists]
-        drivers, low, high, turns = [], [], [], []
+        drivers: list[int] = []
+        low: list[float] = []
+        high: list[float] = []
+        turns: list[np.ndarray] = []
         for v in range(n):
             meet, touching = self.piece.meetings(v)
             inside = np.abs(meet) < self.reach[v]
@@ -176,11 +179,11 @@ class Curves:
                 high.append(cuts[k + 1])
                 turns.append(turning[k : k + 2])
         count = len(low)
-        turns = np.array(turns, dtype=bool).reshape(count, 2)
+        back = np.array(turns, dtype=bool).reshape(count, 2)
         part = np.tile([-1.0, 1.0], (count, 1))
         every = np.ones((count, 2), dtype=bool)
         return Sections(
-            np.array(drivers, dtype=int), np.array(low), np.array(high), turns, part, every
+            np.array(drivers, dtype=int), np.array(low), np.array(high), back, part, every
         )
 
     def evaluate(self, sections: Sections) -> tuple[np.ndarray, ...]:
@@ -225,7 +228,7 @@ class Curves:
         open_, failures = self.pieces(), []
         x = np.zeros((0, NODES, self.model.size))
         none, mask = open_.take(np.zeros(0, dtype=int)), np.zeros(0, dtype=bool)
-        done = [Branches(none, np.zeros(0, dtype=int), x, x, mask, x[:, 0] > 0)]
+        done = [Branches(none, np.zeros(0, dtype=int), x, x, mask, x[:, 0].astype(bool))]
         for _ in range(DEEPEST):
             if not len(open_.low):
                 break

@@ -135,7 +135,7 @@ class _Found:
 
 
 def _lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
-    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet and in its bound."""
+    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet."""
     out = []
     keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
     for key in np.unique(keys, axis=0):
@@ -248,7 +248,10 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
         steps -= curves.period * np.round(steps / curves.period)
         steps = steps[np.abs(steps).max(axis=1) < 1e2 * shift]
         for y in every[curves.piece.misses(every) <= 2 * ROUNDED]:
-            inside = (np.abs(y + steps) <= model.bound + CLOSES).all(axis=1)
+            # (without fold limits the bound is none of the energy's)
+            inside = np.abs(y + steps).max(axis=1) <= (
+                math.pi + CLOSES if model.has_limits else math.inf
+            )
             torque = model.parameters.torque(y)
             if not (steps[inside] @ torque < -1e-2 * shift * np.abs(torque).max()).any():
                 out.append(y)
