@@ -24,7 +24,8 @@ NODES = 20
 DEEPEST = 60
 """Halvings of a section; those next to a meeting end after 25."""
 ACCURACY = 1e-9
-"""Error of fold angles [rad] and unit tangents in a section that counts as resolved; roots are polished afterwards."""
+"""Error of fold angles [rad] and unit tangents in a section that counts as resolved, beside what rounding leaves of
+them next to a crossing; roots are polished afterwards."""
 SLOW = 0.5
 """A driver answers for states where it moves at this share of the fastest variable's speed at least."""
 
@@ -228,7 +229,9 @@ class Curves:
         open_, failures = self.pieces(), []
         x = np.zeros((0, NODES, self.model.size))
         none, mask = open_.take(np.zeros(0, dtype=int)), np.zeros(0, dtype=bool)
-        done = [Branches(none, np.zeros(0, dtype=int), x, x, mask, x[:, 0].astype(bool))]
+        done = [
+            Branches(none, np.zeros(0, dtype=int), x, x, mask, np.zeros((0, self.model.size), bool))
+        ]
         for _ in range(DEEPEST):
             if not len(open_.low):
                 break
@@ -238,12 +241,13 @@ class Curves:
                 np.take_along_axis(t, np.repeat(open_.driver, 2)[:, None, None], 2)[..., 0]
             )
             share = (speed / np.abs(t).max(axis=2)).max(axis=1)
-            fine = error <= ACCURACY + 64 * EPS / np.maximum(size.min(axis=1), EPS)
+            # next to a crossing states are known to EPS / size, and tangents to EPS / size^2
+            fine = error <= ACCURACY + 4 * EPS / np.maximum(size.min(axis=1), EPS) ** 2
             fine &= (odd == odd[:, :1]).all(axis=1)
             slow = (error <= 0.02) & (share < 0.8 * SLOW)
             wanted = open_.wanted.ravel() & ~self._beyond(x, odd)
             keep = np.flatnonzero(wanted & fine & ~slow)
-            pinned = self.ambiguous(x[keep]).all(axis=1)
+            pinned = np.asarray(self.ambiguous(x[keep]).all(axis=1))
             cut = slice(0, NODES)
             done.append(
                 Branches(
@@ -251,7 +255,7 @@ class Curves:
                     keep % 2,
                     x[keep, cut],
                     t[keep, cut],
-                    odd[keep, 0],
+                    np.asarray(odd[keep, 0]),
                     pinned,
                 )
             )

@@ -120,7 +120,7 @@ class _Found:
         keep = good[distinct(x[good], RESOLVED)]
         reason = (
             f"one freedom: each of {pieces} pieces of the curves of closed states was resolved, and every root of the "
-            f"energy's slope taken; nearer than {RESOLVED:g} rad to a crossing nothing was told apart from it"
+            f"energy's slope taken; nearer than {SETTLED:g} rad to a crossing nothing was told apart from it"
         )
         if failures:
             reason = "not resolved: " + "; ".join(failures[:3])
