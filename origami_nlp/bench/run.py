@@ -26,7 +26,7 @@ from origami_nlp.bench.methods_ours import OURS, ours
 from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, quick_problems, random_problems
 from origami_nlp.bench.scaling import run_scaling
-from origami_nlp.bench.tally import Attempts, summary
+from origami_nlp.bench.tally import FEWEST_STARTS, Attempts, summary
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.minima import FEW_PAIRS, find_minima

@@ -13,6 +13,8 @@ import numpy as np
 from origami_nlp.bench.judging import Outcome
 from origami_nlp.minima import EFFORTS
 
+FEWEST_STARTS = 128
+"""Starts before a method is taken to have found what it can."""
 LEVELS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 """Errors of fold angles [rad] at which methods are compared."""
 NOT_RUN, FAILED, FALSE = -4, -2, -1

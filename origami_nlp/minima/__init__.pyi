@@ -41,6 +41,7 @@ from .pinches import (
     touch_starts as touch_starts,
 )
 from .record import Answer as Answer, Record as Record
+from .one_freedom import Traced as Traced, trace as trace
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,

@@ -24,7 +24,8 @@ NODES = 20
 DEEPEST = 60
 """Halvings of a section; those next to a meeting end after 25."""
 ACCURACY = 1e-9
-"""Error of fold angles [rad] and unit tangents in a section that counts as resolved; roots are polished afterwards."""
+"""Error of fold angles [rad] and unit tangents in a section that counts as resolved, beside what rounding leaves of
+them next to a crossing; roots are polished afterwards."""
 SLOW = 0.5
 """A driver answers for states where it moves at this share of the fastest variable's speed at least."""
 
@@ -81,7 +82,7 @@ class Branches:
     """Branches [B] of sections, resolved: states and tangents at the nodes.
 
     sections: one for each.  side: which completion.  x: fold angles [B, NODES, n], continuous.  tangents: of unit
-    length, [B, NODES, n].  odd: whether x is on the sheet q = -1.  pinned: variables that stand at +-pi, [B, n].
+    length, [B, NODES, n].  odd: whether x is on the sheet q = -1.  pinned: variables that stay at half a period.
     """
 
     sections: Sections
@@ -104,11 +105,12 @@ class Curves:
         self.model, self.piece = model, Piece(model)
         n = model.size
         cyclic = self.piece.kind == "C" and self.piece.order > 1
-        self.free_turn = (self.piece.share == 1) & (not cyclic)
-        """Variables that a whole turn brings back to the same shape; it changes the sheet without symmetry."""
+        whole = (self.piece.share == 1) & (not cyclic)
+        self.period = np.where(whole, 2 * math.pi, 4 * math.pi)
+        """What brings each variable back to the same shape; a whole turn changes the sheet without symmetry."""
         self.sheets = self.piece.kind == "C" and not cyclic
-        self.reach = np.where(self.free_turn | model.has_limits, math.pi, 2 * math.pi)
-        """Largest fold angle of a variable that is looked at, up to free turns."""
+        self.reach = np.minimum(self.period / 2, model.bound)
+        """Largest fold angle of a variable that is looked at, up to its period."""
         self.others = np.array([np.delete(np.arange(n), v) for v in range(n)])
 
     def states(
@@ -118,12 +120,12 @@ class Curves:
         x = np.zeros((len(angle), self.model.size))
         x[np.arange(len(angle)), driver] = angle
         states, exists, _ = close_by(self.piece, False, x, self.others[driver])
-        turns = np.where(self.free_turn, np.round(states / (2 * math.pi)), 0.0)
+        turns = np.round(states / self.period)
         odd = (turns.sum(axis=2) % 2 != 0) & self.sheets
-        return states - 2 * math.pi * turns, exists, odd
+        return states - self.period * turns, exists, odd
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unit tangents of states [K, n], and the size of what closure has to say on them, [K]: 0 where curves cross."""
+        """Unit tangents of states [K, n], and how firmly closure sets them, [K]: 0 where curves cross."""
         axes, end = self.piece.fold(x * self.piece.share)
         axes = axes.transpose(2, 0, 1)  # [K, n, 3]
         axes = axes * self.piece.share[:, None]
@@ -156,7 +158,10 @@ class Curves:
         driver = np.repeat(np.arange(n), 2)
         ends, exists, _ = self.states(driver, self.reach[driver] * np.tile([1.0, -1.0], n))
         ends = ends[exists]
-        drivers, low, high, turns = [], [], [], []
+        drivers: list[int] = []
+        low: list[float] = []
+        high: list[float] = []
+        turns: list[np.ndarray] = []
         for v in range(n):
             meet, touching = self.piece.meetings(v)
             inside = np.abs(meet) < self.reach[v]
@@ -175,11 +180,11 @@ class Curves:
                 high.append(cuts[k + 1])
                 turns.append(turning[k : k + 2])
         count = len(low)
-        turns = np.array(turns, dtype=bool).reshape(count, 2)
+        back = np.array(turns, dtype=bool).reshape(count, 2)
         part = np.tile([-1.0, 1.0], (count, 1))
         every = np.ones((count, 2), dtype=bool)
         return Sections(
-            np.array(drivers, dtype=int), np.array(low), np.array(high), turns, part, every
+            np.array(drivers, dtype=int), np.array(low), np.array(high), back, part, every
         )
 
     def evaluate(self, sections: Sections) -> tuple[np.ndarray, ...]:
@@ -195,30 +200,38 @@ class Curves:
         t, size = self.tangents(x.reshape(-1, self.model.size))
         return x, t.reshape(x.shape), size.reshape(odd.shape), odd
 
+    def ambiguous(self, x: np.ndarray) -> np.ndarray:
+        """Tell which fold angles [..., n] are half a period, where rounding decides on the sign."""
+        return self.period / 2 - np.abs(x) <= RESOLVED
+
     def _aligned(self, x: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give fold angles that rounding put on either side of a whole turn the sign of their neighbours."""
-        near = (math.pi - np.abs(x) <= RESOLVED) & self.free_turn
-        if not near.any():
-            return x, odd
-        order = np.argsort(np.concatenate([POINTS, CHECKS]))
+        """Give ambiguous fold angles the sign of the nearest that is not, or plus where all are."""
+        near, place = self.ambiguous(x), np.concatenate([POINTS, CHECKS])
         for b, v in zip(*np.nonzero(near.any(axis=1)), strict=True):
-            firm = order[~near[b, order, v]]
+            firm = np.flatnonzero(~near[b, :, v])
             for k in np.flatnonzero(near[b, :, v]):
-                sign = 1.0
-                if len(firm):
-                    place = np.concatenate([POINTS, CHECKS])
-                    sign = np.sign(x[b, firm[np.abs(place[firm] - place[k]).argmin()], v])
-                if np.sign(x[b, k, v]) != sign:
-                    x[b, k, v] += 2 * math.pi * sign
+                nearest = firm[np.abs(place[firm] - place[k]).argmin()] if len(firm) else None
+                sign = 1.0 if nearest is None else math.copysign(1.0, x[b, nearest, v])
+                if x[b, k, v] * sign < 0:
+                    x[b, k, v] += self.period[v] * sign
                     odd[b, k] ^= self.sheets
         return x, odd
+
+    def _beyond(self, x: np.ndarray, odd: np.ndarray) -> np.ndarray:
+        """Tell which branches [B, N, n] are no states of the model, whatever the resolution."""
+        if not self.model.has_limits:
+            return np.zeros(len(x), dtype=bool)
+        outside = (np.abs(x) > self.reach + RESOLVED).any(axis=2).all(axis=1)
+        return outside | (odd.all(axis=1) & ~self.ambiguous(x).any(axis=(1, 2)))
 
     def resolved(self) -> tuple[Branches, list[str]]:
         """Cut until every branch is resolved, and say where that failed."""
         open_, failures = self.pieces(), []
         x = np.zeros((0, NODES, self.model.size))
         none, mask = open_.take(np.zeros(0, dtype=int)), np.zeros(0, dtype=bool)
-        done = [Branches(none, np.zeros(0, dtype=int), x, x, mask, x[:, 0] > 0)]
+        done = [
+            Branches(none, np.zeros(0, dtype=int), x, x, mask, np.zeros((0, self.model.size), bool))
+        ]
         for _ in range(DEEPEST):
             if not len(open_.low):
                 break
@@ -228,12 +241,13 @@ class Curves:
                 np.take_along_axis(t, np.repeat(open_.driver, 2)[:, None, None], 2)[..., 0]
             )
             share = (speed / np.abs(t).max(axis=2)).max(axis=1)
-            fine = error <= ACCURACY + 64 * EPS / np.maximum(size.min(axis=1), EPS)
+            # next to a crossing states are known to EPS / size, and tangents to EPS / size^2
+            fine = error <= ACCURACY + 4 * EPS / np.maximum(size.min(axis=1), EPS) ** 2
             fine &= (odd == odd[:, :1]).all(axis=1)
             slow = (error <= 0.02) & (share < 0.8 * SLOW)
-            wanted = open_.wanted.ravel()
+            wanted = open_.wanted.ravel() & ~self._beyond(x, odd)
             keep = np.flatnonzero(wanted & fine & ~slow)
-            pinned = self.free_turn & (math.pi - np.abs(x[keep]) <= RESOLVED).all(axis=1)
+            pinned = np.asarray(self.ambiguous(x[keep]).all(axis=1))
             cut = slice(0, NODES)
             done.append(
                 Branches(
@@ -241,7 +255,7 @@ class Curves:
                     keep % 2,
                     x[keep, cut],
                     t[keep, cut],
-                    odd[keep, 0],
+                    np.asarray(odd[keep, 0]),
                     pinned,
                 )
             )

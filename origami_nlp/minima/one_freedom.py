@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import project
-from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, Curves
+from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, Curves
 from origami_nlp.numerics import (
     ANSWERED,
     CLOSES,
@@ -41,8 +41,8 @@ class Traced:
     contacts
         Contacts that each closes and that may hold it, as far as its origin says.
     origins
-        ``stationary`` (the slope of the energy changes sign), ``limit`` (an end at |phi| = pi), ``contact`` (an end at a
-        mirror, the axis or a facet) or ``crossing`` (curves cross, or a state stands alone).
+        ``stationary`` (the slope of the energy changes sign), ``limit`` (an end at |phi| = pi), ``contact`` (an
+        end at a mirror, the axis or a facet) or ``crossing`` (curves cross, or a state stands alone).
     pieces
         Pieces of curves that were resolved.
     complete
@@ -120,7 +120,7 @@ class _Found:
         keep = good[distinct(x[good], RESOLVED)]
         reason = (
             f"one freedom: each of {pieces} pieces of the curves of closed states was resolved, and every root of the "
-            f"energy's slope taken; nearer than {RESOLVED:g} rad to a crossing nothing was told apart from it"
+            f"energy's slope taken; nearer than {SETTLED:g} rad to a crossing nothing was told apart from it"
         )
         if failures:
             reason = "not resolved: " + "; ".join(failures[:3])
@@ -135,20 +135,19 @@ class _Found:
 
 
 def _lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
-    """Split branches by the whole turns [L, n] that lead to states of the model: all of the sheet and its bound."""
+    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet."""
     out = []
     keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
     for key in np.unique(keys, axis=0):
         some = branches.take((keys == key).all(axis=1))
         odd, pinned = bool(key[0]), key[1:]
         # a variable that stands at +-pi is written as +pi or -pi by rounding
-        options = [
-            (-1.0, 0.0, 1.0) if free and (pin or not model.has_limits) else (0.0,)
-            for free, pin in zip(curves.free_turn, pinned, strict=True)
-        ]
+        more = pinned | (curves.period < 2 * model.bound)
+        options = [(-1.0, 0.0, 1.0) if many else (0.0,) for many in more]
         turns = np.array(list(itertools.product(*options)))
         if curves.sheets:
             turns = turns[turns.sum(axis=1) % 2 == odd]
+        turns = curves.period * turns
         if len(turns):
             out.append((some, turns))
     return out
@@ -161,7 +160,7 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
     more = model.parameters.stiffness * b.tangents
     series = np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2))
     steps = np.einsum("kj,bjn->bkn", TO_SERIES, more)
-    series = series[:, None] + 2 * math.pi * np.einsum("bkn,ln->blk", steps, lift)
+    series = series[:, None] + np.einsum("bkn,ln->blk", steps, lift)
     scale = (
         np.abs(torque).sum(axis=2).max(axis=1)[:, None] + 1e-12 * model.parameters.stiffness.max()
     )
@@ -179,7 +178,7 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
 
 
 def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.ndarray:
-    """States of branches at positions [B] in [-1, 1], whole turns [B, n] added, within the model's bound."""
+    """States of branches at positions [B] in [-1, 1], turned by [B, n], within the model's bound."""
     if not len(where):
         return np.zeros((0, curves.model.size))
     angle = b.sections.angle(where[:, None])[:, 0]
@@ -187,10 +186,12 @@ def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.
     x = x[np.arange(len(where)), b.side]
     nodes = np.cos(np.outer(np.arccos(np.clip(where, -1, 1)), np.arange(NODES)))
     near = np.einsum("bk,kj,bjn->bn", nodes, TO_SERIES, b.x)
-    x = x + np.where(curves.free_turn, 2 * math.pi * np.round((near - x) / (2 * math.pi)), 0.0)
-    x = np.where(b.pinned, np.copysign(math.pi, near), x) + 2 * math.pi * lift
-    speed = np.abs(curves.tangents(x)[0])
-    fastest = speed[np.arange(len(x)), b.sections.driver] >= 0.5 * speed.max(axis=1)
+    x = x + curves.period * np.round((near - x) / curves.period)
+    x = np.where(b.pinned, np.copysign(curves.period / 2, near), x) + lift
+    tangents, size = curves.tangents(x)
+    speed = np.abs(tangents)
+    fastest = speed[np.arange(len(x)), b.sections.driver] >= SLOW * speed.max(axis=1)
+    fastest &= size > RANK  # (crossings are listed by themselves)
     inside = (np.abs(x) <= curves.model.bound + CLOSES).all(axis=1)
     return np.clip(x[inside & fastest], -curves.model.bound, curves.model.bound)
 
@@ -226,34 +227,34 @@ def _slope(series: np.ndarray, where: float) -> float:
 
 def _crossings(curves: Curves) -> list[np.ndarray]:
     """States where completions touch and closure is singular, in the model's bound, with no neighbour clearly lower."""
-    model, out = curves.model, []
-    shift = 1e-4
+    model, shift = curves.model, 1e-4
+    near, at = [np.zeros((0, model.size))], [np.zeros((0, model.size))]
     for v, angle in curves.crossings:
-        driver = np.full(3, v)
-        x, exists, _ = curves.states(driver, angle + np.array([0.0, shift, -shift]))
-        near = x[1:][exists[1:]]
-        for state in x[0][exists[0]][:1]:
-            if curves.tangents(state[None])[1][0] > RANK:
-                continue
-            state = np.where(
-                np.abs(np.abs(state) - math.pi) <= RESOLVED, np.copysign(math.pi, state), state
+        x, exists, _ = curves.states(np.full(3, v), angle + np.array([0.0, shift, -shift]))
+        near.append(x[1:][exists[1:]])
+        at.append(x[0][exists[0]])
+    beside, states = np.concatenate(near), np.concatenate(at)
+    for exact in (0.0, *curves.period / 2):
+        states = np.where(
+            np.abs(np.abs(states) - exact) <= RESOLVED, np.copysign(exact, states), states
+        )
+    states = states[curves.tangents(states)[1] <= RANK]
+    turns = curves.period * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=model.size)))
+    out = []
+    for state in states[distinct(states, RESOLVED)]:
+        every = state + turns
+        every = every[(np.abs(every) <= model.bound + CLOSES).all(axis=1)]
+        steps = beside - state
+        steps -= curves.period * np.round(steps / curves.period)
+        steps = steps[np.abs(steps).max(axis=1) < 1e2 * shift]
+        for y in every[curves.piece.misses(every) <= 2 * ROUNDED]:
+            # (without fold limits the bound is none of the energy's)
+            inside = np.abs(y + steps).max(axis=1) <= (
+                math.pi + CLOSES if model.has_limits else math.inf
             )
-            state = np.where(np.abs(state) <= RESOLVED, 0.0, state)
-            turns = [(-1.0, 0.0, 1.0) if free else (0.0,) for free in curves.free_turn]
-            every = state + 2 * math.pi * np.array(list(itertools.product(*turns)))
-            every = every[(np.abs(every) <= model.bound + CLOSES).all(axis=1)]
-            every = every[curves.piece.misses(every) <= 2 * ROUNDED]
-            for y in every:
-                step = near - state
-                step -= np.where(
-                    curves.free_turn, 2 * math.pi * np.round(step / (2 * math.pi)), 0.0
-                )
-                step = step[np.abs(step).max(axis=1) < 1e-2]
-                if model.has_limits:
-                    step = step[(np.abs(y + step) <= math.pi + CLOSES).all(axis=1)]
-                change = step @ model.parameters.torque(y)
-                if not (change < -1e-2 * shift * np.abs(model.parameters.torque(y)).max()).any():
-                    out.append(y)
+            torque = model.parameters.torque(y)
+            if not (steps[inside] @ torque < -1e-2 * shift * np.abs(torque).max()).any():
+                out.append(y)
     return out
 
 
@@ -266,7 +267,7 @@ def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
         if not len(b.side):
             continue
         for turns in lift:
-            x = b.x + 2 * math.pi * turns
+            x = b.x + turns
             values = _gaps(model, x.reshape(-1, model.size)).reshape(*x.shape[:2], -1)
             for contact in model.gaps:
                 series = np.einsum("kj,bj->bk", TO_SERIES, values[..., contact.index])

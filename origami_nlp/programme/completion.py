@@ -72,9 +72,9 @@ def close_by(
     solve = np.sort(np.broadcast_to(np.asarray(solve, dtype=int), (len(x), m)), axis=1)
     u, end = piece.axes(x, solve)
     if m == 3:
-        angles, exists, family = _three_turns(*u, _inverse(end), limits)
+        angles, exists, family = _three_turns(u[0], u[1], u[2], _inverse(end), limits)
     elif m == 2:
-        angles, exists, family = _two_turns(*u, _rotated(end, E2[:, 0]), E2)
+        angles, exists, family = _two_turns(u[0], u[1], _rotated(end, E2[:, 0]), E2)
     else:
         angles, exists, family = piece.one_turn(u[0], end)
     states = np.repeat(x[:, None, :], 2, axis=1)
@@ -152,7 +152,7 @@ class Piece:
             q = quat.multiply(q, quat.fold(c, s, ray))
         return np.array(axes), np.array(quat.multiply(q, self.tail))
 
-    def axes(self, x: np.ndarray, solve: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+    def axes(self, x: np.ndarray, solve: np.ndarray) -> tuple[list[Any], Any]:
         """Fold with the creases solve [K, m] flat: their axes, m times [3, K], and the end of the piece [4, K]."""
         turns = x * self.share
         np.put_along_axis(turns, solve, 0.0, axis=1)
@@ -236,7 +236,7 @@ class Piece:
             )
         return both
 
-    def _sides(self, u: list[np.ndarray], end: np.ndarray) -> np.ndarray:
+    def _sides(self, u: list[Any], end: Any) -> np.ndarray:
         """Sides of the triangle behind two completions, [3, K]."""
         if len(u) == 3:
             ends = u[0], _rotated(_inverse(end), u[2]), u[1], u[2]
@@ -249,7 +249,7 @@ class Piece:
         a, w, b, v = ends
         return np.array([_between(b, v), _between(b, a), _between(a, w)])
 
-    def one_turn(self, u: np.ndarray, end: np.ndarray) -> Turns:
+    def one_turn(self, u: Any, end: Any) -> Turns:
         """Solve the one equation of C_n and D_n, n >= 2, for the turn about u [3, K]."""
         sides = np.array([[1.0], [-1.0]])
         if self.kind == "D":
@@ -300,7 +300,7 @@ def _three_turns(
     return list(angles), exists, family
 
 
-def _two_turns(u1: np.ndarray, u2: np.ndarray, v: Any, w: Any) -> Turns:
+def _two_turns(u1: Any, u2: Any, v: Any, w: Any) -> Turns:
     """Solve Q(u1, a) Q(u2, b) v = w."""
     corner, exists = _corner(_between(u2, v), _between(u2, u1), _between(u1, w))
     toward, lost = _azimuth(u2, v, u1)
@@ -309,7 +309,7 @@ def _two_turns(u1: np.ndarray, u2: np.ndarray, v: Any, w: Any) -> Turns:
     return [a, b], exists, lost | lost_too
 
 
-def last_turn(u: np.ndarray, q: Any) -> np.ndarray:
+def last_turn(u: Any, q: Any) -> np.ndarray:
     """Turn about u [3, K] nearest to the rotation q, in [-2 pi, 2 pi]: a whole turn of it changes the sign of q."""
     return 2 * np.arctan2(quat.dot(u, q[1:]), q[0])
 
@@ -335,7 +335,7 @@ def _between(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return 2 * np.arctan2(np.sqrt((apart**2).sum(axis=0)), np.sqrt((across**2).sum(axis=0)))
 
 
-def _azimuth(u: np.ndarray, v: Any, w: Any) -> tuple[np.ndarray, np.ndarray]:
+def _azimuth(u: Any, v: Any, w: Any) -> tuple[np.ndarray, np.ndarray]:
     """Turn about unit u that takes v to over w, in [-pi, pi]; 0, and True, where one of them is along u."""
     v, w = ([x[k] - along * u[k] for k in range(3)] for x in (v, w) for along in [quat.dot(u, x)])
     angle = np.arctan2(quat.dot(u, quat.cross(v, w)), quat.dot(v, w))
@@ -350,7 +350,7 @@ def _principal(angle: np.ndarray) -> np.ndarray:
     return np.where(np.abs(angle) > math.pi, angle - np.copysign(2 * math.pi, angle), angle)
 
 
-def _turn(axis: np.ndarray, angle: np.ndarray) -> Any:
+def _turn(axis: Any, angle: np.ndarray) -> Any:
     return quat.fold(np.cos(angle / 2), np.sin(angle / 2), axis)
 
 

@@ -38,6 +38,7 @@ BESIDE_THE_TABLE = {
     "kkt/descent.SHORTEST": "step",
     "kkt/neighbours.STEPS": "steps",
     "kkt/thin.SHORTEST": "step",
+    "minima/curve.ACCURACY": "error of a curve's series, whose roots are polished",
     "minima/full_space.KEPT": "symmetry of the shortest step of a path",
     "minima/ipopt.TOLERANCE": "accuracy that IPOPT is asked for",
     "paper/audit.CLOSED": "openings of published states, from `PRINTED`",
