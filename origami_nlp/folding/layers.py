@@ -13,10 +13,11 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
+from origami_nlp.folding.orders import Orders
 from origami_nlp.numerics import cross
 
 Strand = tuple[int, int]
@@ -51,28 +52,25 @@ class LayerProblem:
     fixed: dict[Pair, bool] = field(default_factory=dict)
     feasible: bool = True
 
+    @cached_property
+    def _orders(self) -> Orders[Pair]:
+        """Made when the first question is asked: the tables are complete then."""
+        return Orders(self.tables, self.fixed)
+
     def solvable(self, assume: dict[Pair, bool] | None = None) -> bool:
         """Tell whether some layer order exists (that also has the orders in `assume`)."""
         if not self.feasible:
             return False
-        start = dict(self.fixed)
-        for pair, value in (assume or {}).items():
-            if start.setdefault(pair, value) != value:
-                return False
-        return _solvable(tuple(self.tables), frozenset(start.items()))
+        return self._orders.possible(assume or {})
 
     def order(self) -> dict[Pair, bool] | None:
         """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
-        found = _solve(self.tables, dict(self.fixed)) if self.feasible else None
+        found = self._orders.answer({}) if self.feasible else None
         if found is None:
             return None
         for strands in self.segments.values():  # two strands alone in a segment may be in no table
             for (a, _), (b, _) in itertools.combinations(strands, 2):
-                pair, _ = ordered(a, b)
-                if pair not in found:
-                    found = _solve(self.tables, {**found, pair: True})
-                    assert found is not None
-                    found.setdefault(pair, True)
+                found.setdefault(ordered(a, b)[0], True)
         return found
 
     def forced_side(self, one: Strand, other: Strand) -> int:
@@ -311,35 +309,3 @@ def _interleaving_pattern(
         if sum(a < o < b for o in order[2:]) != 1:
             allowed.add(values)
     return tuple(pairs), frozenset(allowed)
-
-
-@lru_cache(maxsize=4096)
-def _solvable(tables: tuple[Table, ...], start: frozenset[tuple[Pair, bool]]) -> bool:
-    """Tell whether the tables have a solution; states of one combinatorial kind ask the same question."""
-    return _solve(list(tables), dict(start)) is not None
-
-
-def _solve(tables: list[Table], assigned: dict[Pair, bool]) -> dict[Pair, bool] | None:
-    """Depth-first search with propagation over table constraints; returns a solution, or None."""
-    assigned = dict(assigned)
-    changed = True
-    while changed:
-        changed = False
-        for pairs, allowed in tables:
-            fits = [
-                v
-                for v in allowed
-                if all(assigned.get(p, x) == x for p, x in zip(pairs, v, strict=True))
-            ]
-            if not fits:
-                return None
-            for k, pair in enumerate(pairs):
-                if pair not in assigned and len({v[k] for v in fits}) == 1:
-                    assigned[pair] = fits[0][k]
-                    changed = True
-    for pairs, _ in tables:
-        for pair in pairs:
-            if pair not in assigned:
-                answers = (_solve(tables, {**assigned, pair: v}) for v in (False, True))
-                return next((a for a in answers if a is not None), None)
-    return assigned

@@ -78,6 +78,16 @@ class State:
         return bool((np.linalg.svd(self.jacobian, compute_uv=False) > RANK).all())
 
     @cached_property
+    def second_order(self) -> list[np.ndarray]:
+        """Forms Q [t, t] on `kernel`, of closure where it loses rank: d' Q d vanishes in directions that states follow."""
+        p = self.programme
+        u, values, _ = np.linalg.svd(self.jacobian)
+        lost = u.T[int((values > RANK).sum()) :]
+        unit = np.outer(p.root, p.root)
+        z = self.kernel
+        return [z.T @ (p.lagrangian_hessian(self.x, -w, (), 0.0) / unit) @ z for w in lost]
+
+    @cached_property
     def residual(self) -> float:
         """Largest entry of loop closure."""
         return float(np.abs(self.local.closure).max(initial=0.0))
