@@ -15,44 +15,58 @@ Values = list[int]
 """Of each unknown: 0, 1, or -1 while it is not known."""
 
 
+class Tables(Generic[Name]):
+    """Tables made ready for questions: unknowns numbered, and the tables that name each of them.
+
+    Parameters
+    ----------
+    tables
+        Each a tuple of unknowns (anything hashable) and the values that they may take together.
+    """
+
+    def __init__(
+        self, tables: Iterable[tuple[tuple[Name, ...], frozenset[tuple[bool, ...]]]]
+    ) -> None:
+        self.number: dict[Name, int] = {}
+        self.rules: list[tuple[tuple[int, ...], frozenset[int]]] = []
+        for names, allowed in tables:
+            unknowns = tuple(self.number.setdefault(n, len(self.number)) for n in names)
+            self.rules.append((unknowns, _bits(allowed)))
+        self.used: list[list[int]] = [[] for _ in self.number]
+        for k, (unknowns, _) in enumerate(self.rules):
+            for u in unknowns:
+                self.used[u].append(k)
+
+
 class Orders(Generic[Name]):
     """Answers of one set of tables; every answer found is kept, since it also answers later questions.
 
     Parameters
     ----------
     tables
-        Each a tuple of unknowns (anything hashable) and the values that they may take together.
+        The constraints.
     fixed
         Values that are given.
     """
 
-    def __init__(
-        self,
-        tables: Iterable[tuple[tuple[Name, ...], frozenset[tuple[bool, ...]]]],
-        fixed: Mapping[Name, bool],
-    ) -> None:
-        self._number: dict[Name, int] = {}
-        self._tables: list[tuple[tuple[int, ...], frozenset[int]]] = []
-        for names, allowed in tables:
-            unknowns = tuple(self._number.setdefault(n, len(self._number)) for n in names)
-            self._tables.append((unknowns, _bits(allowed)))
-        for name in fixed:
-            self._number.setdefault(name, len(self._number))
-        self._used: list[list[int]] = [[] for _ in self._number]
-        for k, (unknowns, _) in enumerate(self._tables):
-            for u in unknowns:
-                self._used[u].append(k)
-        self._start: Values | None = [-1] * len(self._number)
-        for name, value in fixed.items():
-            self._start[self._number[name]] = int(value)
-        if not self._propagate(self._start, list(range(len(self._tables)))):
-            self._start = None
+    def __init__(self, tables: Tables[Name], fixed: Mapping[Name, bool]) -> None:
+        self._number, self._tables, self._used = tables.number, tables.rules, tables.used
+        self._free = {name: value for name, value in fixed.items() if name not in self._number}
+        start = [-1] * len(self._number)
+        pending = set(range(len(self._tables)))
+        good = self._assign(start, self._known(fixed)) and self._propagate(start, pending)
+        self._start: Values | None = start if good else None
         self._answers: list[Values] = []
         self._impossible: set[tuple[int, int]] = set()
 
+    def _known(self, values: Mapping[Name, bool]) -> list[tuple[int, int]]:
+        return [(self._number[n], int(v)) for n, v in values.items() if n in self._number]
+
     def possible(self, assume: Mapping[Name, bool]) -> bool:
         """Tell whether there is an answer with the values in `assume`."""
-        known = [(self._number[n], int(v)) for n, v in assume.items() if n in self._number]
+        if any(self._free.get(name, value) != value for name, value in assume.items()):
+            return False
+        known = self._known(assume)
         if any(all(answer[u] == v for u, v in known) for answer in self._answers):
             return True
         if not self._impossible.isdisjoint(known):
@@ -63,14 +77,13 @@ class Orders(Generic[Name]):
             self._impossible.add(known[0])
         return False
 
-    def answer(self, assume: Mapping[Name, bool]) -> dict[Name, bool] | None:
+    def answer(self) -> dict[Name, bool] | None:
         """Return the first answer in the order of the tables, false before true; None where there is none."""
-        known = [(self._number[n], int(v)) for n, v in assume.items() if n in self._number]
-        found = self._find(known)
+        found = self._find(())
         if found is None:
             return None
-        named = {name: bool(found[k]) for name, k in self._number.items() if found[k] >= 0}
-        return {**named, **assume}
+        named = {name: bool(found[k]) for name, k in self._number.items()}
+        return {**named, **self._free}
 
     def _find(self, known: Iterable[tuple[int, int]]) -> Values | None:
         if self._start is None:
@@ -96,17 +109,17 @@ class Orders(Generic[Name]):
 
     def _assign(self, values: Values, known: Iterable[tuple[int, int]]) -> bool:
         """Set values and what follows from them (in place); False where they contradict each other."""
-        pending: list[int] = []
+        pending: set[int] = set()
         for u, v in known:
             if values[u] < 0:
                 values[u] = v
-                pending += self._used[u]
+                pending.update(self._used[u])
             elif values[u] != v:
                 return False
         return self._propagate(values, pending)
 
-    def _propagate(self, values: Values, pending: list[int]) -> bool:
-        waiting = set(pending)
+    def _propagate(self, values: Values, waiting: set[int]) -> bool:
+        """Look at the tables `waiting`, and at those of every value that follows."""
         while waiting:
             unknowns, allowed = self._tables[waiting.pop()]
             mask = value = 0

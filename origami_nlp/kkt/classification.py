@@ -126,9 +126,13 @@ def _decide(state: State, accuracy: float) -> Classification:
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
 
-    model, contacts = state.programme, state.contacts
+    model = state.programme
     if state.refused:
         return reject("not admissible", state.refused)
+    lower = follow_level(state)
+    if lower is not None:
+        return _refuted(lower)
+    contacts = state.contacts
     choices = contacts.combinations()
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
@@ -136,7 +140,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     if relaxed or len(choices) > 1:
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
-            lower = follow_descent(state, whole) or follow_level(state)
+            lower = follow_descent(state, whole)
             if lower is not None:
                 return _refuted(lower)
     if choices is None:

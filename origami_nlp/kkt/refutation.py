@@ -15,8 +15,8 @@ from origami_nlp.programme import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
 """How far [rad] a direction is followed; shorter ones hide in the snapping of contacts."""
-BATCH, MOST_LEVEL, MOST_EXAMINED = 64, 192, 8
-"""Directions that are followed together, in all, and states of a batch whose layers are ordered."""
+BATCH, MOST_LEVEL = 8, 128
+"""Directions that are followed together, and in all."""
 
 
 @dataclass(frozen=True)
@@ -38,51 +38,58 @@ def follow_descent(state: State, branch: BranchJudgement) -> Lower | None:
     if branch.direction is None or not np.abs(branch.direction).max() > 0:
         return None
     d = branch.direction / np.linalg.norm(branch.direction)
-    return _follow(state, d[None], np.zeros((1, len(d)), dtype=bool), branch.held)
+    still = np.zeros((1, len(d)), dtype=bool)
+    tries = (_follow(state, d[None], still, branch.held, step) for step in STEPS)
+    return next(filter(None, tries), None)
 
 
 def follow_level(state: State) -> Lower | None:
-    """Step along descent directions that closure leaves to second order, where it loses rank; contacts: `base` alone.
+    """Step along descent directions that closure leaves to second order, where it loses rank; contacts: fold limits.
 
-    A direction of the linearised cone alone is followed by no states there.
+    Other directions of the linearised cone are followed by no states there.  The states are examined as a whole, so
+    that it does no harm to ask for fewer contacts than there are; to find and order them all costs more.
     """
-    if state.regular or not state.contacts.base:
+    limits = state.limits
+    if state.regular or not limits:
         return None
     root, z = state.programme.root, state.kernel
     up = z.T @ state.gradient
-    rays = extreme_rays(np.vstack([state.on(state.contacts.base).slopes @ z, -up]))
+    rays = extreme_rays(np.vstack([state.on(limits).slopes @ z, -up]))
     if rays is None or not len(rays):
         return None
-    directions = [level_directions(form, rays) for form in state.second_order[:1]]
-    y = np.vstack([*directions, np.zeros((0, z.shape[1]))])
+    y = level_directions(state.second_order[0], rays)
     slope = y @ up
     falls = slope < -INDEPENDENT * (1.0 + np.abs(up).max())
     first = np.argsort(slope[falls], kind="stable")[:MOST_LEVEL]
     d = y[falls][first] @ z.T / root
     d = d / np.linalg.norm(d, axis=1, keepdims=True)
-    shut = [row.index for row in state.contacts.base if row.is_limit]
+    shut = [row.index for row in limits]
     still = np.zeros(d.shape, dtype=bool)
     still[:, shut] = np.abs(d[:, shut]) <= INDEPENDENT
-    for k in range(0, len(d), BATCH):
-        lower = _follow(state, d[k : k + BATCH], still[k : k + BATCH], ())
-        if lower is not None:
-            return lower
+    for step in STEPS:
+        for k in range(0, len(d), BATCH):  # steepest first
+            lower = _follow(state, d[k : k + BATCH], still[k : k + BATCH], (), step)
+            if lower is not None:
+                return lower
     return None
 
 
 def _follow(
-    state: State, directions: np.ndarray, still: np.ndarray, held: tuple[Contact, ...]
+    state: State,
+    directions: np.ndarray,
+    still: np.ndarray,
+    held: tuple[Contact, ...],
+    step: float,
 ) -> Lower | None:
     """Follow unit directions [k, n], with contacts held and fold angles `still` [k, n], to a lower state."""
     model, x = state.programme, state.x
     slope = directions @ state.local.gradient * model.scale
-    for step in STEPS:
-        y, residual = project(model, x + step * directions, held, frozen=still)
-        change = np.array([model.energy_change(x, end) for end in y])
-        good = (residual <= FOLLOWED) & (np.linalg.norm(y - x, axis=1) < 3 * step)
-        good &= (change < 0.1 * step * slope) & (slope < 0)
-        good[good] = model.admissible(y[good])
-        for k in np.flatnonzero(good)[:MOST_EXAMINED]:
-            if not model.refuses(y[k]):
-                return Lower(directions[k], step, -float(change[k]))
+    y, residual = project(model, x + step * directions, held, frozen=still)
+    change = np.array([model.energy_change(x, end) for end in y])
+    good = (residual <= FOLLOWED) & (np.linalg.norm(y - x, axis=1) < 3 * step)
+    good &= (change < 0.1 * step * slope) & (slope < 0)
+    good[good] = model.admissible(y[good])
+    for k in np.flatnonzero(good):
+        if not model.refuses(y[k]):
+            return Lower(directions[k], step, -float(change[k]))
     return None

@@ -79,7 +79,7 @@ class State:
 
     @cached_property
     def second_order(self) -> list[np.ndarray]:
-        """Forms Q [t, t] on `kernel`, of closure where it loses rank: d' Q d vanishes in directions that states follow."""
+        """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
         p = self.programme
         u, values, _ = np.linalg.svd(self.jacobian)
         lost = u.T[int((values > RANK).sum()) :]
@@ -96,6 +96,12 @@ class State:
     def contacts(self) -> ClosedContacts:
         """Contacts that are closed to `tolerance`."""
         return self.programme.closed(self.x, self.tolerance, self.local)
+
+    @property
+    def limits(self) -> tuple[Contact, ...]:
+        """Fold limits that are closed to `tolerance`: known without a look at facets."""
+        rows = self.programme.limits
+        return tuple(c for c in rows if math.pi - c.side * self.x[c.index] <= self.tolerance)
 
     @cached_property
     def pieces(self) -> list[tuple[Contact, ...]]:
