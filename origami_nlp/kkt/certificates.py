@@ -92,8 +92,12 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
         d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
-    loaded = multipliers.upper > 10 * stationary * size
-    s = z @ null_space(a[loaded] @ z)
+    # one solution that presses on enough contacts does; all ranges are looked for only where none does
+    loaded = multipliers.found > 10 * stationary * size
+    s = null_space(a[loaded] @ z)
+    if s.shape[1]:
+        loaded = multipliers.upper > 10 * stationary * size
+        s = z @ null_space(a[loaded] @ z)
     if s.shape[1] == 0:
         return say(
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
