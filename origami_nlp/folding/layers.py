@@ -13,14 +13,17 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
+from origami_nlp.folding.orders import Orders, Tables
 from origami_nlp.numerics import cross
 
 Strand = tuple[int, int]
 """(arc, piece): the piece-th part of facet `arc`, cut at the nodes that lie on it."""
+Step = tuple[Strand, int, int]
+"""A strand of the walk around the polygon, and the nodes that it leads from and to."""
 Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
 """A walk through a node: incoming and outgoing strand, each with the node at its far end."""
 Pair = tuple[Strand, Strand]
@@ -28,6 +31,13 @@ Pair = tuple[Strand, Strand]
 
 Table = tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]
 """Pairs, and the truth values that they may take together."""
+
+TRANSITIVE = frozenset(
+    v
+    for v in itertools.product((False, True), repeat=3)
+    if v not in ((True, True, False), (False, False, True))
+)
+"""Values of a < b, b < c, a < c: not a < b < c < a, nor its mirror image."""
 
 
 @dataclass
@@ -44,35 +54,39 @@ class LayerProblem:
         Pairs whose order the folds decide.
     feasible
         False where no order exists whatever the pairs.
+    ready
+        The tables made ready for questions, where that was done before.
     """
 
     segments: dict[tuple[int, int], list[tuple[Strand, int]]]
     tables: list[Table] = field(default_factory=list)
     fixed: dict[Pair, bool] = field(default_factory=dict)
     feasible: bool = True
+    ready: Tables[Pair] | None = None
+
+    @cached_property
+    def _orders(self) -> Orders[Pair]:
+        """Made when the first question is asked: the tables are complete then."""
+        return Orders(self.ready or Tables(self.tables), self.fixed)
+
+    @cached_property
+    def _symmetric(self) -> dict[object, LayerProblem]:
+        return {}
 
     def solvable(self, assume: dict[Pair, bool] | None = None) -> bool:
         """Tell whether some layer order exists (that also has the orders in `assume`)."""
         if not self.feasible:
             return False
-        start = dict(self.fixed)
-        for pair, value in (assume or {}).items():
-            if start.setdefault(pair, value) != value:
-                return False
-        return _solvable(tuple(self.tables), frozenset(start.items()))
+        return self._orders.possible(assume or {})
 
     def order(self) -> dict[Pair, bool] | None:
         """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
-        found = _solve(self.tables, dict(self.fixed)) if self.feasible else None
+        found = self._orders.answer() if self.feasible else None
         if found is None:
             return None
         for strands in self.segments.values():  # two strands alone in a segment may be in no table
             for (a, _), (b, _) in itertools.combinations(strands, 2):
-                pair, _ = ordered(a, b)
-                if pair not in found:
-                    found = _solve(self.tables, {**found, pair: True})
-                    assert found is not None
-                    found.setdefault(pair, True)
+                found.setdefault(ordered(a, b)[0], True)
         return found
 
     def forced_side(self, one: Strand, other: Strand) -> int:
@@ -91,6 +105,12 @@ class LayerProblem:
         Seen along its own direction, a strand has another on its left exactly when their images do: a
         mirror swaps left and right, and turns the direction of the walk round.
         """
+        asked = (elements, degree)
+        if asked not in self._symmetric:
+            self._symmetric[asked] = self._with_symmetry(elements, degree)
+        return self._symmetric[asked]
+
+    def _with_symmetry(self, elements: tuple[tuple[int, bool], ...], degree: int) -> LayerProblem:
         pieces: dict[int, int] = {}
         run: dict[Strand, int] = {}
         for strands in self.segments.values():
@@ -165,84 +185,98 @@ def layer_problem(
         None where nothing touches.
     """
     n = len(creases)
-    gram = np.linalg.norm(creases[:, None] - creases[None], axis=-1)
     node = np.arange(n)
-    for i, j in zip(*np.nonzero(np.triu(gram <= tolerance, 1)), strict=True):
-        node[node == node[j]] = node[i]
+    if n > 1:
+        gram = np.linalg.norm(creases[:, None] - creases[None], axis=-1)
+        for i, j in zip(*np.nonzero(np.triu(gram <= tolerance, 1)), strict=True):
+            node[node == node[j]] = node[i]
     nodes = sorted(set(node.tolist()))
-    paths = [_nodes_on_arc(creases, node, nodes, i, tolerance) for i in range(n)]
+    paths = _nodes_on_arcs(creases, node, nodes, tolerance)
     if len(nodes) == n and all(len(path) == 2 for path in paths):
         return None
+    walk = tuple(
+        ((i, piece), u, v)
+        for i, path in enumerate(paths)
+        for piece, (u, v) in enumerate(itertools.pairwise(path))
+    )
+    far: dict[int, set[int]] = {w: set() for w in nodes}
+    for _, u, v in walk:
+        far[u].add(v)
+        far[v].add(u)
+    around = tuple((w, _turning(creases, w, far[w])) for w in nodes)
+    return _folded(walk, around, tuple((fold_angles > 0).tolist()))
+
+
+Around = tuple[tuple[int, tuple[int, ...]], ...]
+"""For each node those next to it, counter-clockwise seen from outside."""
+
+
+@lru_cache(maxsize=4096)
+def _folded(walk: tuple[Step, ...], around: Around, left: tuple[bool, ...]) -> LayerProblem:
+    """Let closed creases turn to their side; `left`: whether crease i turns left.
+
+    States of one combinatorial kind ask the same question, and share its answers.
+    """
+    posed = _posed(walk, around)
+    fixed: dict[Pair, bool] = {}
+    feasible = posed.feasible
+    for (s, u, w), (t, _, v) in zip(walk, walk[1:] + walk[:1], strict=True):
+        if u != v:
+            continue
+        pair, flip = ordered(t, s)  # a closed crease: the facet of the outgoing strand starts at it
+        canonical = u < w  # the incoming strand runs along the direction of its segment
+        value = (left[t[0]] == canonical) != flip
+        feasible = fixed.setdefault(pair, value) == value and feasible
+    return LayerProblem(posed.segments, posed.tables, fixed, feasible, posed.ready)
+
+
+@lru_cache(maxsize=1024)
+def _posed(walk: tuple[Step, ...], around: Around) -> LayerProblem:
+    """Pose the problem of a walk, whatever the sides to which closed creases turn."""
     segments: dict[tuple[int, int], list[tuple[Strand, int]]] = {}
-    walk: list[tuple[Strand, int, int]] = []  # strands in order, with the nodes they join
-    for i, path in enumerate(paths):
-        for piece, (u, v) in enumerate(itertools.pairwise(path)):
-            segments.setdefault((min(u, v), max(u, v)), []).append(((i, piece), 1 if u < v else -1))
-            walk.append(((i, piece), u, v))
+    for strand, u, v in walk:
+        segments.setdefault((min(u, v), max(u, v)), []).append((strand, 1 if u < v else -1))
     problem = LayerProblem(segments)
-    _add_transitivity(problem)
-    _add_passages(problem, walk, creases, fold_angles)
+    for strands in problem.segments.values():
+        for a, b, c in itertools.combinations(sorted(s for s, _ in strands), 3):
+            problem.tables.append((((a, b), (b, c), (a, c)), TRANSITIVE))
+    _add_passages(problem, walk, dict(around))
+    problem.ready = Tables(problem.tables)
     return problem
 
 
-def _nodes_on_arc(
-    creases: np.ndarray, node: np.ndarray, nodes: list[int], i: int, tolerance: float
-) -> list[int]:
-    """Return the nodes along arc i in order, its two ends included."""
-    n = len(creases)
-    a, b = creases[i], creases[(i + 1) % n]
-    normal = cross(a, b)
-    normal /= np.linalg.norm(normal)
-    ends = (int(node[i]), int(node[(i + 1) % n]))
-    length = np.arctan2(np.dot(cross(a, b), normal), a @ b)
-    inside = []
-    for w in nodes:
-        if w in ends:
-            continue
-        c = creases[w]
-        along = np.arctan2(np.dot(cross(a, c), normal), a @ c)
-        if abs(c @ normal) <= tolerance and 0 < along < length:
-            inside.append((along, w))
-    return [ends[0], *(w for _, w in sorted(inside)), ends[1]]
-
-
-def _add_transitivity(problem: LayerProblem) -> None:
-    for strands in problem.segments.values():
-        for a, b, c in itertools.combinations(sorted(s for s, _ in strands), 3):
-            allowed = frozenset(
-                v
-                for v in itertools.product((False, True), repeat=3)
-                if v
-                not in ((True, True, False), (False, False, True))  # a<b<c<a and its mirror image
-            )
-            problem.tables.append((((a, b), (b, c), (a, c)), allowed))
+def _nodes_on_arcs(
+    creases: np.ndarray, node: np.ndarray, nodes: list[int], tolerance: float
+) -> list[list[int]]:
+    """Return the nodes along each arc in order, its two ends included."""
+    a, b, c = creases, np.roll(creases, -1, axis=0), creases[nodes]
+    across = cross(a, b)
+    sine = np.linalg.norm(across, axis=1)
+    normal = across / sine[:, None]
+    length = np.arctan2(sine, np.einsum("ij,ij->i", a, b))
+    along = np.arctan2(cross(normal, a) @ c.T, a @ c.T)
+    inside = (np.abs(normal @ c.T) <= tolerance) & (along > 0) & (along < length[:, None])
+    start, end = node.tolist(), np.roll(node, -1).tolist()
+    paths = []
+    for i, on in enumerate(inside):
+        between = [nodes[k] for k in np.flatnonzero(on)[np.argsort(along[i, on], kind="stable")]]
+        paths.append([start[i], *(w for w in between if w not in (start[i], end[i])), end[i]])
+    return paths
 
 
 def _add_passages(
-    problem: LayerProblem,
-    walk: list[tuple[Strand, int, int]],
-    creases: np.ndarray,
-    fold_angles: np.ndarray,
+    problem: LayerProblem, walk: tuple[Step, ...], around: dict[int, tuple[int, ...]]
 ) -> None:
-    """Let no two passages interleave at a node, and closed creases turn to their side."""
-    passages: dict[int, list[tuple[tuple[Strand, int], tuple[Strand, int]]]] = {}
+    """Let no two passages interleave at a node."""
+    passages: dict[int, list[Passage]] = {}
     for (s, u, w), (t, w2, v) in zip(walk, walk[1:] + walk[:1], strict=True):
         assert w == w2
-        passages.setdefault(w, []).append(
-            ((s, u), (t, v))
-        )  # each end: strand, node at its far side
-        if u == v:  # a closed crease; facet of the outgoing strand starts at it
-            crease = t[0]
-            pair, flip = ordered(t, s)
-            outgoing_left = fold_angles[crease] > 0
-            canonical = u < w  # the incoming strand runs along the direction of its segment
-            value = (outgoing_left == canonical) != flip
-            if problem.fixed.setdefault(pair, bool(value)) != value:
-                problem.feasible = False
+        # each end: strand, node at its far side
+        passages.setdefault(w, []).append(((s, u), (t, v)))
     for w, here in passages.items():
-        angle = _directions(creases, w, {end[1] for passage in here for end in passage})
+        place = {v: k for k, v in enumerate(around[w])}
         for one, two in itertools.combinations(here, 2):
-            table = _interleaving_table(w, angle, one, two)
+            table = _interleaving_table(w, place, one, two)
             if table is None:
                 continue
             if not table[1]:
@@ -250,21 +284,26 @@ def _add_passages(
             problem.tables.append(table)
 
 
-def _directions(creases: np.ndarray, w: int, far: set[int]) -> dict[int, float]:
-    """Angle of the segment towards each far node, counter-clockwise seen from outside."""
+def _turning(creases: np.ndarray, w: int, far: set[int]) -> tuple[int, ...]:
+    """Return the far nodes in the order of their segments at w, counter-clockwise seen from outside."""
+    ends = sorted(far)
+    if len(ends) < 3:
+        return tuple(ends)
     c = creases[w]
     x = cross(c, [1.0, 0.0, 0.0] if abs(c[0]) < 0.9 else [0.0, 1.0, 0.0])
     x /= np.linalg.norm(x)
     y = cross(c, x)
-    return {v: float(np.arctan2(creases[v] @ y, creases[v] @ x)) for v in far}
+    turned = [ends[k] for k in np.argsort(np.arctan2(creases[ends] @ y, creases[ends] @ x))]
+    first = turned.index(ends[0])  # where it begins says nothing
+    return tuple(turned[first:] + turned[:first])
 
 
 def _interleaving_table(
-    w: int, angle: dict[int, float], one: Passage, two: Passage
+    w: int, place: dict[int, int], one: Passage, two: Passage
 ) -> tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]] | None:
     """Return the pairs that two passages compare at node w, and the values that keep them apart."""
     ends = [*one, *two]
-    rank = {v: k for k, v in enumerate(sorted({v for _, v in ends}, key=angle.__getitem__))}
+    rank = {v: k for k, v in enumerate(sorted({v for _, v in ends}, key=place.__getitem__))}
     names = sorted({s for s, _ in ends})
     pairs, allowed = _interleaving_pattern(
         tuple(rank[v] for _, v in ends),
@@ -311,35 +350,3 @@ def _interleaving_pattern(
         if sum(a < o < b for o in order[2:]) != 1:
             allowed.add(values)
     return tuple(pairs), frozenset(allowed)
-
-
-@lru_cache(maxsize=4096)
-def _solvable(tables: tuple[Table, ...], start: frozenset[tuple[Pair, bool]]) -> bool:
-    """Tell whether the tables have a solution; states of one combinatorial kind ask the same question."""
-    return _solve(list(tables), dict(start)) is not None
-
-
-def _solve(tables: list[Table], assigned: dict[Pair, bool]) -> dict[Pair, bool] | None:
-    """Depth-first search with propagation over table constraints; returns a solution, or None."""
-    assigned = dict(assigned)
-    changed = True
-    while changed:
-        changed = False
-        for pairs, allowed in tables:
-            fits = [
-                v
-                for v in allowed
-                if all(assigned.get(p, x) == x for p, x in zip(pairs, v, strict=True))
-            ]
-            if not fits:
-                return None
-            for k, pair in enumerate(pairs):
-                if pair not in assigned and len({v[k] for v in fits}) == 1:
-                    assigned[pair] = fits[0][k]
-                    changed = True
-    for pairs, _ in tables:
-        for pair in pairs:
-            if pair not in assigned:
-                answers = (_solve(tables, {**assigned, pair: v}) for v in (False, True))
-                return next((a for a in answers if a is not None), None)
-    return assigned

@@ -22,7 +22,7 @@ import numpy as np
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
 from origami_nlp.kkt.state import Stratum
-from origami_nlp.numerics import CURVED, INDEPENDENT, RANK, STATIONARY, nearest_in_cone, null_space
+from origami_nlp.numerics import CURVED, INDEPENDENT, STATIONARY, nearest_in_cone, null_space
 from origami_nlp.programme import Contact
 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
@@ -92,8 +92,12 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
         d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
-    loaded = multipliers.upper > 10 * stationary * size
-    s = z @ null_space(a[loaded] @ z)
+    # one solution that presses on enough contacts does; all ranges are looked for only where none does
+    loaded = multipliers.found > 10 * stationary * size
+    s = null_space(a[loaded] @ z)
+    if s.shape[1]:
+        loaded = multipliers.upper > 10 * stationary * size
+        s = z @ null_space(a[loaded] @ z)
     if s.shape[1] == 0:
         return say(
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
@@ -139,12 +143,8 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
 def _rises(piece: Stratum) -> bool:
     """Tell whether the energy grows in every direction that closure leaves to second order (all in the metric)."""
     state, z = piece.state, piece.state.kernel
-    p = state.programme
-    u, values, _ = np.linalg.svd(state.jacobian)
-    lost = u.T[int((values > RANK).sum()) :]
-    unit = np.outer(p.root, p.root)
-    forms = [z.T @ (p.lagrangian_hessian(state.x, -w, (), 0.0) / unit) @ z for w in lost]
-    return has_no_level_direction(forms, np.vstack([piece.slopes @ z, -(state.gradient @ z)[None]]))
+    rows = np.vstack([piece.slopes @ z, -(state.gradient @ z)[None]])
+    return has_no_level_direction(state.second_order, rows)
 
 
 def cone(

@@ -10,9 +10,9 @@ import numpy as np
 
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
-from origami_nlp.kkt.projection import project
+from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED, CLOSES, FOLLOWED, LEVEL, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import BALANCED, CLOSES, LEVEL, STATIONARY, UNPOLISHED
 from origami_nlp.programme import Contact, Programme
 
 AT_REST = CLOSES**2
@@ -126,19 +126,27 @@ def _decide(state: State, accuracy: float) -> Classification:
     def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
 
-    model, contacts = state.programme, state.contacts
+    model = state.programme
     if state.refused:
         return reject("not admissible", state.refused)
+    lower = follow_level(state)
+    if lower is not None:
+        return _refuted(lower)
+    contacts = state.contacts
     choices = contacts.combinations()
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if choices is None:
+    if relaxed or len(choices) > 1:
         whole = judge_branch(state.on(contacts.base), accuracy)
-        lower = _follow_descent(state, [whole]) if whole.verdict != "minimum" else None
-        if lower is not None:
-            return lower
+        if whole.verdict != "minimum":
+            lower = follow_descent(state, whole)
+            if lower is not None:
+                return _refuted(lower)
+    if choices is None:
         judged, failed = _judge_by_splitting(state, accuracy)
+        if isinstance(judged, Lower):
+            return _refuted(judged)
         if failed:
             return _by_search(state, failed)
     else:
@@ -187,12 +195,12 @@ def _decide(state: State, accuracy: float) -> Classification:
 
 def _judge_by_splitting(
     state: State, accuracy: float
-) -> tuple[list[BranchJudgement], list[BranchJudgement]]:
+) -> tuple[list[BranchJudgement] | Lower, list[BranchJudgement]]:
     """Judge the union of pieces without listing them: split a set by one facet pair after the other.
 
     A minimum of a larger set is one of every piece of it, so most sets need no splitting.  Returns the sets of
     which x is a minimum, which cover all pieces, and the pieces (or sets, where there are too many) for which
-    that could not be shown.
+    that could not be shown.  A lower state that the descent of any of them leads to is returned at once.
     """
     good: list[BranchJudgement] = []
     failed: list[BranchJudgement] = []
@@ -210,6 +218,9 @@ def _judge_by_splitting(
             ),
             None,
         )
+        lower = follow_descent(state, b) if b.verdict != "minimum" and start else None
+        if lower is not None:
+            return lower, []
         if b.verdict == "minimum":
             good.append(b)
         elif split is None or len(good) + len(failed) + len(pending) > MOST_SETS:
@@ -220,6 +231,11 @@ def _judge_by_splitting(
             for option in contacts.branches[split]:
                 pending.append((tuple(dict.fromkeys((*rows, *option))), split + 1))
     return good, failed
+
+
+def _refuted(lower: Lower) -> Classification:
+    """Return the classification of a state with a lower admissible state next to it."""
+    return Classification("not stationary", None, lower.words, 0, descent=lower.direction)
 
 
 def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classification:
@@ -255,28 +271,6 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
     return "contact-pinned" if loaded else "contact-touching"
 
 
-def _follow_descent(state: State, judged: list[BranchJudgement]) -> Classification | None:
-    """Step along the linearised descent directions; an admissible lower state settles the matter."""
-    model, x = state.programme, state.x
-    for b in judged:
-        if b.direction is None or not np.abs(b.direction).max() > 0:
-            continue
-        d = b.direction / np.linalg.norm(b.direction)
-        slope = float(state.local.gradient @ d) * model.scale
-        for step in (1e-5, 1e-4, 1e-3):  # shorter ones hide in the snapping of contacts
-            y, residual = project(model, x + step * d, b.held)
-            change = model.energy_change(x, y)
-            if (
-                residual <= FOLLOWED
-                and np.linalg.norm(y - x) < 3 * step
-                and change < 0.1 * step * slope < 0
-                and not model.refuses(y)
-            ):
-                why = f"an admissible state {step:g} rad away is lower by {-change:.2e}"
-                return Classification("not stationary", None, why, 0, descent=d)
-    return None
-
-
 def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     """Refute a singular state by a lower neighbour on small spheres around it; without one it is undecided."""
     model = state.programme
@@ -289,9 +283,9 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
             _forces(state, judged[0]),
             stationarity=0.0,
         )
-    lower = _follow_descent(state, judged)
+    lower = next(filter(None, (follow_descent(state, b) for b in judged)), None)
     if lower is not None:
-        return lower
+        return _refuted(lower)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(state, rows)
     noise = LEVEL * max(state.energy, model.scale)

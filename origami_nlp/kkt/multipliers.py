@@ -9,7 +9,7 @@ the range of each multiplier, never a solver's raw number.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,23 +25,76 @@ from origami_nlp.numerics import (
 )
 
 
-@dataclass(frozen=True)
 class Multipliers:
-    """Solutions mu >= 0 of B mu = c.
+    """Solutions mu >= 0 of B mu = c; ranges and corners are looked for when they are first asked for.
 
-    residual: smallest |B mu - c| over mu >= 0; the state is stationary when it vanishes.
-    unique: whether mu is unique.
-    smallest: the solution of smallest norm, [r].
-    lower, upper: range of each entry, [r]; inf where unbounded.
-    vertices: some extreme solutions, shape [v, r], for second-order tests.
+    Parameters
+    ----------
+    residual
+        Smallest |B mu - c| over mu >= 0; the state is stationary when it vanishes.
+    unique
+        Whether mu is unique.
+    found
+        A solution; its positive entries belong to independent columns of B, shape [r].
+    equations
+        Where it is not unique and balances: B [t, r] of full row rank, and orthonormal rows of the same kernel.
+    tiny
+        What counts as zero.
     """
 
-    residual: float
-    unique: bool
-    smallest: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
-    vertices: np.ndarray
+    def __init__(
+        self,
+        residual: float,
+        unique: bool,
+        found: np.ndarray,
+        equations: tuple[np.ndarray, np.ndarray] | None = None,
+        tiny: float = 0.0,
+    ) -> None:
+        self.residual, self.unique, self.found = residual, unique, found
+        self._equations, self._tiny = equations, tiny
+
+    @cached_property
+    def smallest(self) -> np.ndarray:
+        """The solution of smallest norm, [r]."""
+        return (
+            self.found if self._equations is None else smallest_norm(self._equations[0], self.found)
+        )
+
+    @cached_property
+    def _bounded(self) -> np.ndarray:
+        r = len(self.found)
+        if self._equations is None:
+            return np.full(r, self.unique)
+        return np.array([not has_ray(self._equations[1], i) for i in range(r)])
+
+    @cached_property
+    def _corners(self) -> np.ndarray:
+        if self._equations is None:
+            return self.found[None]
+        return np.array(extremes(self._equations[1], self.found, self._bounded))
+
+    @cached_property
+    def lower(self) -> np.ndarray:
+        """Smallest value of each entry, [r]."""
+        if self._equations is None:
+            return self.found if self.unique else np.zeros(len(self.found))
+        least = self._corners.min(axis=0)
+        return np.where(least <= self._tiny, 0.0, least)
+
+    @cached_property
+    def upper(self) -> np.ndarray:
+        """Largest value of each entry, [r]; inf where unbounded."""
+        if self.unique:
+            return self.found
+        most = np.where(self._bounded, self._corners.max(axis=0), np.inf)
+        return np.where(most <= self._tiny, 0.0, most)
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        """Some extreme solutions, shape [v, r], for second-order tests."""
+        if self._equations is None:
+            return self._corners
+        return np.vstack([self.smallest, self._corners])
 
 
 UNBALANCED = 1e-3
@@ -52,33 +105,24 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
     """Describe {mu >= 0: B mu = c}, shapes [t, r] and [t]."""
     r = b.shape[1]
     size = 1.0 + float(np.abs(c).max(initial=0.0))
-    empty = np.zeros(0)
     if r == 0:
-        return Multipliers(
-            float(np.abs(c).max(initial=0.0)), True, empty, empty, empty, np.zeros((1, 0))
-        )
-    if np.linalg.matrix_rank(b, tol=INDEPENDENT) == r:
+        return Multipliers(float(np.abs(c).max(initial=0.0)), True, np.zeros(0))
+    u, singular, vt = np.linalg.svd(b)
+    rank = int((singular > INDEPENDENT).sum())
+    if rank == r:
         mu = np.linalg.lstsq(b, c, rcond=None)[0]
         clipped = np.where(np.abs(mu) <= 0.1 * tolerance * size, 0.0, mu)
         residual = float(np.abs(b @ np.maximum(mu, 0.0) - c).max())
-        return Multipliers(residual, True, clipped, clipped, clipped, clipped[None])
+        return Multipliers(residual, True, clipped)
     # dependent rows: keep the part of the equations that is more than rounding
-    u, singular, vt = np.linalg.svd(b)
-    rank = int((singular > INDEPENDENT).sum())
     basis, rows = u[:, :rank], vt[:rank]
     missed = float(np.abs(c - basis @ (basis.T @ c)).max())
     b, c = basis.T @ b, basis.T @ c
     found = nonnegative_least_squares(b, c)
     residual = max(missed, float(np.abs(b @ found - c).max(initial=0.0)))
     if residual > UNBALANCED * size:
-        return Multipliers(residual, False, found, np.zeros(r), np.full(r, np.inf), found[None])
-    bounded = np.array([not has_ray(rows, i) for i in range(r)])
-    corners = np.array(extremes(rows, found, bounded))
-    lower, upper = corners.min(axis=0), np.where(bounded, corners.max(axis=0), np.inf)
-    tiny = tolerance * size
-    lower, upper = np.where(lower <= tiny, 0.0, lower), np.where(upper <= tiny, 0.0, upper)
-    smallest = smallest_norm(b, found)
-    return Multipliers(residual, False, smallest, lower, upper, np.vstack([smallest, corners]))
+        return Multipliers(residual, False, found)
+    return Multipliers(residual, False, found, (b, rows), tolerance * size)
 
 
 def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:

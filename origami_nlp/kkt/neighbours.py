@@ -16,8 +16,8 @@ from origami_nlp.programme import Contact
 
 RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
-SAMPLES = 60
-"""Directions tried at each radius."""
+SAMPLES, TOGETHER = 60, 20
+"""Directions tried at each radius, and those of them that are projected at once."""
 MOST_STRATA = 120
 """Sets of contacts that are held closed in turn."""
 
@@ -127,15 +127,28 @@ def _neighbours(
             still = tuple(row for row in limits if row.index not in (v, w))
             yield y, still, radius
     for held, radius in itertools.product(strata, radii):
-        for _ in range(SAMPLES if len(strata) < 30 else SAMPLES // 3):
-            d = rng.normal(size=model.size)
-            for row in limits:  # step into the fold limits, not out of them
-                d[row.index] = 0.0 if row in held else -row.side * abs(d[row.index])
-            if not d.any():
-                continue
-            y, residual = project(model, x + radius * d / np.linalg.norm(d), held)
-            distance = float(np.linalg.norm(y - x))
-            if residual > FOLLOWED or not 0.05 * radius < distance < 3 * radius:
-                continue
-            if not model.refuses(y):
-                yield y, held, radius
+        samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
+        for _ in range(0, samples, TOGETHER):
+            yield from ((y, held, radius) for y in _sphere(state, limits, held, radius, rng))
+
+
+def _sphere(
+    state: State,
+    limits: list[Contact],
+    contacts: tuple[Contact, ...],
+    radius: float,
+    rng: np.random.Generator,
+) -> Iterator[np.ndarray]:
+    """Yield admissible states about `radius` from x on one stratum, of `TOGETHER` random directions."""
+    model, x = state.programme, state.x
+    d = rng.normal(size=(TOGETHER, model.size))
+    for row in limits:  # step into the fold limits, not out of them
+        d[:, row.index] = 0.0 if row in contacts else -row.side * np.abs(d[:, row.index])
+    d = d[d.any(axis=1)]
+    y, residual = project(
+        model, x + radius * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
+    )
+    distance = np.linalg.norm(y - x, axis=1)
+    good = (residual <= FOLLOWED) & (distance > 0.05 * radius) & (distance < 3 * radius)
+    good[good] = model.admissible(y[good])
+    yield from (y[k] for k in np.flatnonzero(good) if not model.refuses(y[k]))

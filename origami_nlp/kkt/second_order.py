@@ -11,15 +11,12 @@ strict local minimum (isolated, if there is no such d at all); no constraint qua
 
 from __future__ import annotations
 
-import itertools
-import math
-
 import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT, ROUNDED
 
-MOST_SUBSETS = 20_000
-"""Candidates for extreme rays of a cone that are looked at; beyond, nothing is decided."""
+MOST_RAYS = 1000
+"""Extreme rays that a cone may have; beyond, nothing is decided."""
 
 
 def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
@@ -59,26 +56,91 @@ def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
 
 
 def extreme_rays(rows: np.ndarray) -> np.ndarray | None:
-    """Return the extreme rays [k, t] of the pointed cone rows d >= 0, or None if it is not, or has too many."""
+    """Return the extreme rays [k, t] of the pointed cone rows d >= 0, or None if it is not, or has too many.
+
+    Double description (Motzkin and others 1953): the rays of t independent rows, then one row after the other cuts
+    off the rays beyond it and adds one on each edge that it cuts.  Each new ray is the kernel of its rows, so
+    that rounding does not grow; None also where rounding hides which rows those are.
+    """
     t = rows.shape[1]
     norms = np.linalg.norm(rows, axis=1)
     rows = rows[norms > INDEPENDENT] / norms[norms > INDEPENDENT, None]
-    if (
-        np.linalg.matrix_rank(rows, tol=INDEPENDENT) < t
-        or math.comb(len(rows), t - 1) > MOST_SUBSETS
-    ):
+    first = _independent(rows)
+    if first is None:
         return None
-    found: list[np.ndarray] = []
-    if t == 1:
-        candidates = [np.ones(1), -np.ones(1)]
-    else:
-        candidates = []
-        for subset in itertools.combinations(range(len(rows)), t - 1):
-            _, s, vt = np.linalg.svd(rows[list(subset)])
-            if s[-1] > INDEPENDENT:
-                candidates += [vt[-1], -vt[-1]]
-    for d in candidates:
-        inside = (rows @ d >= -INDEPENDENT).all()
-        if inside and all(np.abs(d - known).max() > INDEPENDENT for known in found):
-            found.append(d)
-    return np.array(found).reshape(-1, t)
+    rays = np.linalg.inv(rows[first]).T
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    used = list(first)
+    for k in range(len(rows)):
+        if k in first:
+            continue
+        value = rays @ rows[k]
+        beyond, inside = value < -INDEPENDENT, value > INDEPENDENT
+        used.append(k)
+        if not beyond.any():
+            continue
+        new = _on_cut_edges(rays, value, rows[used])
+        if new is None:
+            return None
+        rays = np.vstack([rays[inside], rays[~inside & ~beyond], new])
+        if len(rays) > MOST_RAYS:
+            return None
+    return rays.reshape(-1, t)
+
+
+def _independent(rows: np.ndarray) -> list[int] | None:
+    """Choose as many rows as there are columns, each as independent of those before as can be; None: rank too small."""
+    left, chosen = rows.copy(), []
+    for _ in range(rows.shape[1]):
+        size = np.linalg.norm(left, axis=1)
+        k = int(size.argmax()) if len(size) else 0
+        if not len(size) or size[k] <= INDEPENDENT:
+            return None
+        chosen.append(k)
+        unit = left[k] / size[k]
+        left -= np.outer(left @ unit, unit)
+    return chosen
+
+
+def _on_cut_edges(rays: np.ndarray, value: np.ndarray, rows: np.ndarray) -> np.ndarray | None:
+    """Return where the last of `rows`, worth `value` on the rays, cuts edges of the cone of the others.
+
+    Two rays span an edge exactly when no third one lies on all the rows that hold both.
+    """
+    t = rows.shape[1]
+    on = np.abs(rays @ rows[:-1].T) <= INDEPENDENT
+    one, other = np.flatnonzero(value > INDEPENDENT), np.flatnonzero(value < -INDEPENDENT)
+    i, j = (m.ravel() for m in np.meshgrid(one, other, indexing="ij"))
+    common = on[i] & on[j]
+    many = common.sum(axis=1) >= t - 2
+    i, j, common = i[many], j[many], common[many]
+    edge = (common.astype(float) @ (~on).T.astype(float) == 0).sum(axis=1) == 2
+    new = []
+    for p, q, held in zip(i[edge], j[edge], common[edge], strict=True):
+        between = value[p] * rays[q] - value[q] * rays[p]
+        _, s, vt = np.linalg.svd(np.vstack([rows[:-1][held], rows[-1]]))
+        if t > 1 and s[t - 2] <= INDEPENDENT:
+            return None
+        new.append(vt[-1] * np.copysign(1.0, vt[-1] @ between))
+    return np.array(new).reshape(-1, t)
+
+
+def level_directions(form: np.ndarray, rays: np.ndarray) -> np.ndarray:
+    """Return unit directions [k, t] of the cone that `rays` [., t] span along which a form [t, t] vanishes.
+
+    Those on the rays and between two of them: where d' Q d vanishes on a cone it need not be there, but there it is
+    found by a quadratic equation.
+    """
+    q = form / max(float(np.abs(form).max(initial=0.0)), 1e-300)
+    table = rays @ q @ rays.T
+    a = np.diag(table)
+    i, j = np.triu_indices(len(rays), 1)
+    found = [rays[np.abs(a) <= INDEPENDENT]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        b = table[i, j]  # a_i + 2 b s + a_j s^2 = 0, without cancellation
+        w = b + np.copysign(np.sqrt(b**2 - a[i] * a[j]), b)
+        for s in (-a[i] / w, -w / a[j]):
+            good = np.isfinite(s) & (s > 0)
+            found.append(rays[i[good]] + s[good, None] * rays[j[good]])
+    d = np.vstack(found)
+    return d / np.linalg.norm(d, axis=1, keepdims=True)

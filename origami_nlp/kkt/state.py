@@ -78,6 +78,16 @@ class State:
         return bool((np.linalg.svd(self.jacobian, compute_uv=False) > RANK).all())
 
     @cached_property
+    def second_order(self) -> list[np.ndarray]:
+        """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
+        p = self.programme
+        u, values, _ = np.linalg.svd(self.jacobian)
+        lost = u.T[int((values > RANK).sum()) :]
+        unit = np.outer(p.root, p.root)
+        z = self.kernel
+        return [z.T @ (p.lagrangian_hessian(self.x, -w, (), 0.0) / unit) @ z for w in lost]
+
+    @cached_property
     def residual(self) -> float:
         """Largest entry of loop closure."""
         return float(np.abs(self.local.closure).max(initial=0.0))
@@ -86,6 +96,12 @@ class State:
     def contacts(self) -> ClosedContacts:
         """Contacts that are closed to `tolerance`."""
         return self.programme.closed(self.x, self.tolerance, self.local)
+
+    @property
+    def limits(self) -> tuple[Contact, ...]:
+        """Fold limits that are closed to `tolerance`: known without a look at facets."""
+        rows = self.programme.limits
+        return tuple(c for c in rows if math.pi - c.side * self.x[c.index] <= self.tolerance)
 
     @cached_property
     def pieces(self) -> list[tuple[Contact, ...]]:
