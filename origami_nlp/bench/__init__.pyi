@@ -2,6 +2,11 @@ from . import time_budget as time_budget
 from .attempt import draw_starts as draw_starts
 from .cone_speed import MAP_DEGREES as MAP_DEGREES, measure as measure
 from .cone_speed_table import as_markdown as as_markdown
+from .coverage import measure_coverage as measure_coverage, scenes_for as scenes_for
+from .coverage_table import (
+    coverage_markdown as coverage_markdown,
+    draw_coverage as draw_coverage,
+)
 from .digest import rows as rows, targets as targets
 from .families import FAMILIES as FAMILIES, family_scene as family_scene
 from .figure import draw_bench as draw_bench

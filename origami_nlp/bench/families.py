@@ -74,9 +74,14 @@ def one_freedom(number: int) -> Scene:
     """
     if number == 0:
         sectors = (0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)
-        stiffness = (0.022816280794769387, 0.03205546964080397)
+        stiffness: tuple[float, ...] = (0.022816280794769387, 0.03205546964080397)
         stiffness += (0.04387824855836886, 0.0012500010060577914)
-        rest = (-0.2369412983168271, 1.0889080776221243, 3.141592485901434, 3.1415921923256085)
+        rest: tuple[float, ...] = (
+            -0.2369412983168271,
+            1.0889080776221243,
+            3.141592485901434,
+            3.1415921923256085,
+        )
         return Scene(Vertex(sectors), stiffness, rest, "none", "full")
     if number == 1:
         vertex = Vertex((1.34035, 1.72886, 1.73407, 2 * math.pi - 1.34035 - 1.72886 - 1.73407))
@@ -84,7 +89,7 @@ def one_freedom(number: int) -> Scene:
         return Scene(vertex, stiffness, (-2.32067, 1.93939, 2.09308, 1.60176), "none", "full")
     if number == 2:
         stiffness, rest = (1.0, 1.3, 0.7, 1.1), (1.5, -0.9, 0.8, 0.3)
-        return Scene(Vertex(("pi/2",) * 4), stiffness, rest, "none", "full")
+        return Scene(Vertex((math.pi / 2,) * 4), stiffness, rest, "none", "full")
     return _drawn(number, 4, "full", 5)
 
 
@@ -96,10 +101,10 @@ def crowded(number: int) -> Scene:
     """
     if number == 0:
         rest: tuple[float, ...] = (-math.pi, -math.pi / 2, math.pi, math.pi / 2) * 2
-        return Scene(Vertex(("pi/4",) * 8), (1.0,) * 8, rest, "none", "full")
+        return Scene(Vertex((math.pi / 4,) * 8), (1.0,) * 8, rest, "none", "full")
     if number == 1:
         rest = (math.pi, -math.pi) * 3
-        return Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, rest, "none", "full")
+        return Scene(Vertex((math.pi / 3,) * 6), (1.0,) * 6, rest, "none", "full")
     degree = 8 + 2 * ((number - 2) % 4)
     rng = np.random.default_rng([number, 6])
     while True:

@@ -8,6 +8,7 @@ handed in.  What they end at is recorded as it comes, with the processor time; n
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,14 @@ import numpy as np
 from origami_nlp.bench.attempt import FEASIBLE, Attempt, Method, StartPoint
 from origami_nlp.bench.methods_casadi import ipopt_alone, silence
 from origami_nlp.bench.methods_scipy import Record, basin_hopping, contacts_held, scipy_methods
+from origami_nlp.kkt import project
+from origami_nlp.numerics import CLOSES, ENDS
 from origami_nlp.programme import Model
+
+DRAWN = 256
+"""Vertices of the state space that are drawn and closed together."""
+BARREN = 20
+"""Draws without a single vertex after which there are taken to be none."""
 
 Starts = Callable[[Model, np.random.Generator], Iterator[np.ndarray]]
 
@@ -64,6 +72,46 @@ def given(starts: Sequence[np.ndarray] | np.ndarray) -> Starts:
     return stream
 
 
+def vertices(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
+    """Close random vertices of the state space for ever: all creases shut but as many as closure has equations.
+
+    Newton from random angles of the free creases; nothing of the search's closed forms.  Ends where `BARREN` draws
+    give none.
+    """
+    n, m, barren = model.size, model.equation_count, 0
+    while barren < BARREN:
+        free = rng.random((DRAWN, n)).argsort(axis=1) < m
+        flat = rng.choice([-np.pi, np.pi], (DRAWN, n))
+        x = np.where(free, rng.uniform(-np.pi, np.pi, (DRAWN, n)), flat)
+        x, residual = project(model, x, frozen=~free)
+        x = np.where(free, x, flat)
+        x = x[(residual <= CLOSES) & (np.abs(x) <= model.bound + CLOSES).all(axis=1)]
+        x = x[model.on_sheet(x)]
+        barren = 0 if len(x) else barren + 1
+        yield from x
+
+
+def distinct(states: np.ndarray, apart: float) -> list[np.ndarray]:
+    """Return states [a, n] that are farther than `apart` from each other in some entry, in their order."""
+    out: list[np.ndarray] = []
+    while len(states):
+        out.append(states[0])
+        states = states[np.abs(states - states[0]).max(axis=1) > apart]
+    return out
+
+
+def vertex_starts(model: Model, count: int = 2000) -> np.ndarray:
+    """Return distinct states of `vertices` [K, n], starts to be handed in: of `count`, or until no more are new."""
+    stream = vertices(model, np.random.default_rng(0))
+    found = np.zeros((0, model.size))
+    for _ in range(0, count, DRAWN):
+        drawn = np.array(list(itertools.islice(stream, DRAWN))).reshape(-1, model.size)
+        known, found = len(found), np.array(distinct(np.vstack([found, drawn]), ENDS))
+        if len(found) == known:
+            break
+    return found.reshape(-1, model.size)
+
+
 Run = Callable[[np.ndarray, np.random.Generator, Record], bool]
 """One attempt from a start (for basin hopping, a chain of them), filed; whether there is time for more."""
 
@@ -73,11 +121,14 @@ class Foreign:
     """A search that shares nothing with the package's but the programme.
 
     name: for tables.  prepare(model): builds what is needed.  starts: where its attempts begin.
+    share: of the time for building a union.  aided: it holds contacts, for building unions only: no user's search.
     """
 
     name: str
     prepare: Callable[[Model], Run]
     starts: Starts = uniform
+    share: float = 0.5
+    aided: bool = False
 
 
 def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
@@ -88,10 +139,11 @@ def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
     ipopt = _attempts(next(m for m in ipopt_alone() if not m.sweep))
     out = [
         Foreign("SLSQP", slsqp),
-        Foreign("SLSQP, some shut", slsqp, shut),
-        Foreign("IPOPT", ipopt),
-        Foreign("basin hopping", basin_hopping),
-        Foreign("SLSQP, contacts held", contacts_held, shut),
+        Foreign("SLSQP, some shut", slsqp, shut, 1.0),
+        Foreign("SLSQP from vertices", slsqp, vertices, aided=True),
+        Foreign("IPOPT", ipopt, share=0.25),
+        Foreign("basin hopping", basin_hopping, share=0.25),
+        Foreign("SLSQP, contacts held", contacts_held, shut, 1.0, aided=True),
     ]
     if starts is not None:
         out.append(Foreign("SLSQP, given starts", slsqp, given(starts)))

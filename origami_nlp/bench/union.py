@@ -7,8 +7,10 @@ on where it stopped; a further seed or method adds to the file.
 
 from __future__ import annotations
 
+import inspect
 import json
 import math
+import os
 import re
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -18,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.bench.foreign import Ends, Foreign, run_foreign
+from origami_nlp.bench.foreign import Ends, Foreign, distinct, foreign_methods, run_foreign
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.kkt import Polished, Solve, State, classify, exact_beside, polish
@@ -36,6 +38,15 @@ FEW = 6
 """Facet pairs that get a plane from the start where an answer is solved on from."""
 SCATTERED = 200
 """Distinct ends of one search that are solved on from, at most: ends that never repeat are no states."""
+
+
+Tell = Callable[[str], None]
+Folder = str | os.PathLike[str]
+UNION_SEEDS = 10
+"""Thorough runs of the main job behind a union."""
+SECONDS = {4: 1.0, 5: 4.0, 6: 8.0, 7: 14.0, 8: 20.0}
+MOST_SECONDS = 30.0
+"""Processor seconds of a foreign search behind a union, by degree; some take a share of them."""
 
 
 @dataclass
@@ -143,18 +154,13 @@ def minima_of(model: Model, ends: np.ndarray, known: Iterable[np.ndarray] = ()) 
             state, kind, _ = _judged(model, answer)
         if kind:
             near.append(state.x)
-            phi = tuple(model.expand(state.x).tolist())
-            found.append(Member(phi, model.energy(state.x), kind, []))
+            found.append(member(model, state.x, kind))
     return found
 
 
-def distinct(states: np.ndarray, apart: float) -> list[np.ndarray]:
-    """Return states [a, n] that are farther than `apart` from each other in some entry, in their order."""
-    out: list[np.ndarray] = []
-    while len(states):
-        out.append(states[0])
-        states = states[np.abs(states - states[0]).max(axis=1) > apart]
-    return out
+def member(model: Model, x: np.ndarray, kind: str) -> Member:
+    """Return a verified minimum x [n] as a member."""
+    return Member(tuple(model.expand(x).tolist()), model.energy(x), kind, [])
 
 
 def admissible_ends(model: Model, ends: Ends) -> np.ndarray:
@@ -173,9 +179,9 @@ def from_foreign(
 
 def build_union(
     scene: Scene,
-    folder: str | Path,
+    folder: Folder,
     tasks: Sequence[tuple[str, Callable[[], tuple[list[Member], float]]]],
-    tell: Callable[[str], None] = lambda text: None,
+    tell: Tell = lambda text: None,
 ) -> Union:
     """Run what is not yet done of `tasks` (name, run), and write the file after each."""
     union = read_or_begin(scene, folder)
@@ -190,19 +196,45 @@ def build_union(
     return union
 
 
-def union_path(folder: str | Path, name: str) -> Path:
+def complete(scene: Scene, folder: Folder, tell: Tell = lambda text: None) -> Union:
+    """Return the union of a scene; what has not been run for it yet is run now."""
+    model = Model(scene)
+    longest = SECONDS.get(scene.degree, MOST_SECONDS)
+    tasks = []
+    for method in foreign_methods():
+        if model.freedom > 0 and (not method.aided or model.structure.pairs):
+            seconds = longest * method.share
+            run = _bound(from_foreign, model, method, 0, seconds)
+            tasks.append((f"{method.name}, seed 0", run))
+    for seed in range(UNION_SEEDS):
+        effort = thorough()
+        name = f"find_minima, {effort.get('effort', 'default')}, seed {seed}"
+        tasks.append((name, _bound(ours, scene, seed, **effort)))
+    return build_union(scene, folder, tasks, tell)
+
+
+def thorough() -> dict[str, Any]:
+    """Return the options of the most thorough search that this package has."""
+    return {"effort": "thorough"} if "effort" in inspect.signature(find_minima).parameters else {}
+
+
+def _bound(run: Callable[..., Any], *arguments: Any, **options: Any) -> Callable[[], Any]:
+    return lambda: run(*arguments, **options)
+
+
+def union_path(folder: Folder, name: str) -> Path:
     """Return the file of a scene's union."""
     return Path(folder) / f"{re.sub(r'[^A-Za-z0-9.]+', '-', name)}.json"
 
 
-def read_or_begin(scene: Scene, folder: str | Path) -> Union:
+def read_or_begin(scene: Scene, folder: Folder) -> Union:
     """Read the union of a scene; an empty one where there is none, or where it is another scene's."""
     path = union_path(folder, scene.name or "scene")
     union = read_union(path) if path.exists() else Union(scene)
     return union if union.scene == scene else Union(scene)
 
 
-def read_union(source: str | Path) -> Union:
+def read_union(source: Folder) -> Union:
     """Read a union back.
 
     Raises
@@ -220,7 +252,7 @@ def read_union(source: str | Path) -> Union:
     return Union(scene_from_dict(data["scene"]), members, [Task(**t) for t in data["tasks"]])
 
 
-def write_union(union: Union, folder: str | Path) -> None:
+def write_union(union: Union, folder: Folder) -> None:
     """Write a union whole or not at all, its minima in order of energy."""
     data = {
         "schema": SCHEMA,

@@ -40,7 +40,6 @@ class Description:
             vertex=Vertex(tuple(np.roll(alpha, -self.turn).tolist())),
             stiffness=tuple((self.factor * self.ordered(k)).tolist()),
             rest_angles=tuple(self.sided(self.ordered(rest)).tolist()),
-            relations=None,
         )
 
     def ordered(self, values):
