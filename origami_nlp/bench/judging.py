@@ -1,9 +1,10 @@
 """What each answer of each method is: a minimum (which, and how far off), or what else.
 
-The known minima of a problem are those that the package's main job lists, plus every answer of any method that a
-polish and the classifier turn into a minimum; each gets a 50-digit reference.  An answer counts for the nearest
-known minimum within `NEAR`; one that is near none is solved on from and classified: a false minimum, unless the
-classifier finds a minimum there, which then joins the list (and counts as missed by all who did not reach it).
+The known minima of a problem are those that the package's main job lists, those of its union (`union`), and every
+answer of any method that a polish and the classifier turn into a minimum; each gets a 50-digit reference.  An answer
+counts for the nearest known minimum within `NEAR`; one that is near none is solved on from and classified: a false
+minimum, unless the classifier finds a minimum there, which then joins the list (and counts as missed by all who did
+not reach it).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from origami_nlp.bench.attempt import Attempt
 from origami_nlp.bench.reference import Reference, Unsolved, solve_reference
+from origami_nlp.bench.union import APART, Union
 from origami_nlp.folding import examine
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
@@ -66,12 +68,16 @@ class Judge:
     _false: list[tuple[np.ndarray, str]] = field(default_factory=list)
 
     @classmethod
-    def of(cls, scene: Scene, seed: int) -> Judge:
-        """Start from the minima that the main job lists."""
+    def of(cls, scene: Scene, seed: int, union: Union | None = None) -> Judge:
+        """Start from the minima that the main job lists, and those of a union."""
         result = find_minima(scene, seed=seed)
         judge = cls(scene, Model(scene))
         for m in result.minima:
             judge.learn(judge.model.reduce(np.array(m.fold_angles)), m.kind, "main job", m.polished)
+        for u in union.members if union else ():
+            x = judge.model.reduce(np.array(u.fold_angles))
+            if judge._nearest(x)[1] > APART:
+                judge.learn(x, u.kind, u.found_by[0])
         return judge
 
     def learn(self, x: np.ndarray, kind: str, source: str, polished: bool = True) -> int:

@@ -45,14 +45,16 @@ def random_problems(seed: int, count: int = RANDOM_VERTICES) -> list[Problem]:
     return out
 
 
-def random_vertex(rng: np.random.Generator, degree: int, contact: Contact) -> Scene:
-    """Draw sector angles, stiffness and rest angles of a vertex without symmetry."""
+def random_vertex(
+    rng: np.random.Generator, degree: int, contact: Contact, decades: float = DECADES
+) -> Scene:
+    """Draw sector angles, stiffness (10^-decades to 10^decades) and rest angles of a vertex without symmetry."""
     while True:
         spare = 2 * math.pi - degree * SMALLEST_SECTOR
         sectors = SMALLEST_SECTOR + rng.dirichlet(np.full(degree, 2.0)) * spare
         if sectors.max() < LARGEST_SECTOR:
             break
-    stiffness = 10.0 ** rng.uniform(-DECADES, DECADES, degree)
+    stiffness = 10.0 ** rng.uniform(-decades, decades, degree)
     rest = rng.uniform(-math.pi, math.pi, degree)
     vertex = Vertex(tuple(sectors.tolist()))
     return Scene(vertex, tuple(stiffness.tolist()), tuple(rest.tolist()), "none", contact)

@@ -27,6 +27,7 @@ from origami_nlp.bench.methods_scipy import scipy_methods
 from origami_nlp.bench.problems import Problem, panel_problems, quick_problems, random_problems
 from origami_nlp.bench.scaling import run_scaling
 from origami_nlp.bench.tally import FEWEST_STARTS, Attempts, summary
+from origami_nlp.bench.union import complete
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.minima import FEW_PAIRS, find_minima
@@ -43,7 +44,12 @@ Tell = Callable[[str], None]
 
 
 def run_bench(
-    *, quick: bool = False, seed: int = 0, tell: Tell = lambda text: None, plan: Plan | None = None
+    *,
+    quick: bool = False,
+    seed: int = 0,
+    tell: Tell = lambda text: None,
+    plan: Plan | None = None,
+    unions: str | os.PathLike[str] | None = None,
 ) -> dict[str, Any]:
     """Run every method on every problem; returns plain data.
 
@@ -57,6 +63,9 @@ def run_bench(
         Called with what is being done.
     plan
         How many rounds and starts, if not the usual ones.
+    unions
+        Folder of unions (`union`), built where they are missing; without one the reference is what one run of the main
+        job lists, and what any method finds.
     """
     plan = plan or (QUICK if quick else FULL)
     jobs = 1 if quick else min(JOB_ROUNDS, plan.rounds)
@@ -70,7 +79,7 @@ def run_bench(
         "settings": {"seed": seed, "quick": quick, "job_rounds": jobs, **asdict(plan)},
         "left_out": dict(LEFT_OUT),
     }
-    search, judges = run_search(problems, methods, plan, seed, tell, job_rounds=jobs)
+    search, judges = run_search(problems, methods, plan, seed, tell, jobs, unions)
     data |= search
     for key, make, of_closure in (
         ("closure", closures, _without_symmetry),
@@ -116,6 +125,7 @@ def run_search(
     seed: int,
     tell: Tell,
     job_rounds: int = 0,
+    unions: str | os.PathLike[str] | None = None,
 ) -> tuple[dict[str, Any], dict[str, Judge]]:
     """Run methods on problems; the first method is what the others are compared with.
 
@@ -127,7 +137,9 @@ def run_search(
     job = []
     for problem in problems:
         tell(f"references: {problem.name}")
-        judge = judges[problem.name] = Judge.of(problem.scene, seed)
+        named = replace(problem.scene, name=problem.name)
+        union = complete(named, unions, tell) if unions is not None else None
+        judge = judges[problem.name] = Judge.of(problem.scene, seed, union)
         suited = [m for m in runnable if suits(m, judge)]
         tell(f"{len(suited)} methods: {problem.name}")
         raw[problem.name] = run_problem(suited, plan, seed, judge)

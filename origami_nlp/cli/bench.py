@@ -24,6 +24,29 @@ def bench(
     profile: Annotated[
         bool, typer.Option("--profile", help="Instead: where the time of the main job goes.")
     ] = False,
+    search: Annotated[
+        bool,
+        typer.Option(
+            "--search", help="Instead: what searches find of all that is known, and when."
+        ),
+    ] = False,
+    before: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="--search: another checkout to compare with."),
+    ] = None,
+    family: Annotated[
+        list[str] | None,
+        typer.Option(help="--search: a family of scenes, once for each; default all."),
+    ] = None,
+    effort: Annotated[str | None, typer.Option(help="--search: of the main job.")] = None,
+    unions: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Where all known minima of each scene are kept: a run that is stopped goes on there "
+            "(default: a temporary folder for --search, none otherwise).",
+        ),
+    ] = None,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
     markdown: o.MarkdownFile = None,
@@ -40,13 +63,23 @@ def bench(
         raise OptionError(
             f"{option} does not go with --hard: the hard cases are one table, all of it"
         )
+    if search and (profile or hard):
+        raise OptionError(
+            f"--search does not go with {'--hard' if hard else '--profile'}: give one"
+        )
+    only = {"--before": before, "--family": family, "--effort": effort}
+    given = [name for name, value in only.items() if value]
+    if given and not search:
+        raise OptionError(f"{given[0]} goes with --search only")
     out = Output(json=json, figure=figure, markdown=markdown)
-    if profile:
+    if search:
+        _search(out, family or [], quick, before, unions, effort)
+    elif profile:
         _profile(out, seed)
     elif hard:
         _hard(out)
     else:
-        _speed(out, quick, seed, _link(figure, markdown))
+        _speed(out, quick, seed, unions, _link(figure, markdown))
 
 
 def _link(figure: Path | None, markdown: str | None) -> str | None:
@@ -56,7 +89,7 @@ def _link(figure: Path | None, markdown: str | None) -> str | None:
     return Path(os.path.relpath(figure.resolve(), Path(markdown).resolve().parent)).as_posix()
 
 
-def _speed(out: Output, quick: bool, seed: int, link: str | None) -> None:
+def _speed(out: Output, quick: bool, seed: int, unions: Path | None, link: str | None) -> None:
     """Run all methods, show the headline and the targets, and write what was asked for."""
     from rich.markdown import Markdown
 
@@ -70,11 +103,45 @@ def _speed(out: Output, quick: bool, seed: int, link: str | None) -> None:
     from origami_nlp.files import PAGE
 
     with progress("bench") as report:
-        data = run_bench(quick=quick, seed=seed, tell=lambda text: report(text=text))
+        tell = lambda text: report(text=text)  # noqa: E731
+        data = run_bench(quick=quick, seed=seed, tell=tell, unions=unions)
     out.say(Markdown(in_short(data)), width=PAGE)
     out.save("json", write_bench, data)
     out.save("figure", draw_bench, data)
     out.write("markdown", as_markdown, data, link)
+
+
+def _search(
+    out: Output,
+    families: list[str],
+    quick: bool,
+    before: Path | None,
+    unions: Path | None,
+    effort: str | None,
+) -> None:
+    """Measure searches on families of scenes (`origami_nlp.bench.coverage`)."""
+    import tempfile
+
+    from rich.markdown import Markdown
+
+    from origami_nlp.bench import coverage_markdown, draw_coverage, measure_coverage, scenes_for
+    from origami_nlp.files import PAGE
+
+    folder = unions or Path(tempfile.gettempdir()) / "origami_nlp-unions"
+    with progress("bench") as report:
+        data = measure_coverage(
+            scenes_for(families, quick),
+            folder,
+            before=before,
+            seeds=2 if quick else 5,
+            budget=1.0 if quick else 5.0,
+            effort=effort,
+            tell=lambda text: report(text=text),
+        )
+    out.say(Markdown(coverage_markdown(data)), width=PAGE)
+    out.write("json", lambda: data)
+    out.save("figure", draw_coverage, data)
+    out.write("markdown", coverage_markdown, data)
 
 
 def _profile(out: Output, seed: int) -> None:

@@ -33,6 +33,7 @@ from .multistart import (
     run_one as run_one,
     solve_without_crossing as solve_without_crossing,
 )
+from .one_freedom import Traced as Traced, trace as trace
 from .pinches import (
     TouchStarts as TouchStarts,
     close_pinched as close_pinched,
@@ -41,7 +42,6 @@ from .pinches import (
     touch_starts as touch_starts,
 )
 from .record import Answer as Answer, Record as Record
-from .one_freedom import Traced as Traced, trace as trace
 from .result import (
     MinimaResult as MinimaResult,
     minima_table as minima_table,

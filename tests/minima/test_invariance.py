@@ -1,0 +1,127 @@
+"""The same vertex, described otherwise, has the same minima: labels, sides, mirror images and units do not matter."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from origami_nlp import Vertex, find_minima
+from origami_nlp.bench import family_scene
+from origami_nlp.kkt import project
+from origami_nlp.programme import Model
+from tests.computed_once import shared
+
+SAME = 1e-6
+"""Two minima [rad] of two searches are one: far above what the polish leaves, far below what tells minima apart."""
+
+
+@dataclass(frozen=True)
+class Description:
+    """Another description of the same vertex.
+
+    turn: by how many creases the numbering begins later.  mirrored: seen in a mirror that stands on the sheet.
+    over: seen in a mirror that lies under the sheet, mountains for valleys.  factor: of all stiffnesses.
+    """
+
+    turn: int = 0
+    mirrored: bool = False
+    over: bool = False
+    factor: float = 1.0
+
+    def of(self, scene):
+        alpha, k, rest = map(
+            np.array, (scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
+        )
+        if self.mirrored:  # the sector after crease i is the one before it in the mirror
+            alpha = np.roll(alpha[::-1], -1)
+        return replace(
+            scene,
+            vertex=Vertex(tuple(np.roll(alpha, -self.turn).tolist())),
+            stiffness=tuple((self.factor * self.ordered(k)).tolist()),
+            rest_angles=tuple(self.sided(self.ordered(rest)).tolist()),
+        )
+
+    def ordered(self, values):
+        return np.roll(values[..., ::-1] if self.mirrored else values, -self.turn, axis=-1)
+
+    def sided(self, angles):
+        return -angles if self.over else angles
+
+    def back(self, angles):
+        """Fold angles [..., N] of the other description, in the first one's order and signs."""
+        rolled = np.roll(self.sided(angles), self.turn, axis=-1)
+        return rolled[..., ::-1] if self.mirrored else rolled
+
+
+DESCRIPTIONS = {
+    "next crease first": Description(turn=1),
+    "third crease first": Description(turn=3),
+    "mirrored": Description(mirrored=True),
+    "over": Description(over=True),
+    "turned over": Description(turn=2, mirrored=True, over=True),
+    "stiffness times 2^-9": Description(factor=2.0**-9),
+    "stiffness times 3.7": Description(factor=3.7),
+}
+SCENES = [
+    *(("fold-limits", k) for k in range(5)),
+    *(("full-contact", k) for k in range(5)),
+    ("designed", 1),
+    ("one-freedom", 0),
+]
+CHEAP = [("fold-limits", 0), ("full-contact", 0), ("one-freedom", 0)]
+"""Of degree 4; the others wait for the long studies."""
+CASES = [
+    pytest.param(
+        family,
+        number,
+        name,
+        id=f"{family} {number + 1}, {name}",
+        marks=() if (family, number) in CHEAP else pytest.mark.slow,
+    )
+    for family, number in SCENES
+    for name in DESCRIPTIONS
+]
+
+
+def states(scene):
+    return np.array([m.fold_angles for m in find_minima(scene).minima]).reshape(-1, scene.degree)
+
+
+@shared
+def first_states(family, number):
+    return states(family_scene(family, number))
+
+
+def unmatched(a, b):
+    """How many states of a [A, N] have no partner among b [B, N]."""
+    far = np.abs(a[:, None] - b).max(axis=2)
+    return int((far.min(axis=1, initial=math.inf) > SAME).sum())
+
+
+@pytest.mark.parametrize(("family", "number", "name"), CASES)
+def test_another_description_has_the_same_minima(family, number, name):
+    description, scene = DESCRIPTIONS[name], family_scene(family, number)
+    here = first_states(family, number)
+    there = description.back(states(description.of(scene)))
+    lost, extra = unmatched(here, there), unmatched(there, here)
+    assert (lost, extra) == (0, 0), f"{lost} of {len(here)} minima are lost, {extra} are new"
+    assert len(here) == len(there) > 0
+
+
+@pytest.mark.parametrize("name", DESCRIPTIONS)
+@pytest.mark.parametrize("number", range(3))
+def test_descriptions_are_of_the_same_vertex(name, number):
+    """Closure, sheet and energies of closed states agree: the maps are right, whatever a search finds."""
+    description, scene = DESCRIPTIONS[name], family_scene("full-contact", number)
+    other, rng = description.of(scene), np.random.default_rng(number)
+    x, residual = project(Model(scene), rng.uniform(-3, 3, (40, scene.degree)))
+    x = x[residual <= 1e-13]
+    y = description.sided(description.ordered(x))
+    assert len(x) >= 20 and (description.back(y) == x).all()
+    ours, theirs = Model(scene), Model(other)
+    assert np.abs(theirs.closure(y)[0]).max() <= 1e-12
+    assert (theirs.on_sheet(y) == ours.on_sheet(x)).all()
+    assert (theirs.admissible(y) == ours.admissible(x)).all()
+    energies = [description.factor * scene.energy(s) for s in x]
+    assert [other.energy(s) for s in y] == pytest.approx(energies, rel=1e-14)
