@@ -152,7 +152,16 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
     """Draw the stages of each panel as stacked bars, and write the figure (suffix decides the format)."""
     from matplotlib.figure import Figure
 
-    colours = ("#999999", "#F0E442", "#0072B2", "#CC79A7", "#E69F00", "#009E73", "#56B4E9", "#DDDDDD")
+    colours = (
+        "#999999",
+        "#F0E442",
+        "#0072B2",
+        "#CC79A7",
+        "#E69F00",
+        "#009E73",
+        "#56B4E9",
+        "#DDDDDD",
+    )
     figure = Figure(figsize=(9, 0.32 * len(budgets) + 1.8), layout="constrained")
     axes = figure.subplots()
     y, left = np.arange(len(budgets)), np.zeros(len(budgets))

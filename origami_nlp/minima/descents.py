@@ -36,6 +36,8 @@ QUADRATIC = 1e-8
 """A step of Gauss-Newton this short [rad] is the last one."""
 POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
+NEAR = 0.3
+"""Furthest that a state is moved onto a contact [rad]."""
 TINY = 1e-7
 """A step that moves no fold angle by more [rad] is no progress; one that fails there has converged."""
 STALLED = 6
@@ -158,17 +160,23 @@ class Descents:
         for _ in range(most):
             if not len(live):
                 break
-            before = s[live]
-            new, moved, state = self._step(before, reach[live], escapes[live])
-            left = before.hold & ~new.hold
-            on_stratum[live] |= left
-            _put(kept, live[left], before[left])
-            _put(s, live, new)
-            reach[live] = state.reach
-            escapes[live] += state.escaped
-            idle[live] = np.where(moved, 0, idle[live] + 1)
-            converged[live] = state.converged
-            stop = state.converged | (reach[live] < SHORTEST) | (idle[live] >= STALLED)
+            slotted = (s.slots[live] != OPEN).any(axis=1)
+            stop = np.zeros(len(live), dtype=bool)
+            for group in (np.flatnonzero(~slotted), np.flatnonzero(slotted)):  # fewer rows: faster
+                if not len(group):
+                    continue
+                who = live[group]
+                before = s[who]
+                new, moved, state = self._step(before, reach[who], escapes[who])
+                left = before.hold & ~new.hold
+                on_stratum[who] |= left
+                _put(kept, who[left], before[left])
+                _put(s, who, new)
+                reach[who] = state.reach
+                escapes[who] += state.escaped
+                idle[who] = np.where(moved, 0, idle[who] + 1)
+                converged[who] = state.converged
+                stop[group] = state.converged | (reach[who] < SHORTEST) | (idle[who] >= STALLED)
             live = live[~stop]
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(on_stratum & ~converged)
@@ -430,32 +438,27 @@ class Descents:
         gap: np.ndarray,
         side: np.ndarray,
     ) -> tuple[Samples, np.ndarray]:
-        """Where a step crosses something, hold that; halve the step where the sample cannot be brought onto it."""
-        out = joined(trial)
-        good = good.copy()
-        todo = np.flatnonzero(gap != OPEN)
-        crossed, gap, side = trial[todo], gap[todo], side[todo]
-        for attempt in range(3):
-            if not len(todo):
-                break
-            held, room = _hold(crossed, gap, side)
-            held = self.close(held, 6)
-            ok, again, _ = self._try(held, s.x[todo], energy[todo], slope[todo] * 0, escaped[todo])
-            near = np.abs(held.x - crossed.x).max(axis=1) < 0.3
-            ok &= room & near
-            _put(out, todo[ok], held[ok])
-            good[todo[ok]] = True
-            todo, gap, side = todo[~ok], gap[~ok], side[~ok]
-            if not len(todo) or attempt == 2:
-                break
-            scale = scale.copy()
-            scale[todo] *= 0.5 if attempt == 0 else 0.25
-            shorter, _ = self._move(s[todo], dx[todo], scale[todo])
-            ok, g2, s2 = self._try(shorter, s.x[todo], energy[todo], slope[todo] * 0, escaped[todo])
-            _put(out, todo[ok], shorter[ok])
-            good[todo[ok]] = True
-            again = ~ok & (g2 != OPEN)
-            todo, crossed, gap, side = todo[again], shorter[again], g2[again], s2[again]
+        """Where a step crosses something, stop where its gap would close to first order, and hold it there."""
+        out, good = joined(trial), good.copy()
+        todo = np.flatnonzero(gap >= 0)
+        named = np.stack([gap[todo]] + [np.full(len(todo), OPEN)] * (SLOTS - 1), axis=1)
+        before, after = (
+            side[todo] * self.kinematics.gaps(self.kinematics.fold(x), named)[0][:, 0]
+            for x in (s.x[todo], trial.x[todo])
+        )
+        share = before / np.maximum(before - after, 1e-300)
+        # a gap that was closed already is left: its crossing is another one, met half way
+        share = np.where((before > 0) & (after < 0), np.clip(share, 0.1, 0.95), 0.5)
+        shorter, _ = self._move(s[todo], dx[todo], scale[todo] * share)
+        held, room = _hold(shorter, gap[todo], side[todo])
+        held = self.close(held, 6)
+        old = s.x[todo], energy[todo], slope[todo] * 0, escaped[todo]
+        ok, _, _ = self._try(held, *old)
+        ok &= room & (np.abs(held.x - shorter.x).max(axis=1) < NEAR)
+        plain, _, _ = self._try(shorter, *old)
+        for taken, state in ((ok, held), (plain & ~ok, shorter)):
+            _put(out, todo[taken], state[taken])
+            good[todo[taken]] = True
         return out, good
 
 
