@@ -183,8 +183,11 @@ def test_nothing_is_missing_without_fold_limits(shape):
         assert nearest(x, minima) <= 1e-7
 
 
+RESTS = [(PI / 2, 0, PI / 2, 0), (-1.0, 2.0, -3.0, 1.0), (1.0,) * 4]
+
+
 @pytest.mark.parametrize(
-    "rest", [(PI / 2, 0, PI / 2, 0), (-1.0, 2.0, -3.0, 1.0), (1.0,) * 4], ids=str
+    "rest", [RESTS[1], *(pytest.param(r, marks=pytest.mark.slow) for r in RESTS[::2])], ids=str
 )
 @pytest.mark.parametrize("name", SPECIAL)
 def test_nothing_is_missing_where_curves_cross(name, rest):
