@@ -28,7 +28,7 @@ SADDLE = -1e-7
 """Eigenvalue (of a Hessian that is 1 for springs alone) below which a stationary state is left downhill."""
 EARLY = 0.3
 """A contact that pulls more than this share of the torque that is left is let go before the rest has converged."""
-FIRST_REACH, REACH, SHORTEST = 0.7, 1.0, 1e-9
+FIRST_REACH, REACH, SHORTEST = 1.0, 2.0, 1e-9
 """Longest step of a fold angle [rad]: at first, ever, and where a descent gives up."""
 ESCAPES, ESCAPE = 3, 0.05
 """How often a saddle is left, and by how much [rad]."""

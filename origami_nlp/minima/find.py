@@ -51,6 +51,8 @@ MOST_STARTS = 20_000
 """Default cap on starts; the report says when the search stopped there."""
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
+FEW_FREEDOMS = 2
+"""Freedoms up to which the first round may be the last."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -238,7 +240,8 @@ class _Job:
     def _enough(self, quiet: int) -> bool:
         hits = self.record.drawn_hits
         if min(hits, default=self.effort.hits) >= self.effort.hits:
-            return True
+            # the first round holds several: where there is more to find, one that found nothing is wanted as well
+            return quiet > 0 or self.model.freedom <= FEW_FREEDOMS
         return quiet >= self.effort.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:

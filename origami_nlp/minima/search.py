@@ -16,7 +16,7 @@ from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
 
-BATCH = 768
+BATCH = 2048
 """Descents made at once."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""

@@ -1,7 +1,7 @@
 """Where descents start: corners of the state space, strata between them, touches, and the interior.
 
 Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached
-from the interior, but a start on their own stratum, with its contacts held, reaches them in a third of the cases or more.
+from the interior, but a start on their own stratum, with its contacts held, often reaches them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Effort:
     interior
         Starts in the interior.
     a_round
-        Starts of each kind in a round, for one degree of freedom; more with more, up to eight times.
+        Starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
     rounds
         Rounds at most.
     hits
@@ -54,9 +54,9 @@ class Effort:
 
 
 EFFORTS = {
-    "quick": Effort(corners=256, interior=32, a_round=16, rounds=1, hits=1, quiet=1),
-    "normal": Effort(corners=2048, interior=64, a_round=32, rounds=8, hits=2, quiet=2),
-    "thorough": Effort(corners=16384, interior=512, a_round=128, rounds=40, hits=4, quiet=4),
+    "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1),
+    "normal": Effort(corners=8192, interior=48, a_round=12, rounds=16, hits=2, quiet=2),
+    "thorough": Effort(corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4),
 }
 """By name."""
 
@@ -87,7 +87,7 @@ class Rounds:
         )
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
-        self._a_round = effort.a_round * min(2 ** max(model.freedom - 1, 0), 8)
+        self._a_round = round(effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
 
     def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
