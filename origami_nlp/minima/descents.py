@@ -36,6 +36,8 @@ QUADRATIC = 1e-8
 """A step of Gauss-Newton this short [rad] is the last one."""
 POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
+LONG, FEW = 24, 64
+"""After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 NEAR = 0.3
 """Furthest that a state is moved onto a contact [rad]."""
 TINY = 1e-7
@@ -157,8 +159,8 @@ class Descents:
         reach = np.full(len(s), FIRST_REACH)
         escapes, idle = np.zeros(len(s), dtype=int), np.zeros(len(s), dtype=int)
         converged, on_stratum = np.zeros(len(s), dtype=bool), np.zeros(len(s), dtype=bool)
-        for _ in range(most):
-            if not len(live):
+        for step in range(most):
+            if not len(live) or (step >= LONG and len(live) * FEW <= len(s)):
                 break
             slotted = (s.slots[live] != OPEN).any(axis=1)
             stop = np.zeros(len(live), dtype=bool)

@@ -55,7 +55,7 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1),
-    "normal": Effort(corners=8192, interior=48, a_round=12, rounds=16, hits=2, quiet=2),
+    "normal": Effort(corners=8192, interior=48, a_round=14, rounds=16, hits=2, quiet=2),
     "thorough": Effort(corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4),
 }
 """By name."""
