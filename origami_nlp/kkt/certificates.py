@@ -21,7 +21,7 @@ import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
-from origami_nlp.kkt.state import Stratum
+from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import CURVED, INDEPENDENT, STATIONARY, nearest_in_cone, null_space
 from origami_nlp.programme import Contact
 
@@ -103,12 +103,14 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
+    shifted = s.T @ _shifts(state) @ s
     for mu in multipliers.vertices:
-        for lam in _closure_multipliers(state.jacobian, state.gradient - a.T @ mu, regular):
-            h = piece.hessian_with(np.concatenate([lam, mu]))
-            values, vectors = np.linalg.eigh(s.T @ h @ s)
-            if best is None or values[0] > best[0]:
-                best = (values[0], values, s @ vectors)
+        lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
+        h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
+        values, vectors = np.linalg.eigh(h + shifted)
+        k = int(values[:, 0].argmax())
+        if best is None or values[k, 0] > best[0]:
+            best = (values[k, 0], values[k], s @ vectors[k])
     assert best is not None
     lowest, values, vectors = best
     scale = max(1e-300, np.abs(values).max())
@@ -186,11 +188,15 @@ def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
     return z @ nearest_in_cone(-z.T @ gradient, a @ z)
 
 
-def _closure_multipliers(jac: np.ndarray, right: np.ndarray, regular: bool) -> list[np.ndarray]:
-    """Solve J' lam = right; where J loses rank, also try shifts along its left kernel."""
-    lam = np.linalg.lstsq(jac.T, right, rcond=INDEPENDENT)[0]
-    if regular:
-        return [lam]
-    left = null_space(jac.T)
-    shifts = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
-    return [lam + shift * left[:, k] for k in range(left.shape[1]) for shift in shifts]
+def _shifts(state: State) -> np.ndarray:
+    """Return what other multipliers of closure add to a Hessian, in the metric, [k, n, n]; the first adds nothing.
+
+    Where J loses rank they are tried along each direction of its left kernel.
+    """
+    p, n = state.programme, len(state.x)
+    if state.regular:
+        return np.zeros((1, n, n))
+    left = null_space(state.jacobian.T).T
+    sizes = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
+    each = [p.lagrangian_hessian(state.x, w, (), 0.0) / np.outer(p.root, p.root) for w in left]
+    return np.concatenate([np.zeros((1, n, n)), *(sizes[:, None, None] * h for h in each)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
 from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED, CLOSES, LEVEL, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import BALANCED, CLOSES, INDEPENDENT, LEVEL, SAME, STATIONARY, UNPOLISHED
 from origami_nlp.programme import Contact, Programme
 
 AT_REST = CLOSES**2
@@ -134,6 +135,8 @@ def _decide(state: State, accuracy: float) -> Classification:
         return _refuted(lower)
     contacts = state.contacts
     choices = contacts.combinations()
+    if choices is None and (known := _of_an_image(state)) is not None:
+        return known
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
@@ -148,7 +151,7 @@ def _decide(state: State, accuracy: float) -> Classification:
         if isinstance(judged, Lower):
             return _refuted(judged)
         if failed:
-            return _by_search(state, failed)
+            return _keep(state, _by_search(state, failed))
     else:
         judged = [judge_branch(state.on(rows), accuracy) for rows in choices]
     real = [
@@ -202,6 +205,7 @@ def _judge_by_splitting(
     which x is a minimum, which cover all pieces, and the pieces (or sets, where there are too many) for which
     that could not be shown.  A lower state that the descent of any of them leads to is returned at once.
     """
+    tried: list[np.ndarray] = []
     good: list[BranchJudgement] = []
     failed: list[BranchJudgement] = []
     contacts = state.contacts
@@ -218,9 +222,10 @@ def _judge_by_splitting(
             ),
             None,
         )
-        lower = follow_descent(state, b) if b.verdict != "minimum" and start else None
-        if lower is not None:
-            return lower, []
+        if b.verdict != "minimum" and start and _is_new(b.direction, tried):
+            lower = follow_descent(state, b)
+            if lower is not None:
+                return lower, []
         if b.verdict == "minimum":
             good.append(b)
         elif split is None or len(good) + len(failed) + len(pending) > MOST_SETS:
@@ -231,6 +236,38 @@ def _judge_by_splitting(
             for option in contacts.branches[split]:
                 pending.append((tuple(dict.fromkeys((*rows, *option))), split + 1))
     return good, failed
+
+
+def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:
+    """Tell whether a direction is none of those tried, and note it: sets that share contacts share their descent."""
+    if direction is None or any(np.abs(direction - d).max() <= INDEPENDENT for d in tried):
+        return False
+    tried.append(direction)
+    return True
+
+
+_SEARCHED: WeakKeyDictionary[Programme, dict[tuple[float, ...], Classification]] = (
+    WeakKeyDictionary()
+)
+"""What searches of small spheres said of crowded states, by image and accuracy: costly, and as true of their images."""
+
+
+def _image(state: State) -> tuple[float, ...]:
+    """Return the first of the images that the programme's own symmetries make of a state, and its tolerance."""
+    x, p = state.x, state.programme
+    images = [np.round(sign * x[order] / SAME).tolist() for order, sign in p.own_symmetries]
+    return (*min(images), state.tolerance)
+
+
+def _of_an_image(state: State) -> Classification | None:
+    return _SEARCHED.get(state.programme, {}).get(_image(state))
+
+
+def _keep(state: State, what: Classification) -> Classification:
+    """Keep what was said of a crowded state where it names no creases, so that it can be said of its images."""
+    if what.verdict != "minimum" and what.descent is None:
+        _SEARCHED.setdefault(state.programme, {})[_image(state)] = what
+    return what
 
 
 def _refuted(lower: Lower) -> Classification:

@@ -1,9 +1,8 @@
 """Nearest points of small polyhedra, and the extremes of their coordinates.
 
 The programmes of a few contacts are small and decide what a state is, so they are solved to rounding by finite
-methods: the active-set method of Lawson and Hanson (1974, chapter 23), and the list of all corners.  A solver of
-large linear programmes (HiGHS, through SciPy) takes over where there are too many corners to list; it
-stops at a tolerance of 1e-10, and SciPy's optimisers take longer to import than most scenes to solve.
+methods: the active-set method of Lawson and Hanson (1974, chapter 23), the list of all corners, and the simplex method
+where there are too many corners to list.
 """
 
 from __future__ import annotations
@@ -16,7 +15,9 @@ import numpy as np
 from origami_nlp.numerics.tolerances import INDEPENDENT, RANK
 
 MOST_CORNERS = 1000
-"""Choices of columns up to which corners are listed: about what a linear programme costs."""
+"""Choices of columns up to which corners are listed."""
+MOST_PIVOTS = 200
+"""Steps of the simplex method for one entry; the corner reached by then is one of the set all the same."""
 
 
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -113,7 +114,7 @@ def extremes(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> list[np.
     if math.comb(r, t) <= MOST_CORNERS:
         corners = np.vstack([inside / size, _corners(b, b @ inside / size)])
     else:
-        corners = np.vstack([inside / size, _programme(b, b @ inside / size, bounded)])
+        corners = np.vstack([inside / size, _programme(b, inside / size, bounded)])
     chosen = {0, *corners.argmin(axis=0), *corners.argmax(axis=0)[bounded]}
     return [size * corners[k] for k in sorted(map(int, chosen))]
 
@@ -132,24 +133,54 @@ def _corners(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     return mu[missed <= 1e-12 * np.maximum(1.0, mu.max(axis=1, initial=0.0))]
 
 
-def _programme(b: np.ndarray, c: np.ndarray, bounded: np.ndarray) -> np.ndarray:
-    """Find the least and largest of every entry over {mu >= 0: B mu = c} in one linear programme of many copies."""
-    from scipy import sparse
-    from scipy.optimize import linprog
+def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.ndarray:
+    """Find corners of {mu >= 0: B mu = B inside} with the least and the largest of every entry: the simplex method.
 
-    r = b.shape[1]
-    costs = np.vstack([np.eye(r), -np.eye(r)[bounded]])
-    done = linprog(
-        costs.ravel(),
-        A_eq=sparse.kron(sparse.eye(len(costs)), b),
-        b_eq=np.tile(c, len(costs)),
-        bounds=(0.0, None),
-        method="highs",
-        options={"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10},
-    )
-    if done.x is None:
-        return np.zeros((0, r))  # the point that is known remains
-    return np.array([refined(b, c, mu) for mu in done.x.reshape(len(costs), r)])
+    It starts at `inside`, whose positive entries belong to independent columns, and goes from one answer to the
+    next question; Bland's rule (the first column that helps) keeps it from running in circles.
+    """
+    t, r = b.shape
+    c = b @ inside
+    basis = _basis(b, inside)
+    found = []
+    for k, sign in [(k, 1.0) for k in range(r)] + [(k, -1.0) for k in np.flatnonzero(bounded)]:
+        for _ in range(MOST_PIVOTS):
+            table = np.linalg.solve(b[:, basis], np.column_stack([b, c]))
+            cost = -sign * (basis == k) @ table[:, :r]
+            cost[k] += sign
+            cost[basis] = 0.0
+            helps = np.flatnonzero(cost < -INDEPENDENT)
+            if not len(helps):
+                break
+            column, level = table[:, helps[0]], np.maximum(table[:, -1], 0.0)
+            ratio = np.full(t, np.inf)
+            ratio[column > INDEPENDENT] = (level / np.where(column > INDEPENDENT, column, 1.0))[
+                column > INDEPENDENT
+            ]
+            if not np.isfinite(ratio.min()):
+                break  # unbounded to rounding
+            least = np.flatnonzero(ratio <= ratio.min() * (1 + 1e-12))
+            basis[least[basis[least].argmin()]] = helps[0]
+        mu = np.zeros(r)
+        mu[basis] = np.maximum(np.linalg.solve(b[:, basis], c), 0.0)
+        found.append(refined(b, c, mu))
+    return np.array(found)
+
+
+def _basis(b: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Choose independent columns, as many as B [t, r] has rows: those of the positive entries of `inside` first."""
+    chosen: list[int] = []
+    left = b.copy()
+    for first in (inside > 0, np.ones(b.shape[1], dtype=bool)):
+        while len(chosen) < len(b):
+            size = np.where(first, np.linalg.norm(left, axis=0), 0.0)
+            k = int(size.argmax())
+            if size[k] <= INDEPENDENT:
+                break
+            chosen.append(k)
+            unit = left[:, k] / size[k]
+            left -= np.outer(unit, unit @ left)
+    return np.array(chosen)
 
 
 def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:

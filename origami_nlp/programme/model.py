@@ -106,6 +106,7 @@ class Model(Posed):
             It shares the compiled functions.
         """
         other = copy.copy(self)
+        vars(other).pop("own_symmetries", None)
         other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
         return other
 

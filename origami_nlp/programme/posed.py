@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
@@ -9,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.arguments import check_type
+from origami_nlp.numerics import SUMMED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Structure
@@ -110,6 +112,32 @@ class Posed:
         """Every gap once (a crease on a facet belongs to two facet pairs), on its positive side."""
         same = first_of_each(self.structure.gaps)
         return tuple(Contact("gap", i, 1) for i in range(len(same)) if same[i] == i)
+
+    @cached_property
+    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
+        """Maps x -> sign x[order] [n] that the springs and sectors have without being imposed, the identity first.
+
+        Turned about the vertex, reflected in a plane across the sheet, or reflected in the sheet (which changes the
+        sign of every fold).  Only the identity where a symmetry is imposed already.
+        """
+        n, i = self.size, np.arange(self.size)
+        p = self.parameters
+        found = [(i, 1)]
+        if not self.scene.group.is_trivial:
+            return tuple(found)
+        a = p.sectors
+        for shift, mirrored, sign in itertools.product(range(n), (False, True), (1, -1)):
+            order = (shift - i) % n if mirrored else (i + shift) % n
+            sectors = a[(shift - i - 1) % n] if mirrored else a[order]
+            if (shift, mirrored, sign) == (0, False, 1):
+                continue
+            same = np.abs(sectors - a).max() <= SUMMED
+            if same and (p.stiffness[order] == p.stiffness).all():
+                if (sign * p.rest[order] == p.rest).all() and (
+                    sign * p.load[order] == p.load
+                ).all():
+                    found.append((order, sign))
+        return tuple(found)
 
     @property
     def step_noise(self) -> float:

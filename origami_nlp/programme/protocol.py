@@ -45,6 +45,8 @@ class Programme(Protocol):
     def every_gap(self) -> tuple[Contact, ...]: ...  # noqa: D102
     @property
     def gaps(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]: ...  # noqa: D102
 
     def expand(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def energy(self, x: np.ndarray) -> float: ...  # noqa: D102

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.kkt.second_order import extreme_rays, has_no_level_direction
+from origami_nlp.kkt.second_order import extreme_rays, has_no_level_direction, level_directions
 
 
 def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:
@@ -66,3 +67,43 @@ def test_the_flat_state_of_a_rigid_vertex_is_certified(seed: int) -> None:
     assert (
         flat.fold_angles == (0.0, 0.0, 0.0) and "closure leaves to second order" in flat.certificate
     )
+
+
+def listed_rays(rows: np.ndarray) -> np.ndarray:
+    """Extreme rays from every choice of t - 1 rows: the kernel of each, where it lies in the cone."""
+    t = rows.shape[1]
+    found: list[np.ndarray] = []
+    for subset in itertools.combinations(range(len(rows)), t - 1):
+        _, s, vt = np.linalg.svd(rows[list(subset)])
+        for d in (vt[-1], -vt[-1]):
+            alone = s[-1] > 1e-9 and (rows @ d >= -1e-9).all()
+            if alone and all(np.abs(d - known).max() > 1e-7 for known in found):
+                found.append(d)
+    return np.array(found).reshape(-1, t)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_rays_are_those_of_every_choice_of_rows(seed: int) -> None:
+    """Whole numbers, so that many rows meet in one ray; some repeated."""
+    rng = np.random.default_rng(seed)
+    t = int(rng.integers(2, 5))
+    rows = rng.integers(-2, 3, (int(rng.integers(t, t + 6)), t)).astype(float)
+    rows = np.vstack([rows[np.abs(rows).max(axis=1) > 0], np.eye(t)])
+    rays, expected = extreme_rays(rows), listed_rays(rows)
+    assert rays is not None and len(rays) == len(expected)
+    assert all(np.abs(expected - d).max(axis=1).min() < 1e-9 for d in rays)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_level_directions_lie_in_the_cone_and_the_form_vanishes(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    t = int(rng.integers(2, 6))
+    form = rng.normal(size=(t, t))
+    form = form + form.T
+    d = level_directions(form, np.eye(t))
+    assert (d >= 0).all()
+    assert np.abs(np.einsum("ki,ij,kj->k", d, form, d)).max(initial=0.0) < 1e-12
+    mixed = [
+        k for k in itertools.combinations(range(t), 2) if form[k[0], k[0]] * form[k[1], k[1]] < 0
+    ]
+    assert len(d) >= len(mixed)  # where the form changes sign between two rays, it vanishes there
