@@ -1,4 +1,4 @@
-from . import time_budget as time_budget
+from . import judging as judging, time_budget as time_budget, union as union
 from .attempt import draw_starts as draw_starts
 from .cone_speed import MAP_DEGREES as MAP_DEGREES, measure as measure
 from .cone_speed_table import as_markdown as as_markdown

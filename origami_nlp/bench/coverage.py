@@ -78,12 +78,16 @@ class Searched:
 
 @dataclass
 class Covered:
-    """All runs on one scene, by the name of the searcher."""
+    """All runs on one scene, by the name of the searcher.
+
+    minima: of its union.  once: those that a single run behind the union found: how sure it is to be complete.
+    """
 
     family: str
     name: str
     degree: int
     minima: int = 0
+    once: int = 0
     runs: dict[str, list[Searched]] = field(default_factory=dict)
 
 
@@ -188,7 +192,8 @@ def judge(
             _join(model, union, job.minima, f"{name}, seed {seed}, measured")
     claims = [_claimed(model, e) for e in ends]
     false = [_false(model, union, e, c) for e, c in zip(ends, claims, strict=True)]
-    out = Covered(family, scene.name or "", scene.degree, len(union.members))
+    once = sum(len(m.found_by) == 1 for m in union.members)
+    out = Covered(family, scene.name or "", scene.degree, len(union.members), once)
     for name, of in jobs.items():
         out.runs[name] = [_of_job(union, seed, job) for seed, job in enumerate(of)]
     for e, c, wrong in zip(ends, claims, false, strict=True):

@@ -100,6 +100,7 @@ SHARE_HEADS = (
     "family",
     "scenes",
     "minima",
+    "found once",
     "searcher",
     "share a seed, least",
     "median",
@@ -124,6 +125,7 @@ def share_rows(data: dict[str, Any]) -> list[Row]:
                     family,
                     str(len(scenes)),
                     str(sum(c.minima for c in scenes)),
+                    str(sum(c.once for c in scenes)),
                     name,
                     _percent(least),
                     _percent(middle),
@@ -206,7 +208,7 @@ def coverage_markdown(data: dict[str, Any]) -> str:
     begin = (
         f"Processor seconds of one thread; {said['seeds']} seeds of the main job, one run of {said['budget']:g} s of "
         "each foreign search.  Shares are of the union of everything that anything found, each member polished and "
-        "classified.  Medians with [quartiles] over scenes."
+        "classified (found once: by a single one of the runs behind it).  Medians with [quartiles] over scenes."
     )
     parts = [begin]
     for title, heads, rows in (

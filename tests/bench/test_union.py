@@ -11,10 +11,12 @@ from typer.testing import CliRunner
 from origami_nlp import OrigamiError, find_minima
 from origami_nlp.bench import (
     FAMILIES,
+    Judge,
     coverage_markdown,
     draw_coverage,
     family_scene,
     foreign_methods,
+    judging,
     measure_coverage,
     read_union,
     run_foreign,
@@ -142,6 +144,19 @@ def test_answers_are_counted_for_what_they_are(known):
     assert r.found == (0,) and r.curve == ((1.0, 1),) and r.seconds == 5.0
     (r,) = runs["IPOPT"]
     assert (r.found, r.curve, r.rejected, r.exact_seconds) == ((), (), 1, math.inf)
+
+
+def test_the_reference_of_the_benchmark_holds_the_union(known, monkeypatch):
+    """A main job that lists only its first minimum: the judge knows the others from the union, once each."""
+    job = find_minima(SCENE)
+    short = replace(job, minima=job.minima[:1])
+    monkeypatch.setattr(judging, "find_minima", lambda scene, seed: short)
+    assert len(job.minima) > 1 and len(Judge.of(SCENE, 0).known) == 1
+    all_known = Judge.of(SCENE, 0, known).known
+    assert len(all_known) == len(job.minima)
+    assert [k.source for k in all_known[1:]] == ["main job"] * (len(job.minima) - 1)  # the union's
+    for m in job.minima:
+        assert min(np.abs(k.x - m.fold_angles).max() for k in all_known) < 1e-10
 
 
 def run(seconds, found, curve=None, **more):

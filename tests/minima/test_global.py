@@ -7,6 +7,7 @@ import pytest
 
 from origami_nlp import find_minima
 from origami_nlp.bench import family_scene
+from tests.computed_once import thinned
 from tests.independent.global_minimum import proved
 
 SECONDS = {4: 60.0, 5: 120.0, 6: 120.0}
@@ -14,11 +15,10 @@ SECONDS = {4: 60.0, 5: 120.0, 6: 120.0}
 NUMBERS = [k for k in range(15) if 4 + k % 5 <= 6]
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(
     importlib.util.find_spec("pyscipopt") is None, reason="pyscipopt (extra test) is not installed"
 )
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", thinned(NUMBERS, len(NUMBERS)))
 def test_the_lowest_minimum_is_the_proved_one(number):
     scene = family_scene("fold-limits", number)
     sectors, k, rest = (
