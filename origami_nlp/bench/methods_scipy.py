@@ -219,7 +219,7 @@ def contacts_held(model: Model) -> Callable[[np.ndarray, np.random.Generator, Re
     What it ends at is stationary along contacts that need not press, and facets elsewhere may cross: where minima may
     be, for whoever polishes them.
     """
-    nlp = pose_with_gaps(model.structure)
+    nlp = pose_with_gaps(model.structure, tuple(range(len(model.structure.gaps))))
     oracle = ca.Function("gaps", [nlp.x, nlp.p], [nlp.f, nlp.g])
     evaluate = Evaluator(oracle, model.parameters.vector)
     first = model.equation_count

@@ -8,8 +8,9 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from origami_nlp.kkt import Solve, polish
-from origami_nlp.minima.descents import Descents, Ends, Samples, joined
+from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, judge
+from origami_nlp.minima.samples import Ends, Samples, joined
 from origami_nlp.minima.starts import DRAWN, SOURCES
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Labels
@@ -97,15 +98,19 @@ class Search:
         good = np.isfinite(starts.x).all(axis=1)
         if not crossings.any:
             return good
-        at = self._descents.kinematics.fold(starts.x)
+        at = self._descents.closing.kinematics.fold(starts.x)
         gap, _ = crossings.of(at, starts.x, starts.shut)
         return good & (gap == OPEN)
 
     def closed(self, x: np.ndarray) -> Samples:
         """Return free samples at states [K, n] of the scene, closed; those that do not close are dropped."""
         x = np.array([self._under(state) for state in x])
-        s = self._descents.close(Samples.on(np.clip(x, -self.model.bound, self.model.bound)))
-        value, _ = self._descents.kinematics.closure(self._descents.kinematics.fold(s.x))
+        s = self._descents.closing.close(
+            Samples.on(np.clip(x, -self.model.bound, self.model.bound))
+        )
+        value, _ = self._descents.closing.kinematics.closure(
+            self._descents.closing.kinematics.fold(s.x)
+        )
         return s[np.abs(value).max(axis=1) <= SAME]
 
     def _file(self, ends: Ends, which: np.ndarray, count: bool) -> list[np.ndarray]:

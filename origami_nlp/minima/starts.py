@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.descents import Samples, joined
 from origami_nlp.minima.pinches import TouchStarts, model_rows, touch_starts
+from origami_nlp.minima.samples import Samples, joined
 from origami_nlp.programme import OPEN, Model, random_strata, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
@@ -87,7 +87,8 @@ class Rounds:
         )
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
-        self._a_round = round(effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
+        share = 0.6 if self._touch else 1.0  # touches are a third kind of start
+        self._a_round = round(share * effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
 
     def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
@@ -112,7 +113,7 @@ class Rounds:
         if len(self._corners):
             parts.append(self._near_corners(count))
         if self._touch:
-            parts.append(self._touching(2 * count))
+            parts.append(self._touching(count))
         return joined(*parts)
 
     def _touching(self, count: int) -> Samples:

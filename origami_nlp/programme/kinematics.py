@@ -142,11 +142,11 @@ class Kinematics:
                 e += 1
             else:
                 before[r + 1] = before[r]
-        end = np.array(quat.multiply(before[self._period], self._onward))
+        end = np.array(quat.multiply([*before[self._period]], self._onward))
         rays = np.empty((3, count + 4, len(x)))
-        rays[:, :count] = quat.rotate(before[:-1].swapaxes(0, 1), self._flat.T[..., None])
+        rays[:, :count] = quat.rotate([*before[:-1].swapaxes(0, 1)], [*self._flat.T[..., None]])
         rays[:, count : count + 2] = np.eye(3)[:, (2, 0), None]
-        rays[:, count + 2 :] = quat.rotate(end[:, None], self._mirror.T[..., None])
+        rays[:, count + 2 :] = quat.rotate([*end[:, None]], [*self._mirror.T[..., None]])
         rays = np.ascontiguousarray(rays.T)
         sheet = end[0] if self._cyclic and self._order == 1 else np.ones(len(x))
         return Folded(rays, rays[:, self.ray_of_crease], end.T, sheet)
@@ -175,10 +175,9 @@ class Kinematics:
             arm[..., 0], arm[..., 2] = c[..., 2], -c[..., 0]  # e2 x c_i
             h = weights[:, :, None] * (arm @ cross(c, normal[:, None]).transpose(0, 2, 1))
         else:
-            a, b = 0.0, 0.0
-            for k, row in enumerate(self._entries):
-                scalar, vector = _lever(at.end, row)
-                a, b = a + weights[:, k] * scalar, b + weights[:, k, None] * vector
+            levers = [_lever(at.end, row) for row in self._entries]
+            a = sum(weights[:, k] * scalar for k, (scalar, _) in enumerate(levers))
+            b = sum(weights[:, k, None] * vector for k, (_, vector) in enumerate(levers))
             # <weights, c_i c_j q> = (-c_i . c_j, c_i x c_j) . (a, b), and (c_i x c_j) . b = c_j . (b x c_i)
             h = 0.25 * (
                 cross(b[:, None], c) @ c.transpose(0, 2, 1)

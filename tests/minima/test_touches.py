@@ -1,4 +1,4 @@
-"""TouchStarts on touches: closed, touching from the side they say, uncrossed, on the stratum that they name, none missed."""
+"""Starts on touches: closed, touching from the side they say, uncrossed, on the stratum that they name, none missed."""
 
 import collections
 import itertools

@@ -1,0 +1,166 @@
+"""Samples of a model brought onto closure and the contacts that they hold: values, multipliers, Gauss-Newton."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.minima.samples import Samples
+from origami_nlp.numerics import EPS, RANK, ROUNDED
+from origami_nlp.programme import Folded, Kinematics, Model
+
+QUADRATIC = 1e-8
+"""A step of Gauss-Newton this short [rad] is the last one."""
+STEPS, LIMIT_PASSES = 12, 3
+"""Steps of Gauss-Newton, and how often what leaves the fold limits is held there and closed again."""
+POOR = 1e10
+"""Condition of rows rows' above which its eigenvalues are looked at one by one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """What samples are at their states, in the metric y = sqrt(k) phi.
+
+    Attributes
+    ----------
+    at
+        The folded states.
+    rows
+        Gradients of closure and held gaps, shape [K, m + S, n].
+    torque
+        G, the gradient of the energy, shape [K, n].
+    multipliers
+        lam, that balance it best on the free creases, shape [K, m + S].
+    left
+        R = G - rows' lam, shape [K, n].
+    free_rows, inverse
+        The rows on the free creases, and the (pseudo-)inverse of their Gram matrix.
+    """
+
+    at: Folded
+    rows: np.ndarray
+    torque: np.ndarray
+    multipliers: np.ndarray
+    left: np.ndarray
+    free_rows: np.ndarray
+    inverse: np.ndarray
+
+
+class Closing:
+    """Closure and held contacts of a model, at many samples.
+
+    Parameters
+    ----------
+    model
+        The posed scene.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.kinematics = model, Kinematics(model)
+        self.root = np.sqrt(model.parameters.stiffness)
+
+    def rows(self, s: Samples) -> tuple[Folded, np.ndarray, np.ndarray]:
+        """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n]."""
+        at = self.kinematics.fold(s.x)
+        value, jacobian = self.kinematics.closure(at)
+        if not s.slotted.any():
+            return at, value, jacobian
+        g, dg = self.kinematics.gaps(at, s.slots)
+        value = np.concatenate([value, s.sides * g], axis=1)
+        return at, value, np.concatenate([jacobian, s.sides[..., None] * dg], axis=1)
+
+    def point(self, s: Samples) -> Point:
+        """Balance the torque of samples on their free creases."""
+        at, _, jacobian = self.rows(s)
+        torque = self.model.parameters.torque(s.x) / self.root
+        return balance(s, at, jacobian / self.root, torque)
+
+    def hessian(self, s: Samples, p: Point) -> np.ndarray:
+        """Hessian of the Lagrangian in the metric, [K, n, n]."""
+        m = self.model.equation_count
+        curved = self.kinematics.closure_hessian(p.at, p.multipliers[:, :m])
+        if p.rows.shape[1] > m:
+            curved += self.kinematics.gaps_hessian(p.at, s.slots, s.sides * p.multipliers[:, m:])
+        return np.eye(s.x.shape[1]) - curved / np.outer(self.root, self.root)
+
+    def close(self, s: Samples, steps: int = STEPS) -> Samples:
+        """Close samples on their strata; those that leave the fold limits are held there."""
+        x, shut = s.x.copy(), s.shut.copy()
+        todo = np.arange(len(s))
+        for _ in range(LIMIT_PASSES):
+            x[todo] = self._closed(replace(s[todo], x=x[todo], shut=shut[todo]), steps)
+            if not self.model.has_limits:
+                break
+            over = (np.abs(x[todo]) > math.pi) & (shut[todo] == 0)
+            out = over.any(axis=1)
+            todo, over = todo[out], over[out]
+            if not len(todo):
+                break
+            sign = np.sign(x[todo])
+            x[todo] = np.where(over, sign * math.pi, x[todo])
+            shut[todo] = np.where(over, sign, shut[todo])
+        return replace(s, x=x, shut=shut)
+
+    def _closed(self, s: Samples, steps: int) -> np.ndarray:
+        x, todo = s.x.copy(), np.arange(len(s))
+        for _ in range(steps):
+            part = replace(s[todo], x=x[todo])
+            _, value, rows = self.rows(part)
+            far = np.abs(value).max(axis=1) > ROUNDED
+            if not far.any():
+                break
+            todo, value = todo[far], value[far]
+            rows = rows[far] * (part.shut[far] == 0)[:, None]
+            move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
+            length = np.abs(move).max(axis=1, keepdims=True)
+            x[todo] -= move / np.maximum(1.0, length)
+            todo = todo[length[:, 0] > QUADRATIC]  # the next residual is the square of this
+            if not len(todo):
+                break
+        return x
+
+
+def balance(s: Samples, at: Folded, rows: np.ndarray, torque: np.ndarray) -> Point:
+    """Find the multipliers of rows [K, r, n] that balance a torque [K, n] best on the free creases."""
+    free_rows = rows * (s.shut == 0)[:, None]
+    inverse = gram_inverse(free_rows)
+    lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
+    left = torque - (lam[:, None] @ rows)[:, 0]
+    return Point(at, rows, torque, lam, left, free_rows, inverse)
+
+
+def gram_inverse(rows: np.ndarray) -> np.ndarray:
+    """Return the (pseudo-)inverse [K, r, r] of rows rows', rows [K, r, n]; empty rows are those of the identity.
+
+    Where rows depend on each other (on a handle, or where a crease lies on another) what they do not
+    resolve is left out: singular values below `RANK`.
+    """
+    a = rows @ rows.transpose(0, 2, 1)
+    d = np.arange(a.shape[1])
+    diagonal = a[:, d, d]
+    trace = diagonal.sum(axis=1)
+    a[:, d, d] += np.where(diagonal == 0, 1.0, ROUNDED**2 * trace[:, None])
+    inverse = _inverted(a + EPS * trace[:, None, None] * np.eye(len(d)))
+    largest = np.abs(inverse[:, d, d]).max(axis=1, initial=0.0)
+    poor = np.flatnonzero(~(largest * np.maximum(trace, 1.0) <= POOR))
+    if len(poor):
+        value, vector = np.linalg.eigh(a[poor])
+        keep = value > RANK**2 * value[:, -1:]
+        over = np.where(keep, 1 / np.where(keep, value, 1.0), 0.0)
+        inverse[poor] = (vector * over[:, None]) @ vector.transpose(0, 2, 1)
+    return inverse
+
+
+def _inverted(a: np.ndarray) -> np.ndarray:
+    """Return inverses of positive definite matrices [K, r, r]; those of three rows by their cofactors."""
+    if a.shape[1] != 3:
+        return np.linalg.inv(a)
+    (p, q, r), (_, s, t), (_, _, u) = a.transpose(1, 2, 0)
+    pp, pq, pr = s * u - t * t, r * t - q * u, q * t - r * s
+    qq, qr, rr = p * u - r * r, q * r - p * t, p * s - q * q
+    with np.errstate(divide="ignore", invalid="ignore"):
+        over = 1 / (p * pp + q * pq + r * pr)
+        inverse = np.array([[pp, pq, pr], [pq, qq, qr], [pr, qr, rr]]) * over
+    return np.where(np.isfinite(inverse), inverse, math.inf).transpose(2, 0, 1)
