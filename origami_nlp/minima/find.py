@@ -30,6 +30,7 @@ from origami_nlp.kkt import (
     rest_state,
     rigid_states,
 )
+from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.ipopt import Confirmation, confirm
@@ -176,6 +177,7 @@ class _Job:
         self.record = Record()
         self.stopped_by = "rule"
         self.complete = ""
+        self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
 
     def list_states(self) -> None:
@@ -216,6 +218,8 @@ class _Job:
             if self.record.starts >= self.fewest and self._enough(quiet):
                 self.stopped_by = "rule"
                 break
+        if rounds.touches is not None:
+            self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
 
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
@@ -294,6 +298,7 @@ class _Job:
             corners=self.corners[0],
             every_corner=self.corners[1],
             complete=self.complete,
+            strata=self.strata,
         )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from origami_nlp.kkt import ContactForce, Kind
+from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
 
@@ -134,6 +135,8 @@ class SearchReport:
         States with as many creases at their fold limits as there are freedoms, from which descents began.
     every_corner
         Whether these are all of them: minima among them are decided then.
+    strata
+        With full contact and without symmetry: which strata with touches were started, by class.
     complete
         Why nothing is missing, where that is known; "" elsewhere.
     rejected
@@ -160,5 +163,6 @@ class SearchReport:
     corners: int = field(default=0, kw_only=True)
     every_corner: bool = field(default=False, kw_only=True)
     complete: str = field(default="", kw_only=True)
+    strata: tuple[StrataCount, ...] = field(default=(), kw_only=True)
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
     undecided: tuple[Rejected, ...] = field(default=(), repr=False)

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, polish
+from origami_nlp.kkt import Solve, State, polish
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, judge
 from origami_nlp.minima.samples import Ends, Samples, joined
@@ -76,6 +76,18 @@ class Search:
                 self.run(self.closed(np.array(below)), count=False)
         drawn = int(np.isin(starts.source, DRAWN).sum()) if count else 0
         record.quiet = 0 if len(record.minima) > minima else record.quiet + drawn
+
+    def minima_on_touches(self) -> list[tuple[list[tuple[int, int]], list[int]]]:
+        """Return rows (crease on facet) and closed creases of the minima where facets touch, as descents label them."""
+        model, out = self._descents.model, []
+        for answer in self.record.minima:
+            closed = State(model, self._under(answer.polished.x)).contacts
+            rows = {c.index for pair in closed.branches for option in pair for c in option}
+            if rows:
+                touches = [model.structure.gaps[i].rays for i in sorted(rows)]
+                shut = [c.index for c in closed.base if c.is_limit]
+                out.append(([(r[0], r[1]) for r in touches], shut))
+        return out
 
     def _descended(self, starts: Samples) -> Ends:
         """Descend in batches of one size, so that the answer does not depend on who makes them."""

@@ -141,6 +141,11 @@ def completeness_lines(s: SearchReport) -> list[str]:
         lines.append(
             f"all {s.corners} states were tried that fold limits alone leave no freedom: minima among them are decided"
         )
+    if s.strata:
+        started, listed = sum(c.started for c in s.strata), sum(c.listed for c in s.strata)
+        lines.append(
+            f"{started} of {listed} strata with touches were started (others are empty, or were not hit)"
+        )
     if s.quiet:
         lines.append(
             f"the last {s.quiet} drawn starts found no other minimum: those not found draw less than "
