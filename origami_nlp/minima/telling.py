@@ -139,7 +139,8 @@ def completeness_lines(s: SearchReport) -> list[str]:
     lines = []
     if s.every_corner:
         lines.append(
-            f"all {s.corners} states were tried that fold limits alone leave no freedom: minima among them are decided"
+            f"all {s.corners} states that fold limits alone leave without freedom were tried: "
+            "which of them are minima is decided"
         )
     if s.strata:
         started, listed = sum(c.started for c in s.strata), sum(c.listed for c in s.strata)
@@ -158,7 +159,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
             f"{s.seen_once} minim{'a were' if s.seen_once > 1 else 'um was'} reached by one drawn start only"
         )
     if s.stopped_by == "cap":
-        lines.append("stopped at the cap, before every minimum was reached often enough")
+        lines.append("stopped at the cap on starts of this effort, before every minimum was reached often enough")
     return lines
 
 
