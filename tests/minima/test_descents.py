@@ -1,0 +1,125 @@
+"""Descents in batches: their ends are KKT points by the model's own derivatives; labels and workers change nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp.kkt import project
+from origami_nlp.minima.descents import Descents
+from origami_nlp.minima.samples import Samples
+from origami_nlp.pattern import Labels, canonical_labels
+from origami_nlp.programme import OPEN, Contact, fold_limit, random_strata
+
+
+def vertex(degree, seed, contact, symmetry="none"):
+    rng = np.random.default_rng(seed)
+    s = rng.uniform(0.5, 1.5, degree)
+    return Scene(
+        Vertex(tuple(s * 2 * math.pi / s.sum())),
+        tuple(10 ** rng.uniform(-1, 1, degree)),
+        tuple(rng.uniform(-math.pi, math.pi, degree)),
+        symmetry=symmetry,
+        contact=contact,
+    )
+
+
+CASES = [
+    vertex(5, 5, "fold-limits"),
+    vertex(6, 2, "full"),
+    vertex(5, 3, "none"),
+    examples.degree6("pi/3", 1),
+]
+
+
+@pytest.mark.parametrize("scene", CASES, ids=lambda s: f"{s.group.name}-{s.contact}")
+def test_ends_are_stationary_with_their_contacts(scene):
+    model = Model(scene)
+    x = random_strata(model, np.random.default_rng(0), 60)
+    shut = np.where(np.abs(x) == math.pi, np.sign(x), 0)
+    descents = Descents(model)
+    free = descents.crossings.of(descents.closing.kinematics.fold(x), x, shut)[0] == OPEN
+    starts = Samples.on(x[free], shut[free], hold=True)
+    ends = descents.run(starts)
+    assert ends.converged.mean() >= 0.8
+    for k in np.flatnonzero(ends.converged):
+        s, local = ends.samples, model.local(ends.samples.x[k])
+        contacts = [fold_limit(int(v), s.shut[k, v]) for v in np.flatnonzero(s.shut[k])]
+        contacts += [
+            Contact("gap", int(g), int(o))
+            for g, o in zip(s.slots[k], s.sides[k], strict=True)
+            if g != OPEN
+        ]
+        opening, slopes = local.openings(contacts)
+        rows = np.vstack([local.closure_jacobian, slopes])
+        forces, *_ = np.linalg.lstsq(rows.T, local.gradient, rcond=1e-9)
+        size = 1 + np.abs(local.gradient).max()
+        assert np.abs(local.closure).max() <= 1e-12 and np.abs(opening).max(initial=0) <= 1e-9
+        assert np.abs(local.gradient - rows.T @ forces).max() <= 1e-7 * size
+        if np.linalg.matrix_rank(rows, 1e-6) == len(rows):
+            assert forces[len(local.closure) :].min(initial=0) >= -1e-7 * size
+    energy = model.parameters.energy
+    assert (energy(ends.samples.x) <= energy(starts.x) + 1e-7).all()
+
+
+def test_a_stratum_that_exists_only_while_it_is_held_keeps_its_end():
+    model = Model(examples.degree6("pi/3", ratio=0.01))
+    guess = np.array([[-math.pi, t, -math.pi, 3 - 2 * t] for t in (1.6, 1.8, 2.1)])
+    shut = np.where(guess == -math.pi, -1, 0)  # phi_1 = phi_3 = phi_5 = -pi: nothing opens
+    x, residual = project(model, guess, frozen=shut != 0)
+    ends = Descents(model).run(Samples.on(x, shut, hold=True))
+    assert (residual <= 1e-12).all() and ends.settled.all()
+    assert (np.abs(ends.samples.x[:, [0, 2]]) == math.pi).all()
+    handle = [m for m in find_minima(model.scene).minima if m.local_dimension == 1]
+    assert min(np.abs(model.reduce(m.fold_angles) - ends.samples.x[0]).max() for m in handle) < 1e-6
+
+
+@pytest.mark.parametrize("labels", [(3, False, False), (0, True, False), (2, True, True)])
+def test_labels_change_nothing(labels):
+    for scene in (vertex(6, 4, "fold-limits"), vertex(6, 2, "full")):
+        new = Labels(*labels, 6)
+        other = new.relabelled(scene)
+        one, two = find_minima(scene, seed=3), find_minima(other, seed=3)
+        mapped = sorted(new.back(np.array(m.fold_angles)).tolist() for m in two.minima)
+        assert len(one.minima) == len(two.minima)
+        assert np.allclose(sorted(m.fold_angles for m in one.minima), mapped, atol=1e-10)
+        assert sorted(m.kind for m in one.minima) == sorted(m.kind for m in two.minima)
+        assert one.search.starts == two.search.starts
+
+
+def test_canonical_labels_are_the_same_for_all_labels():
+    scene = vertex(5, 8, "full")
+    first = canonical_labels(scene).relabelled(scene)
+    for start in range(5):
+        for backward in (False, True):
+            for over in (False, True):
+                other = Labels(start, backward, over, 5).relabelled(scene)
+                same = canonical_labels(other).relabelled(other)
+                assert np.allclose(same.vertex.sector_angles, first.vertex.sector_angles)
+                assert np.allclose(same.stiffness, first.stiffness)
+                assert np.allclose(same.rest_angles, first.rest_angles)
+
+
+def test_workers_change_nothing(monkeypatch):
+    from origami_nlp.minima import search
+
+    monkeypatch.setattr(search, "BATCH", 100)
+    scene = vertex(6, 6, "fold-limits")
+    alone, shared = (find_minima(scene, workers=w, effort="quick") for w in (1, 2))
+    assert [(m.fold_angles, m.hits) for m in alone.minima] == [
+        (m.fold_angles, m.hits) for m in shared.minima
+    ]
+
+
+def test_effort_and_what_it_says():
+    scene = vertex(6, 6, "fold-limits")
+    quick, normal = (find_minima(scene, effort=e) for e in ("quick", "normal"))
+    assert quick.search.starts < normal.search.starts and normal.search.stopped_by == "rule"
+    assert len(quick.minima) <= len(normal.minima)
+    assert f"draw less than {3 / normal.search.quiet:.2g}" in repr(normal)
+    assert "expected undiscovered" not in repr(normal) and "complete" not in repr(normal)
+    assert normal.search.every_corner and "is decided" in repr(normal)
+    one = find_minima(vertex(4, 1, "full"))
+    assert one.search.stopped_by == "complete" and "complete: one freedom" in repr(one)
+    assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
