@@ -8,7 +8,7 @@ import numpy as np
 
 from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.projection import project
-from origami_nlp.kkt.second_order import extreme_rays, level_directions
+from origami_nlp.kkt.second_order import generators, level_directions
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import FOLLOWED, INDEPENDENT
 from origami_nlp.programme import Contact
@@ -54,7 +54,7 @@ def follow_level(state: State) -> Lower | None:
         return None
     root, z = state.programme.root, state.kernel
     up = z.T @ state.gradient
-    rays = extreme_rays(np.vstack([state.on(limits).slopes @ z, -up]))
+    rays = generators(np.vstack([state.on(limits).slopes @ z, -up]))
     if rays is None or not len(rays):
         return None
     y = level_directions(state.second_order[0], rays)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.numerics import INDEPENDENT, ROUNDED
+from origami_nlp.numerics import INDEPENDENT, ROUNDED, null_space
 
 MOST_RAYS = 1000
 """Extreme rays that a cone may have; beyond, nothing is decided."""
@@ -125,8 +125,23 @@ def _on_cut_edges(rays: np.ndarray, value: np.ndarray, rows: np.ndarray) -> np.n
     return np.array(new).reshape(-1, t)
 
 
+def generators(rows: np.ndarray) -> np.ndarray | None:
+    """Return directions [k, t] whose sums with positive factors are the cone rows d >= 0; None if they are too many.
+
+    The extreme rays, and where the cone holds lines, those of its part across them and the lines both ways.
+    """
+    lines = null_space(rows, INDEPENDENT)
+    across = null_space(lines.T, INDEPENDENT)
+    if not lines.shape[1]:
+        return extreme_rays(rows)
+    if not across.shape[1]:
+        return np.vstack([lines.T, -lines.T])
+    rays = extreme_rays(rows @ across)
+    return None if rays is None else np.vstack([rays @ across.T, lines.T, -lines.T])
+
+
 def level_directions(form: np.ndarray, rays: np.ndarray) -> np.ndarray:
-    """Return unit directions [k, t] of the cone that `rays` [., t] span along which a form [t, t] vanishes.
+    """Return unit directions [k, t] of the cone that `rays` [., t] generate along which a form [t, t] vanishes.
 
     Those on the rays and between two of them: where d' Q d vanishes on a cone it need not be there, but there it is
     found by a quadratic equation.
@@ -143,4 +158,6 @@ def level_directions(form: np.ndarray, rays: np.ndarray) -> np.ndarray:
             good = np.isfinite(s) & (s > 0)
             found.append(rays[i[good]] + s[good, None] * rays[j[good]])
     d = np.vstack(found)
-    return d / np.linalg.norm(d, axis=1, keepdims=True)
+    length = np.linalg.norm(d, axis=1)
+    some = length > INDEPENDENT
+    return d[some] / length[some, None]

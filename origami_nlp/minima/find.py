@@ -117,8 +117,8 @@ def find_minima(
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
-        Called after each round of starts, as progress(starts, minima found, how many of these one drawn
-        start reached).
+        Called after each new minimum and each round of starts, as progress(starts, minima found, how many of these one
+        drawn start reached).
 
     Returns
     -------
@@ -199,7 +199,7 @@ class _Job:
             self._one_by_one()
             return
         under = self._under()
-        with Search(self.model, self.record, under, workers) as search:
+        with Search(self.model, self.record, under, workers, self._tell) as search:
             if guesses:
                 search.run(search.closed(np.array(guesses)), count=False)
             self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))

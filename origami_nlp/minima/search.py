@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
@@ -10,15 +11,15 @@ import numpy as np
 from origami_nlp.kkt import Solve, State, polish
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, judge
-from origami_nlp.minima.samples import Ends, Samples, joined
+from origami_nlp.minima.samples import Ends, Samples
 from origami_nlp.minima.starts import DRAWN, SOURCES
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
 
-BATCH = 2048
-"""Descents made at once."""
+BATCHES = (192, 768, 2048)
+"""Descents made at once: first, then, and from then on."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
 DOWN = 0.05
@@ -36,17 +37,24 @@ class Search:
         The same scene under other labels, where descents are made, and these labels; None: `model` itself.
     workers
         Processes that descents are shared out to.
+    found
+        Called after each new minimum.
     """
 
     def __init__(
-        self, model: Model, record: Record, under: tuple[Model, Labels] | None, workers: int = 1
+        self,
+        model: Model,
+        record: Record,
+        under: tuple[Model, Labels] | None,
+        workers: int = 1,
+        found: Callable[[], None] = lambda: None,
     ) -> None:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model)
         self._ends: list[np.ndarray] = []  # as descents left them
         self._answer_of: list[Answer] = []
-        self._workers = workers
+        self._workers, self._found = workers, found
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
 
@@ -67,13 +75,13 @@ class Search:
             record.feasible_starts += int(feasible.sum())
             for source, name in enumerate(SOURCES):
                 record.by_source[name] += int((starts.source == source).sum())
-        if feasible.any():
-            ends = self._descended(starts[feasible])
+        below: list[np.ndarray] = []
+        for ends in self._descended(starts[feasible]):
             good = ends.converged | ends.settled
             record.stalled += int((~good).sum()) if count else 0
-            below = self._file(ends, np.flatnonzero(good), count)
-            if below:
-                self.run(self.closed(np.array(below)), count=False)
+            below += self._file(ends, np.flatnonzero(good), count)
+        if below:
+            self.run(self.closed(np.array(below)), count=False)
         drawn = int(np.isin(starts.source, DRAWN).sum()) if count else 0
         record.quiet = 0 if len(record.minima) > minima else record.quiet + drawn
 
@@ -89,21 +97,18 @@ class Search:
                 out.append(([(r[0], r[1]) for r in touches], shut))
         return out
 
-    def _descended(self, starts: Samples) -> Ends:
-        """Descend in batches of one size, so that the answer does not depend on who makes them."""
-        parts = [
-            starts[np.arange(k, min(k + BATCH, len(starts)))] for k in range(0, len(starts), BATCH)
-        ]
+    def _descended(self, starts: Samples) -> Iterator[Ends]:
+        """Descend in batches whose sizes do not depend on who makes them, small ones first: early answers."""
+        sizes, parts, at = iter(BATCHES), [], 0
+        while at < len(starts):
+            size = next(sizes, BATCHES[-1])
+            parts.append(starts[np.arange(at, min(at + size, len(starts)))])
+            at += size
         if self._workers == 1 or len(parts) == 1:
-            ends = [self._descents.run(part) for part in parts]
+            yield from map(self._descents.run, parts)
         else:
             self._pool = self._pool or worker_pool(self._workers)
-            ends = list(self._pool.map(self._descents.run, parts))
-        return Ends(
-            joined(*(e.samples for e in ends)),
-            np.concatenate([e.converged for e in ends]),
-            np.concatenate([e.settled for e in ends]),
-        )
+            yield from self._pool.map(self._descents.run, parts)
 
     def _feasible(self, starts: Samples) -> np.ndarray:
         crossings = self._descents.crossings
@@ -154,6 +159,8 @@ class Search:
         answer, new = self.record.file(self.model, polish(self.model, end, self._held(s, k)))
         if new:
             judge(self.model, answer)
+            if answer.is_minimum:
+                self._found()
         self._ends.append(x)
         self._answer_of.append(answer)
         return answer, new

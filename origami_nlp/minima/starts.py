@@ -100,7 +100,8 @@ class Rounds:
         if len(self._corners):
             first.append(Samples.on(self._corners, _shut(self._corners), source=CORNER))
         # batches cost by the call more than by the sample: the first rounds go with them
-        yield joined(*first, *(self._round() for _ in range(self._effort.hits)))
+        some = joined(*first, *(self._round() for _ in range(self._effort.hits)))
+        yield some[self._rng.permutation(len(some))]  # of every kind from the first batch on
         for _ in range(self._effort.rounds - self._effort.hits):
             yield self._round()
 

@@ -159,7 +159,9 @@ def completeness_lines(s: SearchReport) -> list[str]:
             f"{s.seen_once} minim{'a were' if s.seen_once > 1 else 'um was'} reached by one drawn start only"
         )
     if s.stopped_by == "cap":
-        lines.append("stopped at the cap on starts of this effort, before every minimum was reached often enough")
+        lines.append(
+            "stopped at the cap on starts of this effort, before every minimum was reached often enough"
+        )
     return lines
 
 

@@ -9,11 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify
-from origami_nlp.kkt import classification
-from origami_nlp.numerics import linear
+from origami_nlp import Model, Scene, Vertex
 from tests.independent.flat_stackings import assignments
-from tests.independent.stands import Sheet, judge
 
 VERTICES = {
     "Miura": (Fraction(1, 3), Fraction(1, 3), Fraction(2, 3), Fraction(2, 3)),
@@ -60,30 +57,3 @@ def test_so_they_are_for_random_vertices_that_fold_flat(seed: int) -> None:
 
     sectors = [Fraction(a, whole) for pair in zip(parts(), parts(), strict=True) for a in pair]
     assert admissible(Model(scene(sectors, seed))) == assignments(sectors)
-
-
-@pytest.mark.parametrize("name", VERTICES)
-def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """No piece is judged and no linear programme solved; a judge of its own finds lower neighbours as well."""
-    claim = scene(VERTICES[name], 5)
-    model = Model(claim)
-    pieces = 0
-    old = classification.judge_branch
-
-    def counted(*arguments):
-        nonlocal pieces
-        pieces += 1
-        return old(*arguments)
-
-    monkeypatch.setattr(classification, "judge_branch", counted)
-    monkeypatch.setattr(linear, "_programme", None)
-    whats = {tuple(x): classify(State(model, x)) for x in flat_states(model)}
-    verdicts = [w.verdict for w in whats.values()]
-    assert verdicts.count("not stationary") == COUNTS[name]
-    assert verdicts.count("not admissible") == len(verdicts) - COUNTS[name]
-    assert pieces <= COUNTS[name] // 10
-    refuted = [x for x, w in whats.items() if w.verdict == "not stationary"]
-    for x in refuted[:1]:
-        assert judge(Sheet.of(claim), x, 60).false

@@ -8,9 +8,15 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from scipy.optimize import nnls
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.kkt.second_order import extreme_rays, has_no_level_direction, level_directions
+from origami_nlp.kkt.second_order import (
+    extreme_rays,
+    generators,
+    has_no_level_direction,
+    level_directions,
+)
 
 
 def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:
@@ -107,3 +113,17 @@ def test_level_directions_lie_in_the_cone_and_the_form_vanishes(seed: int) -> No
         k for k in itertools.combinations(range(t), 2) if form[k[0], k[0]] * form[k[1], k[1]] < 0
     ]
     assert len(d) >= len(mixed)  # where the form changes sign between two rays, it vanishes there
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_generators_of_a_cone_with_lines(seed: int) -> None:
+    """All lie in it, and every direction of it is a sum of them with positive factors."""
+    rng = np.random.default_rng(seed)
+    t = int(rng.integers(2, 6))
+    rows = rng.normal(size=(int(rng.integers(1, t)), t))
+    found = generators(rows)
+    assert found is not None and (found @ rows.T > -1e-9).all()
+    for d in rng.normal(size=(200, t)):
+        if (rows @ d >= 0).all():
+            factors, left = nnls(found.T, d)
+            assert left < 1e-9 and (factors >= 0).all()
