@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.bench.checkout import Checkout, Job
+from origami_nlp.bench.checkout import HERE, Checkout, Job
 from origami_nlp.bench.families import family_scene
 from origami_nlp.bench.foreign import Ends, distinct, foreign_methods, run_foreign, vertex_starts
 from origami_nlp.bench.union import (
@@ -33,6 +34,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
+from origami_nlp.show import to_plain
 
 SCHEMA = "origami-nlp/coverage/1"
 SCENES = {
@@ -142,29 +144,25 @@ def measure_coverage(
     """
     options = {} if effort is None else {"effort": effort}
     out = []
-    folders = {NOW: None} if before is None else {NOW: None, BEFORE: before}
-    workers = {k: Checkout() if v is None else Checkout(v) for k, v in folders.items()}
-    try:
-        for family, numbers in families.items():
-            for number in numbers:
-                scene = family_scene(family, number)
-                union = complete(scene, folder, tell)
-                tell(f"{scene.name}: {len(union.members)} minima; {seeds} seeds of {len(workers)}")
-                jobs = _jobs(workers, scene, seeds, options)
-                ends = []
-                if family in COMPARED:
-                    model = Model(scene)
-                    methods = foreign_methods(starts(model))
-                    ends = [run_foreign(m, model, 1, budget) for m in methods if not m.aided]
-                out.append(judge(family, scene, union, jobs, ends))
-                write_union(union, folder)
-    finally:
-        for worker in workers.values():
-            worker.__exit__(None, None, None)
+    folders = {NOW: HERE} if before is None else {NOW: HERE, BEFORE: before}
+    with ExitStack() as stack:
+        workers = {k: stack.enter_context(Checkout(v)) for k, v in folders.items()}
+        for family, number in ((f, k) for f, numbers in families.items() for k in numbers):
+            scene = family_scene(family, number)
+            union = complete(scene, folder, tell)
+            tell(f"{scene.name}: {len(union.members)} minima; {seeds} seeds of {len(workers)}")
+            jobs = _jobs(workers, scene, seeds, options)
+            ends = []
+            if family in COMPARED:
+                model = Model(scene)
+                methods = [m for m in foreign_methods(starts(model)) if not m.aided]
+                ends = [run_foreign(m, model, 1, budget) for m in methods]
+            out.append(judge(family, scene, union, jobs, ends))
+            write_union(union, folder)
     return {
         "schema": SCHEMA,
         "settings": {"seeds": seeds, "budget": budget, "effort": effort},
-        "scenes": [asdict(c) for c in out],
+        "scenes": [to_plain(c) for c in out],
     }
 
 

@@ -193,7 +193,7 @@ def test_a_measurement_as_a_whole(tmp_path, monkeypatch):
     scenes = {"fold-limits": [0]}
     data = measure_coverage(scenes, tmp_path, before=HERE, seeds=1, budget=0.2, tell=said.append)
     assert len(list(tmp_path.glob("*.json"))) == 1 and said
-    (covered,) = scenes_of(json.loads(json.dumps(data)))["fold-limits"]
+    (covered,) = scenes_of(json.loads(json.dumps(data, allow_nan=False)))["fold-limits"]
     assert {NOW, BEFORE, "SLSQP", "SLSQP, given starts", "IPOPT"} <= set(covered.runs)
     now, before = covered.runs[NOW][0], covered.runs[BEFORE][0]
     assert now.found == before.found, "the same checkout twice"
