@@ -74,6 +74,16 @@ def canonical_labels(scene: Scene) -> Labels:
 
     Numbers that differ by rounding only (1e-12) count as equal; of labels that then agree, which is a symmetry of the
     scene, the first is taken.
+
+    Parameters
+    ----------
+    scene
+        Any scene; its stiffness counts relative to the mean.
+
+    Returns
+    -------
+    Labels
+        Of all 4 N.
     """
     n = scene.degree
     k = np.array(scene.stiffness) / np.mean(scene.stiffness)

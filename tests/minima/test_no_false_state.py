@@ -185,7 +185,7 @@ COLLAPSING = dict(
 @pytest.mark.parametrize(
     "distances",
     [
-        (1e-8, 1e-9, 0.0),
+        (1e-3, 1e-8, 0.0),
         pytest.param((1e-3, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 0.0), marks=pytest.mark.slow),
     ],
     ids=len,
