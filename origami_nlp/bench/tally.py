@@ -92,8 +92,8 @@ def until_the_rule(attempts: Attempts, fewest: int) -> dict[str, Any]:
     stop, stopped = len(seconds), False
     for k in range(1, len(seconds) + 1):
         reached = minimum[:k][minimum[:k] >= 0]
-        often = np.unique(reached, return_counts=True)[1].min(initial=0)
-        if k >= fewest and often >= EFFORTS["normal"].hits:
+        often = np.unique(reached, return_counts=True)[1]
+        if k >= fewest and len(often) and often.min() >= EFFORTS["normal"].hits:
             stop, stopped = k, True
             break
     errors = attempts.errors[0].ravel()[done][:stop]

@@ -240,7 +240,7 @@ class Curves:
             speed = np.abs(
                 np.take_along_axis(t, np.repeat(open_.driver, 2)[:, None, None], 2)[..., 0]
             )
-            share = (speed / np.abs(t).max(axis=2)).max(axis=1)
+            share = (speed / np.maximum(np.abs(t).max(axis=2), EPS)).max(axis=1)
             # next to a crossing states are known to EPS / size, and tangents to EPS / size^2
             fine = error <= ACCURACY + 4 * EPS / np.maximum(size.min(axis=1), EPS) ** 2
             fine &= (odd == odd[:, :1]).all(axis=1)

@@ -88,9 +88,7 @@ def test_ratios_are_seconds_per_distinct_minimum_on_the_same_starts():
 def test_a_search_stops_by_the_rule_of_the_package():
     rows = [[(1.0, hit(0))] * 10 + [(1.0, hit(1))] * 10]
     found = until_the_rule(filled(rows), 5)
-    assert (
-        found["stopped"] and found["starts"] == 5
-    )  # the only minimum seen so far was reached often enough
+    assert found["stopped"] and found["starts"] == 5  # the one seen so far was reached twice
     assert list(found["found"]) == ["0"]
     late = until_the_rule(filled(rows), 15)
     assert late["starts"] == 15 and list(late["found"]) == ["0", "1"] and late["seconds"] == 15.0
