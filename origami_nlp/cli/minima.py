@@ -21,7 +21,7 @@ def minima(
     figure: o.FigureFile = None,
     fold: o.StatesFold = None,
     mesh: o.StatesMesh = None,
-    max_starts: o.MaxStarts = 20_000,
+    max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
     full: Annotated[

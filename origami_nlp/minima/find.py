@@ -48,7 +48,7 @@ from origami_nlp.programme import Model
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
-MOST_STARTS = 20_000
+MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
@@ -257,7 +257,6 @@ class _Job:
             if new is not None:
                 judge(self.model, new)
             quiet = 0 if new is not None and new.is_minimum else quiet + 1
-            self.record.quiet = quiet
             self._tell()
             if self.record.starts >= fewest and self._enough(quiet // fewest):
                 self.stopped_by = "rule"

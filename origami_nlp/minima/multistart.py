@@ -24,6 +24,7 @@ def run_starts(model: Solvable, seed: int, record: Record) -> Iterator[Answer | 
         record.starts += 1
         record.feasible_starts += start.feasible
         record.by_source["interior"] += 1
+        record.drawn += 1
         # Minima that a facet pair pins can be reached only by solves that respect the pair from the start: without it
         # a solve passes through the facets and ends elsewhere.  With many pairs every second start does without.
         respect = len(pairs) <= FEW_PAIRS or record.starts % 2 == 0
@@ -54,6 +55,7 @@ def run_one(
         found, new = record.file(model, polish(model, answer))
     found.hits += count
     found.in_rounds += count
+    found.first = found.first or record.drawn * count
     return found if new else None
 
 

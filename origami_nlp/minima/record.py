@@ -17,13 +17,15 @@ from origami_nlp.programme import Programme
 class Answer:
     """A distinct state that descents ended at: its polish, how many reached it, what it was judged to be.
 
-    hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.
+    hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.  first: the number of the drawn
+    start that reached it first, from 1; 0 for none.
     listed: found by listing or tracing, not by descent.
     """
 
     polished: Polished
     hits: int = 0
     in_rounds: int = 0
+    first: int = 0
     listed: bool = False
     what: Classification | None = None
 
@@ -38,7 +40,7 @@ class Record:
     """Everything a search did, failures included.
 
     answers: distinct states.  starts: drawn.  feasible_starts: admissible among them.  stalled: descents that ended
-    nowhere.  by_source: starts, by kind.  quiet: drawn starts since the last new minimum.
+    nowhere.  by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
     statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
     """
 
@@ -47,7 +49,7 @@ class Record:
     feasible_starts: int = 0
     stalled: int = 0
     by_source: Counter[str] = field(default_factory=Counter)
-    quiet: int = 0
+    drawn: int = 0
     statuses: Counter[str] = field(default_factory=Counter)
     solves: int = 0
     iterations: int = 0
@@ -57,6 +59,11 @@ class Record:
     def minima(self) -> list[Answer]:
         """The answers that are minima."""
         return [a for a in self.answers if a.is_minimum]
+
+    @property
+    def quiet(self) -> int:
+        """Drawn starts since one reached a minimum that none before had reached."""
+        return self.drawn - max((a.first for a in self.minima), default=0)
 
     @property
     def drawn_hits(self) -> list[int]:

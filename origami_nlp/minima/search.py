@@ -69,7 +69,6 @@ class Search:
         """Descend from starts (those that cross are dropped), and judge what is new among the ends."""
         record = self.record
         feasible = self._feasible(starts)
-        minima = len(record.minima)
         if count:
             record.starts += len(starts)
             record.feasible_starts += int(feasible.sum())
@@ -80,10 +79,9 @@ class Search:
             good = ends.converged | ends.settled
             record.stalled += int((~good).sum()) if count else 0
             below += self._file(ends, np.flatnonzero(good), count)
+            record.drawn += int(np.isin(ends.samples.source, DRAWN).sum()) if count else 0
         if below:
             self.run(self.closed(np.array(below)), count=False)
-        drawn = int(np.isin(starts.source, DRAWN).sum()) if count else 0
-        record.quiet = 0 if len(record.minima) > minima else record.quiet + drawn
 
     def minima_on_touches(self) -> list[tuple[list[tuple[int, int]], list[int]]]:
         """Return rows (crease on facet) and closed creases of the minima where facets touch, as descents label them."""
@@ -133,14 +131,17 @@ class Search:
     def _file(self, ends: Ends, which: np.ndarray, count: bool) -> list[np.ndarray]:
         """File ends under the answers that they are; returns starts below new saddles."""
         below: list[np.ndarray] = []
-        x, source = ends.samples.x, ends.samples.source
+        x, drawn = ends.samples.x, np.isin(ends.samples.source, DRAWN)
+        number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
         while len(which):
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))
             if count:
                 answer.hits += len(hit)
-                answer.in_rounds += int(np.isin(source[hit], DRAWN).sum())
+                answer.in_rounds += int(drawn[hit].sum())
+                if answer.first == 0 and drawn[hit].any():
+                    answer.first = int(number[hit][drawn[hit]].min())
             if new and answer.what is not None and answer.what.descent is not None:
                 d = DOWN * answer.what.descent
                 at = answer.polished.x

@@ -100,10 +100,14 @@ class Rounds:
         if len(self._corners):
             first.append(Samples.on(self._corners, _shut(self._corners), source=CORNER))
         # batches cost by the call more than by the sample: the first rounds go with them
-        some = joined(*first, *(self._round() for _ in range(self._effort.hits)))
-        yield some[self._rng.permutation(len(some))]  # of every kind from the first batch on
+        yield self._mixed(*first, *(self._round() for _ in range(self._effort.hits)))
         for _ in range(self._effort.rounds - self._effort.hits):
-            yield self._round()
+            yield self._mixed(self._round())
+
+    def _mixed(self, *parts: Samples) -> Samples:
+        """Samples in random order: of every kind from the first on, and alike whether early or late."""
+        some = joined(*parts)
+        return some[self._rng.permutation(len(some))]
 
     def _round(self) -> Samples:
         count = self._a_round

@@ -152,8 +152,8 @@ def completeness_lines(s: SearchReport) -> list[str]:
             f"the last {s.quiet} drawn starts found no other minimum: those not found draw less than "
             f"{unseen_share(s.quiet):.2g} of such starts (95 %); nothing follows for their number"
         )
-    else:
-        lines.append("the last round of starts found another minimum: there may well be more")
+    elif s.starts:
+        lines.append("the last drawn start reached another minimum: there may well be more")
     if s.seen_once:
         lines.append(
             f"{s.seen_once} minim{'a were' if s.seen_once > 1 else 'um was'} reached by one drawn start only"
