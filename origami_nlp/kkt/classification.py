@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 from weakref import WeakKeyDictionary
 
@@ -115,9 +115,14 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     """
     if not polished:
         state = State(state.programme, state.x, UNPOLISHED)
+    symmetric = polished and len(state.programme.own_symmetries) > 1
+    if symmetric and (known := _of_an_image(state)) is not None:
+        return known
     what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
+    if symmetric:
+        _keep(state, what)
     return what
 
 
@@ -135,8 +140,6 @@ def _decide(state: State, accuracy: float) -> Classification:
         return _refuted(lower)
     contacts = state.contacts
     choices = contacts.combinations()
-    if choices is None and (known := _of_an_image(state)) is not None:
-        return known
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
@@ -151,7 +154,7 @@ def _decide(state: State, accuracy: float) -> Classification:
         if isinstance(judged, Lower):
             return _refuted(judged)
         if failed:
-            return _keep(state, _by_search(state, failed))
+            return _by_search(state, failed)
     else:
         judged = [judge_branch(state.on(rows), accuracy) for rows in choices]
     real = [
@@ -246,10 +249,8 @@ def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:
     return True
 
 
-_SEARCHED: WeakKeyDictionary[Programme, dict[tuple[float, ...], Classification]] = (
-    WeakKeyDictionary()
-)
-"""What searches of small spheres said of crowded states, by image and accuracy: costly, and as true of their images."""
+_JUDGED: WeakKeyDictionary[Programme, dict[tuple[float, ...], Classification]] = WeakKeyDictionary()
+"""What was said of states that are no minima, by image and tolerance."""
 
 
 def _image(state: State) -> tuple[float, ...]:
@@ -260,14 +261,13 @@ def _image(state: State) -> tuple[float, ...]:
 
 
 def _of_an_image(state: State) -> Classification | None:
-    return _SEARCHED.get(state.programme, {}).get(_image(state))
+    return _JUDGED.get(state.programme, {}).get(_image(state))
 
 
-def _keep(state: State, what: Classification) -> Classification:
-    """Keep what was said of a crowded state where it names no creases, so that it can be said of its images."""
-    if what.verdict != "minimum" and what.descent is None:
-        _SEARCHED.setdefault(state.programme, {})[_image(state)] = what
-    return what
+def _keep(state: State, what: Classification) -> None:
+    """Keep what was said of a state that is no minimum, where it names no creases: it is as true of its images."""
+    if what.verdict != "minimum" and not ("crease" in what.reason or "facet" in what.reason):
+        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(what, descent=None)
 
 
 def _refuted(lower: Lower) -> Classification:

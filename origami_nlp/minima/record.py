@@ -19,7 +19,8 @@ class Answer:
 
     hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.  first: the number of the drawn
     start that reached it first, from 1; 0 for none.
-    listed: found by listing or tracing, not by descent.
+    listed: found by listing or tracing, not by descent.  orbit: the first found of its images under symmetries that
+    the scene has without asking for them; itself where there are none.
     """
 
     polished: Polished
@@ -27,6 +28,7 @@ class Answer:
     in_rounds: int = 0
     first: int = 0
     listed: bool = False
+    orbit: Answer | None = None
     what: Classification | None = None
 
     @property
@@ -63,12 +65,21 @@ class Record:
     @property
     def quiet(self) -> int:
         """Drawn starts since one reached a minimum that none before had reached."""
-        return self.drawn - max((a.first for a in self.minima), default=0)
+        first: dict[int, int] = {}
+        for a in self.minima:
+            if a.first:
+                orbit = id(a.orbit or a)
+                first[orbit] = min(first.get(orbit, a.first), a.first)
+        return self.drawn - max(first.values(), default=0)
 
     @property
     def drawn_hits(self) -> list[int]:
-        """How often drawn starts reached each minimum that any start reached."""
-        return [a.in_rounds for a in self.minima if a.hits]
+        """How often drawn starts reached each minimum, or an image of it, that any start reached."""
+        hits: Counter[int] = Counter()
+        for a in self.minima:
+            if a.hits or a.orbit:
+                hits[id(a.orbit or a)] += a.in_rounds
+        return list(hits.values())
 
     def known(self, x: np.ndarray) -> Answer | None:
         """Return the answer that a polished state is, if there is one."""
