@@ -5,6 +5,7 @@ from .classification import (
     ContactForce as ContactForce,
     Kind as Kind,
     classify as classify,
+    of_image as of_image,
 )
 from .descent import Followed as Followed, follow as follow
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers

@@ -270,6 +270,29 @@ def _keep(state: State, what: Classification) -> None:
         _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(what, descent=None)
 
 
+def of_image(state: State, what: Classification) -> Classification:
+    """Say of the image of a minimum, under a symmetry that the programme has, what is true of both.
+
+    Certificates depend on the order in which contacts are looked at, so that one of two images may be certified and the
+    other not; what is proved of one holds for both.
+
+    Parameters
+    ----------
+    state
+        The image.
+    what
+        The classification of the minimum.
+
+    Returns
+    -------
+    Classification
+        With the contacts of the image that all pieces of its feasible set share.
+    """
+    base = judge_branch(state.on(state.contacts.base), STATIONARY)
+    reason = f"image of a certified state under a symmetry of the scene: {what.reason}"
+    return replace(what, reason=reason, contacts=_forces(state, base), descent=None)
+
+
 def _refuted(lower: Lower) -> Classification:
     """Return the classification of a state with a lower admissible state next to it."""
     return Classification("not stationary", None, lower.words, 0, descent=lower.direction)

@@ -37,7 +37,7 @@ from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.one_freedom import trace
-from origami_nlp.minima.record import Answer, Record, judge, listed
+from origami_nlp.minima.record import Answer, Record, close_orbit, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
 from origami_nlp.minima.starts import Effort, Rounds, effort_of
@@ -153,6 +153,9 @@ def find_minima(
     # where nothing can move within the symmetry, the listed states are all there is
     if model.freedom > 0:
         job.search([model.reduce(g) for g in guesses], workers)
+    for answer in job.record.minima:
+        if len(model.own_symmetries) > 1:
+            close_orbit(model, job.record, answer)
     minima, others, outcomes = _sort_out(model, job.record)
     if full:
         minima = _in_full_space(scene, minima)

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, Polished, State, classify, exact_beside
+from origami_nlp.kkt import (
+    Classification,
+    Polished,
+    State,
+    classify,
+    exact_beside,
+    of_image,
+)
 from origami_nlp.numerics import BESIDE, SAME
 from origami_nlp.programme import Programme
 
@@ -108,6 +115,29 @@ class Record:
         exact = [a.polished for a in self.answers if a.polished.converged]
         near = [float(np.abs(known.x - state.x).max()) for known in exact]
         return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
+
+
+def close_orbit(model: Programme, record: Record, answer: Answer) -> None:
+    """File the images of a minimum under symmetries that the scene has without asking for them.
+
+    What is certified of one holds for all; where another was refuted, none is a minimum.
+    """
+    for order, sign in model.own_symmetries[1:]:
+        x = sign * answer.polished.x[order]
+        image = record.known(x)
+        if image is None:
+            image = Answer(replace(answer.polished, x=x, rows=()), listed=True)
+            record.answers.append(image)
+            judge(model, image)
+        assert image.what is not None and answer.what is not None
+        if image.what.verdict == "undecided":
+            image.what = of_image(State(model, image.polished.x), answer.what)
+        elif not image.is_minimum:
+            why = f"an image under a symmetry of the scene is {image.what.verdict}"
+            answer.what = Classification("undecided", None, why, 0)
+            return
+        if image.orbit is None:
+            image.orbit = answer.orbit or answer
 
 
 def judge(model: Programme, answer: Answer) -> None:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.kkt import Solve, State, polish
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.record import Answer, Record, judge, listed
+from origami_nlp.minima.record import Answer, Record, close_orbit, judge
 from origami_nlp.minima.samples import Ends, Samples
 from origami_nlp.minima.starts import DRAWN, SOURCES
 from origami_nlp.numerics import SAME
@@ -162,23 +161,11 @@ class Search:
         if new:
             judge(self.model, answer)
             if answer.is_minimum:
-                self._add_images(answer)
+                close_orbit(self.model, self.record, answer)
                 self._found()
         self._ends.append(x)
         self._answer_of.append(answer)
         return answer, new
-
-    def _add_images(self, answer: Answer) -> None:
-        """File the images of a minimum under symmetries that the scene has without asking for them."""
-        for order, sign in self.model.own_symmetries:
-            x = sign * answer.polished.x[order]
-            image = self.record.known(x)
-            if image is None:
-                image = listed(self.model, x)
-                image.polished = replace(answer.polished, x=x, rows=())
-                self.record.answers.append(image)
-            if image.orbit is None:
-                image.orbit = answer
 
     def _stated(self, x: np.ndarray) -> np.ndarray:
         """Bring a state to the labels of the scene."""

@@ -257,6 +257,10 @@ class TwoVertices:
         a, b = (m.admissible(y, tolerance) for m, y in zip(self.parts, self.split(x), strict=True))
         return a & b
 
+    @property
+    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
+        return ((np.arange(self.size), 1),)
+
     def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
         return []
 
