@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, RANK, ROUNDED
-from origami_nlp.programme import Folded, Kinematics, Model
+from origami_nlp.programme import OPEN, Folded, Kinematics, Model
 
 QUADRATIC = 1e-8
 """A step of Gauss-Newton this short [rad] is the last one."""
@@ -62,14 +62,19 @@ class Closing:
         self.root = np.sqrt(model.parameters.stiffness)
 
     def rows(self, s: Samples) -> tuple[Folded, np.ndarray, np.ndarray]:
-        """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n]."""
+        """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
+
+        Slots behind the last one that any sample uses have no rows.
+        """
         at = self.kinematics.fold(s.x)
         value, jacobian = self.kinematics.closure(at)
-        if not s.slotted.any():
+        used = np.flatnonzero((s.slots != OPEN).any(axis=0))
+        if not len(used):
             return at, value, jacobian
-        g, dg = self.kinematics.gaps(at, s.slots)
-        value = np.concatenate([value, s.sides * g], axis=1)
-        return at, value, np.concatenate([jacobian, s.sides[..., None] * dg], axis=1)
+        slots, sides = s.slots[:, : used[-1] + 1], s.sides[:, : used[-1] + 1]
+        g, dg = self.kinematics.gaps(at, slots)
+        value = np.concatenate([value, sides * g], axis=1)
+        return at, value, np.concatenate([jacobian, sides[..., None] * dg], axis=1)
 
     def point(self, s: Samples) -> Point:
         """Balance the torque of samples on their free creases."""
@@ -82,7 +87,9 @@ class Closing:
         m = self.model.equation_count
         curved = self.kinematics.closure_hessian(p.at, p.multipliers[:, :m])
         if p.rows.shape[1] > m:
-            curved += self.kinematics.gaps_hessian(p.at, s.slots, s.sides * p.multipliers[:, m:])
+            used = p.rows.shape[1] - m
+            forces = s.sides[:, :used] * p.multipliers[:, m:]
+            curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
         return np.eye(s.x.shape[1]) - curved / np.outer(self.root, self.root)
 
     def close(self, s: Samples, steps: int = STEPS) -> Samples:

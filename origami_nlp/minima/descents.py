@@ -18,7 +18,7 @@ import numpy as np
 
 from origami_nlp.minima.closing import Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
-from origami_nlp.minima.samples import SLOTS, Ends, Samples, joined, put
+from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.numerics import EPS, FOLLOWED
 from origami_nlp.programme import OPEN, Model
 
@@ -42,7 +42,7 @@ STALLED = 6
 """Steps without progress after which a descent stops."""
 MOST_STEPS = 45
 """Steps of a descent."""
-LONG, FEW = 24, 64
+LONG, FEW = 20, 32
 """After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
 
@@ -266,10 +266,9 @@ class Descents:
         good, gap, side = found
         todo = np.flatnonzero(gap >= 0)
         s, gap, side = s[todo], gap[todo], side[todo]
-        named = np.stack([gap] + [np.full(len(todo), OPEN)] * (SLOTS - 1), axis=1)
         kinematics = self.closing.kinematics
         was, is_now = (
-            side * kinematics.gaps(kinematics.fold(x), named)[0][:, 0] for x in (s.x, trial.x[todo])
+            side * kinematics.gaps(kinematics.fold(x), gap[:, None])[0][:, 0] for x in (s.x, trial.x[todo])
         )
         share = np.clip(was / np.maximum(was - is_now, 1e-300), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way

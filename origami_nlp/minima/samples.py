@@ -59,11 +59,6 @@ class Samples:
     def __len__(self) -> int:
         return len(self.x)
 
-    @property
-    def slotted(self) -> np.ndarray:
-        """Whether any gap is held, [K]."""
-        return np.asarray((self.slots != OPEN).any(axis=1))
-
     def holding(self, gap: np.ndarray, side: np.ndarray) -> tuple[Samples, np.ndarray]:
         """Hold one more gap each (none where `gap` is negative); tells where there was room for it."""
         slots, sides = self.slots.copy(), self.sides.copy()
