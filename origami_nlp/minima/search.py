@@ -18,8 +18,9 @@ from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
 
-BATCHES = (192, 768, 2048)
-"""Descents made at once: first, then, and from then on."""
+BATCHES = (256, 2048)
+"""Descents made at once: first, for early answers (where nothing can cross: each step of a few costs little there),
+and from then on."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
 DOWN = 0.05
@@ -97,7 +98,8 @@ class Search:
 
     def _descended(self, starts: Samples) -> Iterator[Ends]:
         """Descend in batches whose sizes do not depend on who makes them, small ones first: early answers."""
-        sizes, parts, at = iter(BATCHES), [], 0
+        sizes = iter(BATCHES[self._descents.crossings.any :])
+        parts, at = [], 0
         while at < len(starts):
             size = next(sizes, BATCHES[-1])
             parts.append(starts[np.arange(at, min(at + size, len(starts)))])
