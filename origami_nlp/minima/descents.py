@@ -268,7 +268,8 @@ class Descents:
         s, gap, side = s[todo], gap[todo], side[todo]
         kinematics = self.closing.kinematics
         was, is_now = (
-            side * kinematics.gaps(kinematics.fold(x), gap[:, None])[0][:, 0] for x in (s.x, trial.x[todo])
+            side * kinematics.gaps(kinematics.fold(x), gap[:, None])[0][:, 0]
+            for x in (s.x, trial.x[todo])
         )
         share = np.clip(was / np.maximum(was - is_now, 1e-300), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way
