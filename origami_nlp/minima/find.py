@@ -53,7 +53,7 @@ MOST_STARTS = 100_000
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
 FEW_FREEDOMS = 2
-"""Freedoms up to which the first round may be the last."""
+"""Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -248,7 +248,8 @@ class _Job:
         hits = self.record.drawn_hits
         if min(hits, default=self.effort.hits) >= self.effort.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            return quiet > 0 or self.model.freedom <= FEW_FREEDOMS
+            few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
+            return quiet > 0 or few
         return quiet >= self.effort.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:
