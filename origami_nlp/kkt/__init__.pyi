@@ -28,7 +28,6 @@ from .starts import (
 from .state import State as State, Stratum as Stratum
 from .stationarity import distance_from_stationary as distance_from_stationary
 from .thin import (
-    handle_minima as handle_minima,
     states_on_limits as states_on_limits,
     thin_at as thin_at,
 )

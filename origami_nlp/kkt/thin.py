@@ -2,8 +2,7 @@
 
 A solver that needs an interior rarely ends on such a thin set, so they are looked for on purpose:
 states with one or two fold angles held at +-pi are closed by Gauss-Newton; where the linearised
-feasible cone has fewer dimensions than the model has freedoms, the state lies on a thin set, and
-the energy is minimised along it.
+feasible cone has fewer dimensions than the model has freedoms, the state lies on a thin set.
 """
 
 from __future__ import annotations
@@ -14,38 +13,14 @@ import math
 import numpy as np
 
 from origami_nlp.kkt.certificates import cone
-from origami_nlp.kkt.polishing import newton
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.starts import BATCH
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, OUTSIDE, ROUNDED, SAME, null_space
+from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.programme import Contact, Programme
 
 MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
-MOST_ON_A_SET = 4
-"""States from which the energy is minimised along one thin set."""
-SHORTEST = 1e-10
-"""A step this short [rad] that does not go down ends a minimisation: Newton does the rest."""
-DECREASE = 1e-4
-"""Share of the decrease to first order that a step must bring (Armijo's rule)."""
-
-
-def handle_minima(model: Programme, seed: int) -> list[np.ndarray]:
-    """Return candidate minima on thin sets, each minimal along its set; empty where there are none."""
-    if not model.has_limits or model.freedom < 1:
-        return []
-    ends: list[np.ndarray] = []
-    tried: dict[tuple[Contact, ...], int] = {}
-    for x in states_on_limits(model, np.random.default_rng(seed)):
-        held = thin_at(State(model, x))
-        if not held or tried.get(held, 0) >= MOST_ON_A_SET or model.refuses(x):
-            continue
-        tried[held] = tried.get(held, 0) + 1
-        end = minimise_along(model, x, held)
-        if all(np.abs(end - known).max() > SAME for known in ends):
-            ends.append(end)
-    return ends
 
 
 def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
@@ -80,33 +55,3 @@ def thin_at(state: State) -> tuple[Contact, ...]:
             return ()
         common = set(held) if common is None else common & set(held)
     return tuple(sorted(common or ()))
-
-
-def minimise_along(model: Programme, x: np.ndarray, held: tuple[Contact, ...]) -> np.ndarray:
-    """Minimise the energy along the set where `held` stay closed, by projected steps in the stiffness metric."""
-    root = np.sqrt(model.parameters.stiffness)
-    for _ in range(200):
-        local = model.local(x)
-        _, a = local.openings(held)
-        z = null_space(np.vstack([local.closure_jacobian, a]) / root)
-        d = -(z @ (z.T @ (local.gradient / root))) / root
-        size = float(np.linalg.norm(d))
-        if size <= 1e-2:  # close enough for Newton
-            state, _ = newton(model, x, held)
-            if state is not None and np.abs(state.x - x).max() <= 0.1:
-                return state.x
-        if size <= 10 * ROUNDED:
-            break
-        slope = float(local.gradient @ d)
-        step = min(1.0, 0.3 / size)
-        while step * size > SHORTEST:
-            y, residual = project(model, x + step * d, held)
-            change = model.energy_change(x, y) / model.scale
-            inside = (np.abs(y) <= math.pi).all()
-            if residual <= CLOSES and inside and change < DECREASE * step * slope:
-                break
-            step /= 2
-        else:
-            break
-        x = y
-    return x

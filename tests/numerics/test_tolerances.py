@@ -37,7 +37,6 @@ BESIDE_THE_TABLE = {
     "kkt/descent.RISE": "energy of a contact tolerance, where a path is polished",
     "kkt/descent.SHORTEST": "step",
     "kkt/neighbours.STEPS": "steps",
-    "kkt/thin.SHORTEST": "step",
     "minima/curve.ACCURACY": "error of a curve's series, whose roots are polished",
     "minima/full_space.KEPT": "symmetry of the shortest step of a path",
     "minima/closing.QUADRATIC": "step of Gauss-Newton whose square is rounding",
