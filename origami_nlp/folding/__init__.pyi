@@ -9,6 +9,7 @@ from .crossings import (
     tip_depths as tip_depths,
 )
 from .embedding import (
+    LARGEST_TOLERANCE as LARGEST_TOLERANCE,
     crossing_depth as crossing_depth,
     examine as examine,
     fold_vertex as fold_vertex,

@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.folding import LayerProblem, fold_vertex, layer_problem
+from origami_nlp.folding import LARGEST_TOLERANCE, LayerProblem, fold_vertex, layer_problem
 from origami_nlp.numerics import RANK, TOUCHES, cross
 from origami_nlp.programme.contact import Contact, fold_limit
 from origami_nlp.programme.gaps import Gap, first_of_each
@@ -259,7 +259,8 @@ class _Layers:
     def _problem(self) -> LayerProblem | None:
         fold_angles = self._model.expand(self._x)
         creases, _ = fold_vertex(self._model.scene.vertex, fold_angles)
-        return layer_problem(creases, fold_angles, max(self._tolerance, TOUCHES))
+        near = min(max(self._tolerance, TOUCHES), LARGEST_TOLERANCE)
+        return layer_problem(creases, fold_angles, near)
 
     def sides(self, pair: tuple[int, int] | None) -> tuple[int, int]:
         """Return the side of the second facet on which the first must lie, and the reverse; 0 if either is possible."""

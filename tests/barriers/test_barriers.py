@@ -16,7 +16,7 @@ from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import StartStream, follow, project
+from origami_nlp.kkt import StartStream, State, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
@@ -388,3 +388,13 @@ def test_other_vertices_work_as_well():
             assert p.energy >= flat
         top = max(found.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
         assert p.energy >= top
+
+
+def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
+    """States near a pass are looked at with contacts up to the spacing of the mesh: only layers that touch have an order."""
+    model = Model(examples.degree6("5*pi/12", ratio=100))
+    rng = np.random.default_rng(0)
+    x, residual = project(model, rng.uniform(-np.pi, np.pi, (400, model.size)))
+    x = x[(residual <= 1e-12) & (np.abs(x) <= np.pi).all(axis=1)]
+    assert len(x) > 20
+    assert all(State(model, state, 0.6).pieces for state in x)
