@@ -391,7 +391,7 @@ def test_other_vertices_work_as_well():
 
 
 def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
-    """States near a pass are looked at with contacts up to the spacing of the mesh: only layers that touch have an order."""
+    """States near a pass are looked at with contacts up to the mesh spacing: only layers that touch have an order."""
     model = Model(examples.degree6("5*pi/12", ratio=100))
     rng = np.random.default_rng(0)
     x, residual = project(model, rng.uniform(-np.pi, np.pi, (400, model.size)))
