@@ -68,6 +68,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
         result = find_minima(
             scene,
             seed=s["seed"],
+            effort=s["effort"],
             max_starts=s["max_starts"],
             fewest_starts=s["starts"],
             full=s["full"],

@@ -19,8 +19,9 @@ values = ["pi/4", 1.2]
 
 [search]
 mode = "grid"                  # every combination (default), or list: axes run together
-starts = 128                   # fewest random starts a scene
-max_starts = 1000
+effort = "normal"              # quick, normal or thorough
+starts = 1                     # fewest starts a scene
+max_starts = 100000
 seed = 0
 full = false                   # also decide each state in the full space
 ```
@@ -48,7 +49,14 @@ MOST_SCENES = 10_000_000
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
 _EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
 _PLACE = re.compile(r"(vertex|creases|model)\.([a-z_]+)(?:\[(\d{1,4})\])?")
-_SEARCH = {"mode": "grid", "starts": 128, "max_starts": 1000, "seed": 0, "full": False}
+_SEARCH = {
+    "mode": "grid",
+    "effort": "normal",
+    "starts": 1,
+    "max_starts": 100_000,
+    "seed": 0,
+    "full": False,
+}
 _LARGEST = 10_000_000
 
 
@@ -355,6 +363,8 @@ def _search(stated: Any) -> dict[str, Any]:
     search = {**_SEARCH, **stated}
     if search["mode"] not in ("grid", "list"):
         raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
+    if search["effort"] not in ("quick", "normal", "thorough"):
+        raise SweepError(f"search.effort = {search['effort']!r} must be quick, normal or thorough")
     for key, least in (("starts", 1), ("max_starts", 1), ("seed", 0)):
         value = search[key]
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
