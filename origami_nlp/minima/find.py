@@ -40,7 +40,7 @@ from origami_nlp.minima.one_freedom import trace
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
-from origami_nlp.minima.starts import Effort, Rounds, effort_of
+from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
@@ -154,8 +154,7 @@ def find_minima(
     if model.freedom > 0:
         job.search([model.reduce(g) for g in guesses], workers)
     for answer in job.record.minima:
-        if len(model.own_symmetries) > 1:
-            close_orbit(model, job.record, answer)
+        close_orbit(model, job.record, answer)
     minima, others, outcomes = _sort_out(model, job.record)
     if full:
         minima = _in_full_space(scene, minima)
@@ -208,7 +207,6 @@ class _Job:
             self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
 
     def _rounds(self, search: Search, rounds: Rounds) -> None:
-        self.corners = rounds.corners, rounds.every_corner
         self.stopped_by = "cap"
         quiet = 0
         for samples in rounds:
@@ -221,6 +219,8 @@ class _Job:
             if self.record.starts >= self.fewest and self._enough(quiet):
                 self.stopped_by = "rule"
                 break
+        tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
+        self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:
             self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
 
@@ -269,7 +269,7 @@ class _Job:
     def _tell(self) -> None:
         if self.progress:
             r = self.record
-            self.progress(r.starts, len(r.minima), sum(h == 1 for h in r.drawn_hits))
+            self.progress(r.starts, len(r.minima), r.seen_once)
 
     def report(
         self,
@@ -296,7 +296,7 @@ class _Job:
             effort=effort,
             by_source={name: count for name, count in r.by_source.items() if count},
             stalled=r.stalled,
-            seen_once=sum(h == 1 for h in r.drawn_hits),
+            seen_once=r.seen_once,
             quiet=r.quiet,
             corners=self.corners[0],
             every_corner=self.corners[1],

@@ -71,7 +71,7 @@ class Confirmation:
     status
         Its return status.
     iterations
-        It made; 0 or 1 where it agrees.
+        It made: few where it agrees, most at contacts that carry no moment.
     moved
         Largest change of a fold angle [rad].
     """
@@ -82,7 +82,7 @@ class Confirmation:
 
     @property
     def agrees(self) -> bool:
-        """Whether IPOPT stays at the state."""
+        """Whether IPOPT stays at the state: within `BESIDE` [rad], since its barrier keeps off idle contacts."""
         return self.status == "Solve_Succeeded" and self.moved <= BESIDE
 
 

@@ -132,9 +132,9 @@ class SearchReport:
     quiet
         Drawn starts since the last new minimum.
     corners
-        States with as many creases at their fold limits as there are freedoms, from which descents began.
+        States that fold limits alone leave without freedom, from which descents began.
     every_corner
-        Whether these are all of them: minima among them are decided then.
+        Whether these are all of them, each judged then.
     strata
         With full contact and without symmetry: which strata with touches were started, by class.
     complete

@@ -26,8 +26,8 @@ class Answer:
 
     hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.  first: the number of the drawn
     start that reached it first, from 1; 0 for none.
-    listed: found by listing or tracing, not by descent.  orbit: the first found of its images under symmetries that
-    the scene has without asking for them; itself where there are none.
+    listed: found by listing or tracing, not by descent.  orbit: for an image of a minimum found
+    before, under a symmetry that the scene has without asking for it, that minimum.
     """
 
     polished: Polished
@@ -87,6 +87,11 @@ class Record:
             if a.hits or a.orbit:
                 hits[id(a.orbit or a)] += a.in_rounds
         return list(hits.values())
+
+    @property
+    def seen_once(self) -> int:
+        """How many minima, images apart, one drawn start reached."""
+        return sum(hits == 1 for hits in self.drawn_hits)
 
     def known(self, x: np.ndarray) -> Answer | None:
         """Return the answer that a polished state is, if there is one."""

@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.pinches import TouchStarts, model_rows, touch_starts
 from origami_nlp.minima.samples import Samples, joined
-from origami_nlp.programme import OPEN, Model, random_strata, vertices
+from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
 """Sources of starts."""
@@ -80,11 +80,7 @@ class Rounds:
         self._rng = np.random.default_rng(seed)
         self._corners = vertices(model, effort.corners, self._rng)
         self.corners = len(self._corners)
-        self.every_corner = (
-            model.has_limits
-            and math.comb(model.size, model.equation_count) * 2 ** max(model.freedom, 0)
-            <= effort.corners
-        )
+        self.every_corner = 0 < vertex_candidates(model) <= effort.corners
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
         share = 0.6 if self._touch else 1.0  # touches are a third kind of start

@@ -140,7 +140,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
     if s.every_corner:
         lines.append(
             f"all {s.corners} states that fold limits alone leave without freedom were tried: "
-            "which of them are minima is decided"
+            + ("judged, some not decided" if s.undecided else "which of them are minima is decided")
         )
     if s.strata:
         started, listed = sum(c.started for c in s.strata), sum(c.listed for c in s.strata)

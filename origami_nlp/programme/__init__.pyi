@@ -20,5 +20,9 @@ from .nlp import (
 )
 from .parameters import Parameters as Parameters
 from .protocol import Programme as Programme, Solvable as Solvable
-from .strata import random_strata as random_strata, vertices as vertices
+from .strata import (
+    random_strata as random_strata,
+    vertex_candidates as vertex_candidates,
+    vertices as vertices,
+)
 from .touching import ClosedContacts as ClosedContacts, ContactWords as ContactWords

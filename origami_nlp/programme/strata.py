@@ -19,6 +19,30 @@ TRIES = 32
 """Batches of random strata that are drawn before fewer states than asked for are returned."""
 
 
+def _numbers(model: Posed) -> list[int]:
+    """How many candidates there are with 0 to m variables to be solved; none without fold limits."""
+    n, m = model.size, model.equation_count
+    if not model.has_limits or n < m:
+        return []
+    return [math.comb(n, k) * 2 ** (n - k) for k in range(m + 1)]
+
+
+def vertex_candidates(model: Posed) -> int:
+    """Count the candidates of `vertices`: with as many as this asked for, it lists all of its states.
+
+    Parameters
+    ----------
+    model
+        Any group.
+
+    Returns
+    -------
+    int
+        Choices of at most m = `equation_count` variables and of signs of the others; 0 without fold limits.
+    """
+    return sum(_numbers(model))
+
+
 def vertices(model: Posed, most: int, rng: np.random.Generator) -> np.ndarray:
     """List the closed states that the creases at +-pi leave no freedom.
 
@@ -49,12 +73,11 @@ def vertices(model: Posed, most: int, rng: np.random.Generator) -> np.ndarray:
     Where the solved creases can move (a family) there is no such state with these, but its ends are: there fewer
     variables are not at +-pi.  So these are solved too, from the first equations; the others then hold or not.
     """
-    n, m = model.size, model.equation_count
-    if not model.has_limits or n < m:
-        return np.zeros((0, n))
-    piece = Piece(model)
-    many = [math.comb(n, k) * 2 ** (n - k) for k in range(m + 1)]
+    n, many = model.size, _numbers(model)
     found = [np.zeros((0, n))]
+    if not many:
+        return found[0]
+    piece = Piece(model)
     for k, number in enumerate(many):
         share = most * number // (2 * sum(many))
         solve, signs = _candidates(n, k, rng, share if sum(many) > most else None)

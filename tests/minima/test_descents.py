@@ -123,3 +123,17 @@ def test_effort_and_what_it_says():
     one = find_minima(vertex(4, 1, "full"))
     assert one.search.stopped_by == "complete" and "complete: one freedom" in repr(one)
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
+
+
+def test_all_corners_is_said_only_where_all_were_tried():
+    from origami_nlp.minima.starts import EFFORTS, Rounds
+    from origami_nlp.programme import vertices
+
+    for degree, effort in ((5, "quick"), (6, "quick"), (6, "normal"), (9, "normal")):
+        model = Model(vertex(degree, 7, "fold-limits"))
+        rounds = Rounds(model, 0, EFFORTS[effort])
+        every = len(vertices(model, 10**6, np.random.default_rng(0)))
+        assert rounds.every_corner == (rounds.corners == every)
+    capped = find_minima(examples.degree6("pi/3", 1), max_starts=16)
+    assert capped.search.corners < 18 and not capped.search.every_corner
+    assert "leave without freedom" not in repr(capped)
