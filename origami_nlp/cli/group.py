@@ -6,7 +6,34 @@ from collections.abc import Callable
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
+
+
+WITHOUT_VALUE = "asked"
+"""What an option whose value may be left out gets then."""
+MAY_LACK_VALUE = ("--prove",)
+"""Options whose value, a number, may be left out."""
+
+
+class _Command(TyperCommand):
+    """A command; an option that needs no value gets `WITHOUT_VALUE` where no number follows."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """Fill in what is left out."""
+        filled = []
+        for arg, following in zip(args, [*args[1:], ""], strict=True):
+            filled.append(arg)
+            if arg in MAY_LACK_VALUE and not _is_number(following):
+                filled.append(WITHOUT_VALUE)
+        return super().parse_args(ctx, filled)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 class _Listed(TyperGroup):
@@ -49,7 +76,7 @@ class Group(typer.Typer):
         """Add commands under the names of their functions."""
         for one in commands:
             about = (one.__doc__ or "").splitlines()[0]  # whole: typer would cut it
-            self.command(one.__name__, short_help=about)(one)
+            self.command(one.__name__, cls=_Command, short_help=about)(one)
             self.names.append(one.__name__)
 
     def add_group(self, name: str, group: Group, open: bool = False) -> None:

@@ -27,6 +27,7 @@ def minima(
     full: Annotated[
         bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
     ] = False,
+    prove: o.Prove = None,
     vertex: o.VertexNumber = None,
     frame: Annotated[int | None, typer.Option(help="FOLD file: the frame, from 0.")] = None,
     symmetry: o.FoldSymmetry = None,
@@ -59,7 +60,14 @@ def minima(
         rest_angles=rest_angles,
     )
     result = search(
-        stated, scene, seed=seed, max_starts=max_starts, effort=effort, workers=workers, full=full
+        stated,
+        scene,
+        seed=seed,
+        max_starts=max_starts,
+        effort=effort,
+        workers=workers,
+        full=full,
+        prove=o.wanted_proof(prove),
     )
     print_result(result, out.console)
     out.write("json", result_to_dict, result)

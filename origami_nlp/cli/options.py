@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.cli.group import WITHOUT_VALUE
 
 
 def _seed(value: int) -> int:
@@ -20,6 +21,24 @@ def _max_starts(value: int) -> int:
 
 def _workers(value: int) -> int:
     return check_whole("workers", value, 1)
+
+
+def _prove(value: str | None) -> str | None:
+    """Let what stands after --prove be a number of seconds, or nothing."""
+    if value in (None, WITHOUT_VALUE):
+        return value
+    try:
+        check_number("--prove", float(value), 0.0)
+    except ValueError:
+        check_number("--prove", value, 0.0)
+    return value
+
+
+def wanted_proof(value: str | None) -> bool | float | None:
+    """Return what `find_minima` takes as `prove`."""
+    if value is None or value == WITHOUT_VALUE:
+        return None if value is None else True
+    return float(value) or False
 
 
 def _rest_angle(value: float | None) -> float | None:
@@ -96,6 +115,14 @@ StatesMesh = Annotated[
 
 Seed = Annotated[int, typer.Option(callback=_seed, help="Seed of the random starts.")]
 MaxStarts = Annotated[int, typer.Option(callback=_max_starts, help="Cap on starts.")]
+Prove = Annotated[
+    str | None,
+    typer.Option(
+        metavar="[SECONDS]",
+        callback=_prove,
+        help="Prove that no minimum is missing, in at most SECONDS; without it: where it is cheap. 0: do not try.",
+    ),
+]
 Effort = Annotated[
     str,
     typer.Option(

@@ -7,6 +7,7 @@ from . import (
     starts as starts,
     table as table,
 )
+from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .figure import draw_minima as draw_minima
 from .find import (

@@ -30,6 +30,7 @@ from origami_nlp.kkt import (
     rest_state,
     rigid_states,
 )
+from origami_nlp.minima.completeness import check_prove, prove_complete
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
@@ -90,6 +91,7 @@ def find_minima(
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
     full: bool = False,
+    prove: bool | float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
@@ -114,6 +116,9 @@ def find_minima(
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
+    prove
+        Prove that the list is complete: True, or seconds that this may take; False: do not try.  Without being asked
+        it is tried where it is cheap: within fold limits, up to two freedoms.
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -143,6 +148,7 @@ def find_minima(
     check_options(seed, max_starts, fewest_starts)
     wanted = effort_of(effort)
     check_flag("full", full)
+    check_prove("prove", prove)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
@@ -155,11 +161,12 @@ def find_minima(
         job.search([model.reduce(g) for g in guesses], workers)
     for answer in job.record.minima:
         close_orbit(model, job.record, answer)
+    completeness = prove_complete(model, job.record, prove)
     minima, others, outcomes = _sort_out(model, job.record)
     if full:
         minima = _in_full_space(scene, minima)
     report = job.report(others, outcomes, time.perf_counter() - begin, effort)
-    return MinimaResult(scene, model, tuple(minima), report)
+    return MinimaResult(scene, model, tuple(minima), report, completeness)
 
 
 class _Job:

@@ -9,6 +9,7 @@ import math
 from html import escape
 
 from origami_nlp.chart import UNIT, landscape
+from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.marks import STYLE
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
@@ -32,6 +33,7 @@ def as_html(
     minima: tuple[Minimum, ...],
     freedom: int,
     search: SearchReport,
+    completeness: Completeness | None = None,
     *,
     picture: bool = True,
 ) -> str:
@@ -56,7 +58,8 @@ def as_html(
         parts.append(inline_image(figure, text, DPI))
     if minima:
         parts.append(_certificates(minima))
-    parts += [_search(scene, minima, search), "</div>"]
+    proved = list(completeness.lines()) if completeness else []
+    parts += [_search(scene, minima, search, proved), "</div>"]
     return "\n".join(parts)
 
 
@@ -95,7 +98,7 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     return "\n".join([*lines, "</ol></details>"])
 
 
-def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport) -> str:
+def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, proved: list[str]) -> str:
     more = not_asked_words(scene, minima)
-    lines = [*search_lines(s), *[more] * bool(more), *undecided_lines(s), *geometry_lines(scene)]
+    lines = [*proved, *search_lines(s), *[more] * bool(more), *undecided_lines(s), *geometry_lines(scene)]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

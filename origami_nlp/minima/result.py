@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from origami_nlp.errors import OptionError
+from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.telling import (
     geometry_lines,
@@ -43,6 +44,8 @@ class MinimaResult(Told):
         In order of energy.
     search
         What the search did, and why it stopped.
+    completeness
+        Whether the list is complete, as far as that was proved; None where it was not tried.
 
     Examples
     --------
@@ -56,6 +59,7 @@ class MinimaResult(Told):
     model: Model
     minima: tuple[Minimum, ...]
     search: SearchReport
+    completeness: Completeness | None = None
 
     def table(self) -> Table:
         """Return one row a minimum."""
@@ -67,6 +71,8 @@ class MinimaResult(Told):
         yield from state_lines(self.scene, self.minima)
         yield from undecided_lines(self.search)
         yield from geometry_lines(self.scene)
+        if self.completeness:
+            yield from (Words(line) for line in self.completeness.lines())
         yield from (Words(line, "dim") for line in search_lines(self.search))
 
     def to_html(self, *, picture: bool = True) -> str:
@@ -84,7 +90,7 @@ class MinimaResult(Told):
         """
         from origami_nlp.minima.html import as_html  # pictures are slow to import
 
-        return as_html(self.scene, self.minima, self.model.freedom, self.search, picture=picture)
+        return as_html(self.scene, self.minima, self.model.freedom, self.search, self.completeness, picture=picture)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""
@@ -105,6 +111,7 @@ class MinimaResult(Told):
                 left_out=[pick(item, "what", "why") for item in self.model.left_out],
             ),
             "search": to_plain(self.search),
+            "completeness": self.completeness and to_plain(self.completeness),
             "minima": [_minimum_to_dict(m) for m in self.minima],
         }
 
@@ -132,11 +139,13 @@ class MinimaResult(Told):
         if "geometry" in data["model"]:
             scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
         search = from_plain(SearchReport, data["search"], NULL)
+        known = data.get("completeness")
+        completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
             contacts = [{"creases": (), "facets": (), **c} for c in m["contacts"]]
             minima.append(from_plain(Minimum, {**m, "contacts": contacts}, NULL))
-        return cls(scene, Model(scene), tuple(minima), search)
+        return cls(scene, Model(scene), tuple(minima), search, completeness)
 
     def _repr_html_(self) -> str:
         return self.to_html()

@@ -1,144 +1,160 @@
-"""No minimum missing, none extra: each panel against an independently written formulation.
+"""A list of minima is held against a proof: what is missing comes back by name, what is wrong is an alarm."""
 
-Closed states come from spherical trigonometry over grids of every pair of fold angles, or at random;
-each goes downhill through admissible states only, and must end at a minimum of the package's list;
-every listed minimum must be reached.  Sets that exist only where creases are folded to exactly +-pi
-are enumerated apart.  Nothing here shares code with the package's models, solvers or judges.
-"""
+import json
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, find_minima
-from tests.computed_once import panel_result, thinned
-from tests.independent.neighbours import Problem
-from tests.independent.rotations import project
-from tests.independent.search_descent import descend, grid_minima, starts
-from tests.independent.search_manifold import Piece
-from tests.independent.search_stationary import named_ends
-from tests.independent.search_thin import (
-    flat_foldings,
-    lowest_on_curves,
-    truly_minimal,
-)
+from origami_nlp import OptionError, Scene, Vertex, examples, find_minima
+from origami_nlp.minima import completeness, find, result_from_dict, result_to_dict
+from tests.computed_once import thinned
 
-SAME = 1e-4  # distance [rad] within which an end is a listed minimum
-PANELS = pytest.mark.parametrize("scene", thinned(examples.panels(), 2), ids=lambda s: s.name)
+pi = math.pi
 
 
-def listed(scene):
-    """Fold angles of the variables and local dimension of every minimum."""
-    minima = panel_result(scene).minima
-    size = Piece.of(scene).size
-    return (
-        np.array([m.fold_angles[:size] for m in minima]),
-        np.array([m.local_dimension for m in minima]),
-    )
-
-
-def ends_of(piece, x):
-    """Go down from x [B, n] and name the ends; what is left without a name goes down again."""
-    ends, _ = descend(piece, x)
-    named, _ = named_ends(piece, ends)
-    for _ in range(4):
-        lost = np.isnan(named[:, 0])
-        if not lost.any():
+def generic(seed, degree, contact="fold-limits"):
+    """Random sectors, stiffness over two decades, random rest angles."""
+    rng = np.random.default_rng([seed, degree, 15])
+    while True:
+        sectors = rng.dirichlet(np.full(degree, 6.0)) * 2 * pi
+        if sectors.max() < 0.9 * pi:
             break
-        ends[lost], _ = descend(piece, ends[lost])
-        named[lost], _ = named_ends(piece, ends[lost])
-    return ends, named
+    stiffness = 10 ** rng.uniform(-1, 1, degree)
+    rest = rng.uniform(-pi, pi, degree)
+    return Scene(Vertex(tuple(sectors.tolist())), stiffness, rest, "none", contact)
 
 
-def compare(piece, begin, minima):
-    """Check that every descent ends at a listed minimum, and that all of full dimension are reached."""
-    states, dimensions = minima
-    ends, named = ends_of(piece, begin)
-    distance = np.abs(named[:, None] - states).max(axis=2)
-    missing = ~(distance.min(axis=1) <= SAME)  # nan is missing too
-    assert not missing.any(), (
-        f"{missing.sum()} of {len(begin)} descents end elsewhere, the first at {ends[missing][0]}, "
-        f"named {named[missing][0]}, energy {piece.energy(ends[missing][0]):.9g}"
-    )
-    reached = np.bincount(distance.argmin(axis=1), minlength=len(states))
-    extra = (dimensions == 2) & (reached == 0)
-    assert not extra.any(), f"listed, but reached by no descent: {states[extra]}"
+def forget(monkeypatch, chosen):
+    """Let the search forget the minima that `chosen(minima)` names, before the proof."""
+    true = completeness.prove_complete
+    forgotten = []
+
+    def prove(model, record, wanted):
+        for answer in chosen(record.minima):
+            record.answers = [a for a in record.answers if a is not answer]
+            forgotten.append(model.expand(answer.polished.x))
+        return true(model, record, wanted)
+
+    monkeypatch.setattr(find, "prove_complete", prove)
+    return forgotten
 
 
-@PANELS
-def test_descents_from_every_chart_and_at_random_end_at_the_listed_minima(scene):
-    piece = Piece.of(scene)
-    rng = np.random.default_rng(20)
-    begin = np.concatenate([grid_minima(piece, 41), starts(piece, 40, rng)])
-    compare(piece, begin, listed(scene))
+def states(result):
+    return np.array([m.fold_angles for m in result.minima])
+
+
+def check_comes_back(monkeypatch, scene, k):
+    whole = find_minima(scene, prove=True)
+    assert whole.completeness.proved, list(whole.completeness.lines())
+    with monkeypatch.context() as patch:
+        gone = forget(patch, lambda minima: minima[k : k + 1])
+        result = find_minima(scene, prove=True)
+    assert np.abs(states(result) - states(whole)).max() <= 1e-9
+    assert result.completeness.status == "proved"
+    (added,) = result.completeness.added
+    assert np.abs(np.subtract(added.fold_angles, gone[0])).max() <= 1e-9
+    assert "a minimum that the search had missed, found by the proof" in repr(result)
+
+
+@pytest.mark.parametrize("degree", [4, 5])
+def test_a_minimum_that_the_search_forgets_comes_back_by_name(monkeypatch, degree):
+    check_comes_back(monkeypatch, generic(1, degree), 0)
 
 
 @pytest.mark.slow
-@PANELS
-def test_2000_random_descents_and_fine_grids_end_at_the_listed_minima(scene):
-    piece = Piece.of(scene)
-    rng = np.random.default_rng(21)
-    begin = np.concatenate([grid_minima(piece, 201), starts(piece, 2000, rng)])
-    compare(piece, begin, listed(scene))
+@pytest.mark.parametrize("seed", range(10, 35))
+@pytest.mark.parametrize("degree", [4, 5])
+def test_any_minimum_comes_back(monkeypatch, seed, degree):
+    """Fifty trials, each with another minimum."""
+    scene = generic(seed, degree)
+    check_comes_back(monkeypatch, scene, seed % len(find_minima(scene, prove=False).minima))
 
 
-@PANELS
-def test_descents_from_around_each_minimum_return_to_it(scene):
-    piece = Piece.of(scene)
-    rng = np.random.default_rng(22)
-    for state, dimension in zip(*listed(scene), strict=True):
-        if dimension < 2:
-            continue
-        near, residual = piece.retract(state + rng.uniform(-0.03, 0.03, (60, piece.size)))
-        near = near[(residual <= 1e-12) & (np.abs(near - state).max(axis=1) <= 0.1)]
-        near = near[piece.admissible(near)]
-        assert len(near) >= 5
-        _, named = ends_of(piece, near[:20])
-        assert np.abs(named - state).max() <= SAME
+def test_all_minima_come_back_if_the_search_found_none(monkeypatch):
+    scene = generic(2, 4)
+    whole = find_minima(scene)
+    with monkeypatch.context() as patch:
+        forget(patch, lambda minima: minima)
+        result = find_minima(scene)
+    assert np.abs(states(result) - states(whole)).max() <= 1e-9
+    assert len(result.completeness.added) == len(whole.minima)
 
 
-def _thin_sets_hold_nothing_else(scene, size):
-    piece, problem = Piece.of(scene), Problem.of(scene)
-    states, dimensions = listed(scene)
-    candidates = np.concatenate([lowest_on_curves(piece, size), flat_foldings(piece)])
-    minimal = truly_minimal(piece, problem, candidates, seed=23)
-    distance = np.abs(minimal[:, None] - states).max(axis=2)
-    missing = ~(distance.min(axis=1) <= SAME)
-    assert not missing.any(), f"minima at phi = +-pi that are not listed: {minimal[missing]}"
-    # a pinned or touching minimum of full dimension may lie on such a curve too
-    for k in np.flatnonzero(dimensions < 2):
-        found = len(minimal) > 0 and distance[:, k].min() <= SAME
-        assert found, f"listed, but no symmetric set at phi = +-pi has this minimum: {states[k]}"
+def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
+    """A saddle that a broken judge calls a minimum: the proof refutes it, and says so."""
+    scene = generic(3, 5)
+    true = completeness.prove_complete
+
+    def prove(model, record, wanted):
+        wrong = next(a for a in record.answers if a.what.verdict == "saddle")
+        wrong.what = replace(wrong.what, verdict="minimum", kind="interior")
+        return true(model, record, wanted)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(find, "prove_complete", prove)
+        result = find_minima(scene, prove=True)
+    assert result.completeness.status == "not-proved"
+    assert "the proof refutes a listed minimum" in result.completeness.reason
+
+
+def test_json_carries_it():
+    scene = generic(1, 4)
+    result = find_minima(scene)
+    data = json.loads(json.dumps(result_to_dict(result)))
+    c = data["completeness"]
+    assert {
+        "status",
+        "boxes",
+        "seconds",
+        "critical_points",
+        "undecided",
+        "singular",
+        "added",
+    } <= set(c)
+    assert c["status"] == "proved" and c["critical_points"]["0"] >= len(result.minima)
+    assert result_from_dict(data).completeness == result.completeness
+    assert "complete: proved" in repr(result) and "complete: proved" in result.to_html(
+        picture=False
+    )
+
+
+def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
+    assert find_minima(generic(1, 4), prove=False).completeness is None
+    assert find_minima(generic(1, 6), max_starts=16).completeness is None
+    assert find_minima(generic(1, 4, "none"), max_starts=16).completeness is None
 
 
 @pytest.mark.parametrize(
-    "scene",
-    thinned([examples.panels()[k] for k in (13, 4)], 2),
-    ids=lambda s: s.name,  # all of them: slow
+    ("scene", "why"),
+    [
+        (generic(1, 7), "4 freedoms (at most 3)"),
+        (generic(1, 4, "none"), "without fold limits"),
+    ],
 )
-def test_sets_at_pi_hold_the_listed_minima_and_no_others(scene):
-    _thin_sets_hold_nothing_else(scene, 16)
+def test_what_cannot_be_proved_is_refused_with_the_reason(scene, why):
+    result = find_minima(scene, max_starts=16, prove=True)
+    assert result.completeness.status == "not-proved" and why in result.completeness.reason
+    assert "complete: proved" not in repr(result)
 
 
-@pytest.mark.slow
-@PANELS
-def test_fine_sweeps_at_pi_hold_the_listed_minima_and_no_others(scene):
-    _thin_sets_hold_nothing_else(scene, 180)
+def test_when_time_is_up_nothing_is_claimed():
+    result = find_minima(generic(1, 6), max_starts=16, prove=0.2)
+    c = result.completeness
+    assert c.status == "not-proved" and "time was up" in c.reason and c.boxes > 0 and c.undecided
+    assert "complete: proved" not in repr(result)
 
 
-def test_the_state_that_one_seed_missed_is_a_minimum():
-    """The example of docs/states.md: lower than its neighbours on the curve of closed states, by Gauss-Newton here."""
-    sectors = (0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)
-    stiffness = (0.022816280794769387, 0.03205546964080397)
-    stiffness += (0.04387824855836886, 0.0012500010060577914)
-    rest = (-0.2369412983168271, 1.0889080776221243, 3.141592485901434, 3.1415921923256085)
-    scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
-    guess = np.radians([-39.56, 169.34, 37.27, 120.30])
-    found = find_minima(scene, guesses=[guess], fewest_starts=1, max_starts=1).minima
-    state = min(found, key=lambda m: np.abs(np.subtract(m.fold_angles, guess)).max())
-    x = np.array(state.fold_angles)
-    assert np.abs(x - guess).max() < 1e-3 and state.kind == "interior"
-    for radius in (1e-3, 1e-2):
-        for side in (1, -1):
-            near = x + radius * side * np.array([0, 1, 0, 0])
-            y, closure = project(np.array(sectors), np.arange(4), near, np.array([0, 1, 0, 0]))
-            assert closure[0] < 1e-13 and scene.energy(y[0]) > state.energy
+@pytest.mark.parametrize("prove", [-1, "yes", math.nan])
+def test_prove_is_a_flag_or_seconds(prove):
+    with pytest.raises(OptionError, match="prove = "):
+        find_minima(generic(1, 4), prove=prove)
+
+
+@pytest.mark.parametrize("scene", thinned(examples.panels(), 3))
+def test_panels_within_fold_limits(scene):
+    result = find_minima(replace(scene, contact="fold-limits"))
+    c = result.completeness
+    assert c.status in ("proved", "proved-except-singular"), list(c.lines())
+    assert not c.added

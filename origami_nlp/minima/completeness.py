@@ -1,0 +1,350 @@
+"""What is proved about a list of minima: a `Proof` over the whole box of fold angles, held against what a search found.
+
+The words are chosen with care: *complete* stands nowhere else than at a proof that left nothing open.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.arguments import check_number
+from origami_nlp.kkt import Solve, polish
+from origami_nlp.minima.record import Answer, Record, judge
+from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.programme import Model
+from origami_nlp.proof import Cluster, CriticalPoint, Proof, prove
+
+MOST_FREEDOMS = 3
+"""Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
+FEW_FREEDOMS = 2
+"""Freedoms up to which it is tried without being asked."""
+UNASKED = 400_000
+"""Boxes after which a proof that nobody asked for gives up."""
+
+
+@dataclass(frozen=True)
+class Open:
+    """A region of fold angles that a proof leaves open, or closes by another argument.
+
+    Attributes
+    ----------
+    lower, upper
+        All N fold angles lie between [rad].
+    energy
+        In the middle, in the scene's units.
+    reason
+        Why it is open.
+    verdict
+        What the state in it was judged to be, by another argument than the proof's; "" where there is none.
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    energy: float
+    reason: str
+    verdict: str = ""
+
+
+@dataclass(frozen=True)
+class Added:
+    """A minimum that the proof found and the search had not.
+
+    Attributes
+    ----------
+    energy
+        In the scene's units.
+    fold_angles
+        All N [rad].
+    """
+
+    energy: float
+    fold_angles: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Completeness:
+    """Whether a list of minima is complete, as a theorem.
+
+    Attributes
+    ----------
+    status
+        ``"proved"``; ``"proved-except-singular"``: except within the regions `singular`; ``"not-proved"``.
+    reason
+        Why it is not proved; "" where it is.
+    boxes
+        Boxes of fold angles that were examined.
+    seconds
+        What that took, of wall time.
+    critical_points
+        How many states are stationary with their creases at +-pi held, by the number of directions that lower the
+        energy: "0", "1", ...; "unclear" where that is not certified.  Each exists, and there are no others outside
+        the regions below.
+    undecided
+        Where minima may be that are not listed.
+    singular
+        Isolated states at which the creases lose rank, each judged by its cone of directions.
+    added
+        Minima that the search had not found.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene = o.examples.degree6("pi/4", ratio=1, contact="fold-limits")
+    >>> o.find_minima(scene, prove=True).completeness.proved
+    True
+    """
+
+    status: str
+    reason: str = ""
+    boxes: int = 0
+    seconds: float = 0.0
+    critical_points: dict[str, int] = field(default_factory=dict)
+    undecided: tuple[Open, ...] = ()
+    singular: tuple[Open, ...] = ()
+    added: tuple[Added, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        """Whether nothing was left open."""
+        return self.status == "proved"
+
+    def lines(self) -> Iterator[str]:
+        """Say it, a few lines."""
+        work = f"{self.boxes:,} boxes, {self.seconds:.1f} s"
+        if self.status == "not-proved":
+            yield f"not proved: {self.reason}" + (f" ({work})" if self.boxes else "")
+        else:
+            many = ", ".join(f"{n} of index {k}" for k, n in sorted(self.critical_points.items()))
+            states = f"{len(self.singular)} singular state{'s' * (len(self.singular) != 1)}"
+            but = "" if self.proved else f" except at {states} (below; each judged by its cone)"
+            yield f"complete: proved{but}: {sum(self.critical_points.values())} critical points ({many}), {work}"
+        for new in self.added:
+            angles = " ".join(f"{a:.3f}" for a in np.round(np.degrees(new.fold_angles), 3) + 0.0)
+            yield f"a minimum that the search had missed, found by the proof: {new.energy:.9g} J at {angles} deg"
+        if not self.proved:
+            yield from self._regions()
+
+    def _regions(self, most: int = 8) -> Iterator[str]:
+        for name, regions in (("singular", self.singular), ("left open", self.undecided)):
+            for r in regions[:most]:
+                middle = 0.5 * (np.array(r.lower) + np.array(r.upper))
+                width = float(np.max(np.array(r.upper) - np.array(r.lower)))
+                angles = " ".join(f"{a:.4f}" for a in np.round(np.degrees(middle), 4) + 0.0)
+                verdict = f"; judged: {r.verdict}" * bool(r.verdict)
+                yield f"  {name}: within {width:.1g} rad of {angles} deg, {r.energy:.6g} J: {r.reason}{verdict}"
+            if len(regions) > most:
+                energies = [r.energy for r in regions]
+                yield (
+                    f"  and {len(regions) - most} more {name}, energies {min(energies):.6g} to {max(energies):.6g} J"
+                )
+
+
+def check_prove(name: str, value: object) -> None:
+    """Complain about what is neither None, a flag nor a positive number of seconds.
+
+    Raises
+    ------
+    OptionError
+        With the name, the value and what it must be.
+    """
+    if value is None or isinstance(value, bool | np.bool_):
+        return
+    check_number(name, value, 0.0, math.inf)
+
+
+def prove_complete(
+    model: Model, record: Record, wanted: bool | float | None
+) -> Completeness | None:
+    """Try to prove that the minima on record are all; what is missing is added to the record.
+
+    Parameters
+    ----------
+    model
+        The scene.
+    record
+        Of the search; gets further answers.
+    wanted
+        True, or seconds that it may take; None: where it is cheap; False: not at all.
+
+    Returns
+    -------
+    Completeness or None
+        None where it was not tried.
+    """
+    if wanted is False or (wanted is None and not _cheap(model)):
+        return None
+    refused = why_not(model)
+    if refused:
+        return Completeness("not-proved", refused)
+    if wanted is None:
+        proof = prove(model, most_boxes=UNASKED)
+    else:
+        proof = prove(model, seconds=None if wanted is True else float(wanted))
+    return hold_against(model, record, proof)
+
+
+def why_not(model: Model) -> str:
+    """Say why a scene is not tried to be proved complete; "" where it is."""
+    if not model.has_limits:
+        return "without fold limits fold angles are not bounded by +-pi"
+    if model.freedom > MOST_FREEDOMS:
+        return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
+    if model.scene.contact != "fold-limits":
+        return "contact between facets is not proved yet, fold limits are (contact = fold-limits)"
+    return ""
+
+
+def _cheap(model: Model) -> bool:
+    return not why_not(model) and 0 < model.freedom <= FEW_FREEDOMS
+
+
+def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
+    """Hold what a search has on record against a proof; what the proof has and the record lacks is judged and filed.
+
+    Parameters
+    ----------
+    model
+        The scene.
+    record
+        Of the search; gets further answers.
+    proof
+        Of the same model.
+
+    Returns
+    -------
+    Completeness
+        A minimum counts as missing where no answer on record is that state, to `SAME` and the proof's own radius.
+    """
+    against: list[str] = []
+    added: list[Answer] = []
+    undecided: list[Open] = []
+    for point in proof.points:
+        answer, new = _answer_at(model, record, point)
+        if new and answer is not None and answer.is_minimum:
+            added.append(answer)
+        undecided += _disagreement(model, point, answer, against)
+    singular = [_judged(model, record, cluster, added) for cluster in proof.singular]
+    undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
+    for answer in record.minima:
+        if not _covered(answer.polished.x, proof):
+            against.append(f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left")
+    left = [s for s in singular if s.verdict in ("", "undecided")]
+    status = _status(proof, undecided, against, left, singular)
+    reason = _why_not(proof, undecided, against, left) if status == "not-proved" else ""
+    return Completeness(
+        status,
+        reason,
+        proof.boxes,
+        proof.seconds,
+        dict(Counter("unclear" if p.index is None else str(p.index) for p in proof.points)),
+        tuple(undecided),
+        tuple(singular),
+        tuple(Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist())) for a in added),
+    )
+
+
+def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:
+    """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
+    x = np.array(point.x)
+    near = _nearest(record, x, point.radius + SAME)
+    if near is not None or point.is_minimum is False:
+        return near, False
+    return _file(model, record, x)
+
+
+def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
+    """Polish, file and judge a state; tells whether it is new."""
+    end = Solve(x, "", 0, math.nan, np.ones(model.size), None)
+    answer, new = record.file(model, polish(model, end))
+    if new:
+        answer.listed = True
+        judge(model, answer)
+    return answer, new
+
+
+def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
+    """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
+    distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
+    return record.answers[int(np.argmin(distance))] if min(distance, default=math.inf) <= within else None
+
+
+def _disagreement(
+    model: Model, point: CriticalPoint, answer: Answer | None, against: list[str]
+) -> Iterator[Open]:
+    """Say what stays open at a critical point: unclear to the proof and to the judge, or seen differently by them."""
+    verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
+    where = f"at {model.energy(np.array(point.x)):.9g} J"
+    moved = answer is not None and np.abs(answer.polished.x - point.x).max() > point.radius + BESIDE
+    if point.is_minimum is False and verdict == "minimum":
+        against.append(f"the proof refutes a listed minimum {where}")
+    elif point.is_minimum and (verdict != "minimum" or moved):
+        against.append(f"the judge does not confirm a proved minimum {where}: {verdict or 'not found'}")
+    elif point.is_minimum is None and (moved or verdict in ("", "undecided")):
+        lower, upper = (np.array(point.x) + s * point.unique_radius for s in (-1, 1))
+        yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
+
+
+def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
+    """Judge the state in a cluster: that on record, else the polished middle."""
+    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
+    if not inside:
+        answer, new = _file(model, record, 0.5 * (lower + upper))
+        if new and answer.is_minimum:
+            added.append(answer)
+        inside = [answer] if _within(answer.polished.x, lower, upper) else []
+    verdicts = {a.what.verdict for a in inside if a.what is not None}
+    return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
+
+
+def _region(
+    model: Model, lower: np.ndarray, upper: np.ndarray, reason: str, verdict: str = ""
+) -> Open:
+    low, high = model.expand(lower), model.expand(upper)
+    energy = model.energy(0.5 * (lower + upper))
+    return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict)
+
+
+def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
+    return bool(((x >= lower - SAME) & (x <= upper + SAME)).all())
+
+
+def _covered(x: np.ndarray, proof: Proof) -> bool:
+    """Tell whether a state is a critical point of the proof, or in what it leaves open."""
+    points = (p for p in proof.points if p.is_minimum is not False)
+    if any(np.abs(np.array(p.x) - x).max() <= p.radius + SAME for p in points):
+        return True
+    return any(_within(x, np.array(c.lower), np.array(c.upper)) for c in _open(proof))
+
+
+def _open(proof: Proof) -> Iterable[Cluster]:
+    return (*proof.singular, *proof.undecided)
+
+
+def _status(
+    proof: Proof, undecided: list[Open], against: list[str], left: list[Open], singular: list[Open]
+) -> str:
+    if undecided or against or left or not proof.finished:
+        return "not-proved"
+    return "proved-except-singular" if singular else "proved"
+
+
+def _why_not(
+    proof: Proof, undecided: list[Open], against: list[str], left: list[Open]
+) -> str:
+    why = [*against]
+    if not proof.finished:
+        why.append("time was up")
+    if undecided:
+        energies = [r.energy for r in undecided]
+        many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"
+        why.append(f"{many} left open, energies {min(energies):.6g} to {max(energies):.6g} J")
+    if left:
+        many = "a singular state is" if len(left) == 1 else f"{len(left)} singular states are"
+        why.append(f"{many} not decided")
+    return "; ".join(why)
