@@ -45,6 +45,8 @@ class Posed(Protocol):
     linear: slice
     pivots: int
     minor_count: int
+    minor_creases: tuple[tuple[int, ...], ...]
+    twins: tuple[tuple[int, ...], ...]
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows: ...  # noqa: D102
 

@@ -95,6 +95,8 @@ class Vertex:
         self._pose_triples()
         self._pose_minors()
         self.minor_count = len(self.fours)
+        self.minor_creases = tuple(map(tuple, self.fours.tolist()))
+        self.twins: tuple[tuple[int, ...], ...] = ()
 
     def _pose_triples(self) -> None:
         """Choose for each triple of creases the middle one and how many creases on each side the others are."""
