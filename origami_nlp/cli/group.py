@@ -8,7 +8,6 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
 MAY_LACK_VALUE = ("--prove",)

@@ -81,9 +81,11 @@ class Completeness:
     seconds
         What that took, of wall time.
     critical_points
-        How many states are stationary with their creases at +-pi held, by the number of directions that lower the
-        energy: "0", "1", ...; "unclear" where that is not certified.  Each exists, and there are no others outside
-        the regions below.
+        How many states hold still, by index (how many directions lower the energy to second order): "0", "1", ...;
+        "unclear" where that, or whether a limit is pushed, is not certified.  Each exists, and outside the regions
+        below there are no others.
+    held
+        How many more are stationary only while creases are held at +-pi, which they would leave.
     undecided
         Where minima may be that are not listed.
     singular
@@ -104,6 +106,7 @@ class Completeness:
     boxes: int = 0
     seconds: float = 0.0
     critical_points: dict[str, int] = field(default_factory=dict)
+    held: int = 0
     undecided: tuple[Open, ...] = ()
     singular: tuple[Open, ...] = ()
     added: tuple[Added, ...] = ()
@@ -122,7 +125,10 @@ class Completeness:
             many = ", ".join(f"{n} of index {k}" for k, n in sorted(self.critical_points.items()))
             states = f"{len(self.singular)} singular state{'s' * (len(self.singular) != 1)}"
             but = "" if self.proved else f" except at {states} (below; each judged by its cone)"
-            yield f"complete: proved{but}: {sum(self.critical_points.values())} critical points ({many}), {work}"
+            yield (
+                f"complete: proved{but}: {sum(self.critical_points.values())} states hold still ({many}), "
+                f"{self.held} more only while creases are held at +-pi; {work}"
+            )
         for new in self.added:
             angles = " ".join(f"{a:.3f}" for a in np.round(np.degrees(new.fold_angles), 3) + 0.0)
             yield f"a minimum that the search had missed, found by the proof: {new.energy:.9g} J at {angles} deg"
@@ -182,7 +188,7 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     if wanted is None:
-        proof = prove(model, most_boxes=UNASKED)
+        proof = prove(model, most=UNASKED)
     else:
         proof = prove(model, seconds=None if wanted is True else float(wanted))
     return hold_against(model, record, proof)
@@ -232,8 +238,11 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
     undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
-            against.append(f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left")
+            against.append(
+                f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left"
+            )
     left = [s for s in singular if s.verdict in ("", "undecided")]
+    still = [p for p in proof.points if 1 not in p.pinned_signs]
     status = _status(proof, undecided, against, left, singular)
     reason = _why_not(proof, undecided, against, left) if status == "not-proved" else ""
     return Completeness(
@@ -241,10 +250,14 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         reason,
         proof.boxes,
         proof.seconds,
-        dict(Counter("unclear" if p.index is None else str(p.index) for p in proof.points)),
+        dict(sorted(Counter(map(_index, still)).items())),
+        len(proof.points) - len(still),
         tuple(undecided),
         tuple(singular),
-        tuple(Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist())) for a in added),
+        tuple(
+            Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist()))
+            for a in added
+        ),
     )
 
 
@@ -255,6 +268,12 @@ def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answ
     if near is not None or point.is_minimum is False:
         return near, False
     return _file(model, record, x)
+
+
+def _index(point: CriticalPoint) -> str:
+    """Name the index of a state that holds still, if it is certain."""
+    unclear = any(s and not sign for s, sign in zip(point.stratum, point.pinned_signs, strict=True))
+    return "unclear" if unclear or point.index is None else str(point.index)
 
 
 def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
@@ -270,7 +289,11 @@ def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
 def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
     """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
     distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
-    return record.answers[int(np.argmin(distance))] if min(distance, default=math.inf) <= within else None
+    return (
+        record.answers[int(np.argmin(distance))]
+        if min(distance, default=math.inf) <= within
+        else None
+    )
 
 
 def _disagreement(
@@ -283,7 +306,9 @@ def _disagreement(
     if point.is_minimum is False and verdict == "minimum":
         against.append(f"the proof refutes a listed minimum {where}")
     elif point.is_minimum and (verdict != "minimum" or moved):
-        against.append(f"the judge does not confirm a proved minimum {where}: {verdict or 'not found'}")
+        against.append(
+            f"the judge does not confirm a proved minimum {where}: {verdict or 'not found'}"
+        )
     elif point.is_minimum is None and (moved or verdict in ("", "undecided")):
         lower, upper = (np.array(point.x) + s * point.unique_radius for s in (-1, 1))
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
@@ -334,9 +359,7 @@ def _status(
     return "proved-except-singular" if singular else "proved"
 
 
-def _why_not(
-    proof: Proof, undecided: list[Open], against: list[str], left: list[Open]
-) -> str:
+def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
     why = [*against]
     if not proof.finished:
         why.append("time was up")

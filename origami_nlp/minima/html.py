@@ -100,5 +100,11 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
 
 def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, proved: list[str]) -> str:
     more = not_asked_words(scene, minima)
-    lines = [*proved, *search_lines(s), *[more] * bool(more), *undecided_lines(s), *geometry_lines(scene)]
+    lines = [
+        *proved,
+        *search_lines(s),
+        *[more] * bool(more),
+        *undecided_lines(s),
+        *geometry_lines(scene),
+    ]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

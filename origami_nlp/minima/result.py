@@ -90,7 +90,14 @@ class MinimaResult(Told):
         """
         from origami_nlp.minima.html import as_html  # pictures are slow to import
 
-        return as_html(self.scene, self.minima, self.model.freedom, self.search, self.completeness, picture=picture)
+        return as_html(
+            self.scene,
+            self.minima,
+            self.model.freedom,
+            self.search,
+            self.completeness,
+            picture=picture,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""

@@ -24,7 +24,13 @@ LOW = 1e-3
 """Smallest singular value of closure on the free variables, in a box of `SMALL`, from which on it counts as regular."""
 
 
-def prove(model: Model, *, seconds: float | None = None, record: bool = False) -> Proof:
+def prove(
+    model: Model,
+    *,
+    seconds: float | None = None,
+    most: float = math.inf,
+    record: bool = False,
+) -> Proof:
     """Find every critical point of a scene within fold limits, by branch and prune and certificates of all roots.
 
     Parameters
@@ -33,6 +39,8 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
         Of a scene with contact "fold-limits".
     seconds
         Stop after this time; what is left then is undecided.
+    most
+        Stop after this many boxes (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes.
 
@@ -60,7 +68,7 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
     radius = flat.radius or RADII[0]
-    left = prune(posed, start, flat=radius, seconds=seconds, recorder=recorder)
+    left = prune(posed, start, flat=radius, most=most, seconds=seconds, recorder=recorder)
     system = System(model)
     roots, which, rest = _certified(system, left.candidates)
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")

@@ -7,8 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import OptionError, Scene, Vertex, examples, find_minima
+from origami_nlp import Scene, Vertex, examples, find_minima
+from origami_nlp.errors import OptionError
 from origami_nlp.minima import completeness, find, result_from_dict, result_to_dict
+from origami_nlp.minima.record import listed
+from origami_nlp.proof import prove
 from tests.computed_once import thinned
 
 pi = math.pi
@@ -31,13 +34,13 @@ def forget(monkeypatch, chosen):
     true = completeness.prove_complete
     forgotten = []
 
-    def prove(model, record, wanted):
+    def forgetful(model, record, wanted):
         for answer in chosen(record.minima):
             record.answers = [a for a in record.answers if a is not answer]
             forgotten.append(model.expand(answer.polished.x))
         return true(model, record, wanted)
 
-    monkeypatch.setattr(find, "prove_complete", prove)
+    monkeypatch.setattr(find, "prove_complete", forgetful)
     return forgotten
 
 
@@ -87,13 +90,16 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     scene = generic(3, 5)
     true = completeness.prove_complete
 
-    def prove(model, record, wanted):
-        wrong = next(a for a in record.answers if a.what.verdict == "saddle")
-        wrong.what = replace(wrong.what, verdict="minimum", kind="interior")
+    def prove_wrong(model, record, wanted):
+        saddle = next(p for p in prove(model).points if p.index and 1 not in p.pinned_signs)
+        answer = listed(model, np.array(saddle.x))
+        assert answer.what.verdict == "saddle"
+        answer.what = replace(answer.what, verdict="minimum", kind="interior")
+        record.answers.append(answer)
         return true(model, record, wanted)
 
     with monkeypatch.context() as patch:
-        patch.setattr(find, "prove_complete", prove)
+        patch.setattr(find, "prove_complete", prove_wrong)
         result = find_minima(scene, prove=True)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason
@@ -113,7 +119,7 @@ def test_json_carries_it():
         "singular",
         "added",
     } <= set(c)
-    assert c["status"] == "proved" and c["critical_points"]["0"] >= len(result.minima)
+    assert c["status"] == "proved" and c["critical_points"]["0"] == len(result.minima)
     assert result_from_dict(data).completeness == result.completeness
     assert "complete: proved" in repr(result) and "complete: proved" in result.to_html(
         picture=False
@@ -146,10 +152,10 @@ def test_when_time_is_up_nothing_is_claimed():
     assert "complete: proved" not in repr(result)
 
 
-@pytest.mark.parametrize("prove", [-1, "yes", math.nan])
-def test_prove_is_a_flag_or_seconds(prove):
+@pytest.mark.parametrize("value", [-1, "yes", math.nan])
+def test_prove_is_a_flag_or_seconds(value):
     with pytest.raises(OptionError, match="prove = "):
-        find_minima(generic(1, 4), prove=prove)
+        find_minima(generic(1, 4), prove=value)
 
 
 @pytest.mark.parametrize("scene", thinned(examples.panels(), 3))
