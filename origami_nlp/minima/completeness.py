@@ -315,8 +315,10 @@ def _disagreement(
 
 
 def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
-    """Judge the state in a cluster: that on record, else the polished middle."""
+    """Judge the state in a small cluster: that on record, else the polished middle."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    if (upper - lower).max() > BESIDE:
+        return _region(model, lower, upper, cluster.reason)
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
     if not inside:
         answer, new = _file(model, record, 0.5 * (lower + upper))
