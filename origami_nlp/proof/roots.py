@@ -331,6 +331,43 @@ def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
     return out
 
 
+def joined_roots(parts: list[Roots]) -> Roots:
+    """Return roots of several parts, in order."""
+    names = Roots.__dataclass_fields__
+    return Roots(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+
+
+def different(roots: Roots, known: int = 0) -> Roots:
+    """Return one of all that are the same: of one stratum, one within the uniqueness box of the other.
+
+    Parameters
+    ----------
+    roots
+        Certified.
+    known
+        So many, the first ones, are different already.
+
+    Returns
+    -------
+    Roots
+        The first of each.
+    """
+    kept = np.zeros(len(roots), dtype=bool)
+    for i in range(len(roots)):
+        same = kept[:i] & (roots.pins[:i] == roots.pins[i]).all(axis=1)
+        near = np.abs(roots.x[:i] - roots.x[i]).max(axis=1, initial=0.0) + roots.radius[i]
+        kept[i] = i < known or not (same & (near < roots.unique[:i])).any()
+    return roots[np.flatnonzero(kept)]
+
+
+def least_slope(system: System, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Return the smallest singular value of closure on the free variables at states [K, n], [K]; 0 for fewer of these."""
+    if not len(x):
+        return np.zeros(0)
+    a = system.kinematics.closure(system.kinematics.fold(x))[1] * (pins == 0)[:, None]
+    return np.linalg.svd(a, compute_uv=False)[:, -1]
+
+
 def _index(
     system: System,
     x: np.ndarray,
