@@ -34,7 +34,7 @@ from origami_nlp.proof.affine import (
     with_centre,
 )
 
-SECTORS = 8
+SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
 
 
