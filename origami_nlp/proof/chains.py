@@ -18,6 +18,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from origami_nlp.proof.affine import (
     variables,
     with_centre,
 )
+from origami_nlp.proof.twins import Twin, twin_rows, twins_asked, twins_of_loop
 
 SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
@@ -55,6 +57,14 @@ class Rows:
     closure: Affine
     critical: Affine
     asked: np.ndarray
+
+
+class Sprung(Protocol):
+    """Springs and twins of a piece."""
+
+    stiffness: np.ndarray
+    rest: np.ndarray
+    twin_rule: tuple[Twin, ...]
 
 
 class Vertex:
@@ -96,7 +106,8 @@ class Vertex:
         self._pose_minors()
         self.minor_count = len(self.fours)
         self.minor_creases = tuple(map(tuple, self.fours.tolist()))
-        self.twins: tuple[tuple[int, ...], ...] = ()
+        self.twin_rule = twins_of_loop(self.sectors, doubt)
+        self.twins = tuple(t.creases for t in self.twin_rule)
 
     def _pose_triples(self) -> None:
         """Choose for each triple of creases the middle one and how many creases on each side the others are."""
@@ -142,7 +153,8 @@ class Vertex:
         middle, half = variables(lower, upper)
         closure = self.closure(middle, half, pins)
         fours = ~(pins != 0)[self.fours].any(axis=1)
-        return Rows(closure, self.minors(middle, half, pins), fours)
+        minors = self.minors(middle, half, pins)
+        return Rows(closure, *with_twins(self, minors, fours, middle, half, pins))
 
     def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
@@ -227,8 +239,7 @@ class Vertex:
         """Enclose det [G_S | C_S] for every four creases, stiffness over its largest: [M, K] in n variables."""
         n, boxes = middle.shape
         t = self.triple_products(middle, half, pins)
-        k = (self.stiffness / self.stiffness.max())[:, None]
-        torque, lean = k * (middle - self.rest[:, None]), k * half
+        k, torque, lean = torques(self, middle, half)
         count = len(self.fours)
         centre = np.zeros((count, boxes))
         slopes = np.zeros((count, n, boxes))
@@ -250,6 +261,34 @@ class Vertex:
             )
             total += (size + 8 * k[i]) * magnitude[w]
         return padded(centre, slopes, error, total, 4 * (n + 4))
+
+
+def torques(
+    piece: Sprung, middle: np.ndarray, half: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return stiffness over its largest [n, 1], torque at the middle of boxes and its slope, [n, K]."""
+    k = (piece.stiffness / piece.stiffness.max())[:, None]
+    return k, k * (middle - piece.rest[:, None]), k * half
+
+
+def with_twins(
+    piece: Sprung,
+    minors: Affine,
+    asked: np.ndarray,
+    middle: np.ndarray,
+    half: np.ndarray,
+    pins: np.ndarray,
+) -> tuple[Affine, np.ndarray]:
+    """Add the twin rows to the minors: all rows, and which are asked for."""
+    rule = piece.twin_rule
+    if not rule:
+        return minors, asked
+    k, torque, lean = torques(piece, middle, half)
+    centre, slopes = twin_rows(rule, torque, lean)
+    size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
+    twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
+    both = (np.concatenate(v) for v in zip(_parts(minors), _parts(twins), strict=True))
+    return Affine(*both), np.concatenate([asked, twins_asked(rule, pins)])
 
 
 def _parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
