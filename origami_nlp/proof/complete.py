@@ -26,6 +26,7 @@ from origami_nlp.proof.roots import (
     newton,
 )
 from origami_nlp.proof.tree import Kind, Recorder
+from origami_nlp.proof.wedges import Period, Wedge
 
 TOGETHER = 20 * SMALL
 """Boxes of a stratum that are no further apart [rad] are one cluster."""
@@ -72,7 +73,7 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
-    radius = flat.radius or RADII[0]
+    radius = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
     left = prune(posed, start, flat=radius, seconds=seconds, recorder=recorder)
     system = System(model)
     roots, held, rest, more = _certified(system, posed, left.candidates, radius, recorder)
@@ -136,12 +137,21 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if not scene.group.is_trivial:
-        raise OptionError(f"symmetry {scene.group.name}: proofs are for symmetry = 'none'")
-    if model.size < 4:
-        raise OptionError("a vertex of degree 3 has no freedom")
-    vertex = Vertex(p.sectors, p.stiffness, p.rest)
-    return vertex, flat_lemma(vertex)
+    if model.freedom < 1:
+        raise OptionError("the scene has no freedom: its closed states are finitely many")
+    group = scene.group
+    if group.is_trivial:
+        vertex = Vertex(p.sectors, p.stiffness, p.rest)
+        return vertex, flat_lemma(vertex)
+    # torques per crease: variables stand for several, the model sums their springs
+    k = p.stiffness / model.multiplicity
+    flat = Flat(0.0, 0, None)
+    if group.kind == "C":
+        return Period(group.order, p.sectors, k, p.rest), flat
+    crease: list[int | None] = []
+    for ray in group.rays:
+        crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
+    return Wedge(group.order, p.sectors, crease, k, p.rest), flat
 
 
 def _certified(
