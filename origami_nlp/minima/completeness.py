@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.kkt import Solve, polish
-from origami_nlp.minima.record import Answer, Record, judge
+from origami_nlp.kkt import Solve, polish, project
+from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.numerics import BESIDE, SAME
 from origami_nlp.programme import Model
 from origami_nlp.proof import Cluster, CriticalPoint, Proof, prove
@@ -234,7 +234,7 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    singular = [_judged(model, record, cluster, added) for cluster in proof.singular]
+    singular = _merged([_judged(model, record, cluster, added) for cluster in proof.singular])
     undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
@@ -286,6 +286,13 @@ def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
     return answer, new
 
 
+def _singular(model: Model, x: np.ndarray) -> Answer:
+    """Judge the closed state beside x whose fold angles next to 0 and +-pi are these."""
+    flat = math.pi * np.round(x / math.pi)
+    frozen = np.abs(x - flat) <= BESIDE
+    return listed(model, project(model, np.where(frozen, flat, x), frozen=frozen)[0])
+
+
 def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
     """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
     distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
@@ -322,6 +329,9 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
     if not inside:
         answer, new = _file(model, record, 0.5 * (lower + upper))
+        if not _within(answer.polished.x, lower, upper):
+            answer, new = _singular(model, 0.5 * (lower + upper)), True
+            record.answers.append(answer)
         if new and answer.is_minimum:
             added.append(answer)
         inside = [answer] if _within(answer.polished.x, lower, upper) else []
@@ -335,6 +345,17 @@ def _region(
     low, high = model.expand(lower), model.expand(upper)
     energy = model.energy(0.5 * (lower + upper))
     return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict)
+
+
+def _merged(regions: list[Open]) -> list[Open]:
+    """Name each state once: it is a cluster on several strata if they have it in common; what is not judged first."""
+    kept: list[Open] = []
+    for r in sorted(regions, key=lambda r: (r.verdict not in ("", "undecided"), r.energy)):
+        middle = np.add(r.lower, r.upper) / 2
+        same = [k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= SAME]
+        if not any(k.verdict == r.verdict for k in same):
+            kept.append(r)
+    return kept
 
 
 def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
