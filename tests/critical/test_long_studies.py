@@ -1,11 +1,13 @@
 """Critical points, long studies: all panels, random energies on every geometry, density of the samples."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from origami_nlp.critical import compare_minima, find_critical_points, panel_row
+from origami_nlp.numerics import STATIONARY
 from origami_nlp.space import find_space
 from tests.computed_once import panel_result
 from tests.critical.test_critical_points import (
@@ -59,4 +61,5 @@ def test_every_kkt_point_of_a_long_multistart_is_listed(scene):
     listed = np.array([p.fold_angles for p in critical_points(scene).points])
     ends = kkt_points(scene, np.random.default_rng(23), 100)
     away = np.abs(ends[:, None] - listed).max(axis=2).min(axis=1)
-    assert away.max() < 1e-6, ends[away.argmax()]
+    # at a flat folding a gap opens to second order: met to STATIONARY, Newton stops at a distance of its root
+    assert away.max() < math.sqrt(STATIONARY), ends[away.argmax()]
