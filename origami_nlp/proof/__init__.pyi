@@ -11,6 +11,7 @@ from .affine import (
 from .boxes import Boxes as Boxes, Left as Left, prune as prune
 from .chains import Rows as Rows
 from .complete import pose as pose, prove as prove
+from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
 from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree
