@@ -15,6 +15,11 @@ from .hard import run_hard as run_hard
 from .judging import Judge as Judge
 from .methods_casadi import ipopt_alone as ipopt_alone
 from .methods_ours import ours as ours
+from .proved import (
+    ProvedCounts as ProvedCounts,
+    count_proved as count_proved,
+    proved_scene as proved_scene,
+)
 from .reference import solve_reference as solve_reference
 from .report import in_short as in_short, markdown as markdown, show as show
 from .run import read_bench as read_bench, run_bench as run_bench, write_bench as write_bench

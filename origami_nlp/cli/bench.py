@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
@@ -30,6 +31,13 @@ def bench(
             "--search", help="Instead: what searches find of all that is known, and when."
         ),
     ] = False,
+    proved: Annotated[
+        int | None,
+        typer.Option(
+            metavar="SCENES",
+            help="Instead: proved numbers of minima of so many vertices of degree 4, 5 and of the cross.",
+        ),
+    ] = None,
     before: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", help="--search: another checkout to compare with."),
@@ -71,8 +79,12 @@ def bench(
     given = [name for name, value in only.items() if value]
     if given and not search:
         raise OptionError(f"{given[0]} goes with --search only")
+    if proved is not None and (search or profile or hard or quick or figure is not None):
+        raise OptionError("--proved goes with --json and --markdown only")
     out = Output(json=json, figure=figure, markdown=markdown)
-    if search:
+    if proved is not None:
+        _proved(out, check_whole("--proved", proved, 1))
+    elif search:
         _search(out, family or [], quick, before, unions, effort)
     elif profile:
         _profile(out, seed)
@@ -142,6 +154,17 @@ def _search(
     out.write("json", lambda: data)
     out.save("figure", draw_coverage, data)
     out.write("markdown", coverage_markdown, data)
+
+
+def _proved(out: Output, scenes: int) -> None:
+    """Prove how many minima vertices with random springs have (`origami_nlp.bench.proved`)."""
+    from origami_nlp.bench import count_proved
+
+    with progress("bench") as report:
+        found = count_proved(scenes, tell=lambda text: report(text=text))
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.write("markdown", found.to_markdown)
 
 
 def _profile(out: Output, seed: int) -> None:
