@@ -80,7 +80,7 @@ def find_barriers(
     check_freedoms(scene)
     model = Model(scene)
     if result is None:
-        result = find_minima(scene, seed=seed, full=full)
+        result = find_minima(scene, seed=seed, full=full, prove=False)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
     )

@@ -111,7 +111,7 @@ class Union:
 def ours(scene: Scene, seed: int, **options: Any) -> tuple[list[Member], float]:
     """Run the main job; return what it lists, and processor seconds."""
     begin = time.process_time()
-    result = find_minima(scene, seed=seed, **options)
+    result = find_minima(scene, seed=seed, prove=False, **options)
     seconds = time.process_time() - begin
     return [Member(m.fold_angles, m.energy, m.kind, []) for m in result.minima], seconds
 

@@ -72,6 +72,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             max_starts=s["max_starts"],
             fewest_starts=s["starts"],
             full=s["full"],
+            prove=False,
             guesses=[np.array(g) for g in guesses],
         )
     except (
