@@ -35,7 +35,7 @@ MOST = 20_000
 """Boxes for that."""
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
-LOW = 1e-3
+LOW = 1e-4
 """Smallest singular value of closure on the free variables, in a box of `SMALL`, from which on it counts as regular."""
 
 
