@@ -1,0 +1,1 @@
+from .singular import Isolation as Isolation, isolated as isolated
