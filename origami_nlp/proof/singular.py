@@ -1,200 +1,451 @@
-"""Rank-deficient states are alone: no other critical point within a radius, by a blow-up to second order."""
+"""Singular states stand alone: no other critical point within a radius, by a blow-up to second order.
+
+At a closed state x* whose free axes lie in one plane, or on one line, closure loses rank, and no interval Newton method
+certifies anything there.  This module shows that x* is the only point near it where closure holds, every minor
+det [G_S | C_S] vanishes, and twin rows hold (`chains`), on a stratum and the limits of it.  Whether x* itself is a
+minimum is for `kkt.classify` to say; it is not asked here.
+
+*Closure.*  Write x = x* + r u, |u|_inf = 1, g(x) the closure rows (entries of a unit quaternion, or of a unit vector that
+it carries), all axes seen at x*.  Since q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of g along u is at
+most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); one with d/dx_i in it, l s^(k-1).  Turn the
+rows so that J = dg/dx* is zero in the last of them ("normal": no axis turns about it to first order) and of full rank
+in the others ("planar").  With H the Hessian of a row, as it is at x*:
+
+    planar   g / r         = J u               +- r s^2 / 2
+    normal   g / (r^2 / 2) = u' H u            +- r s^3 / 3
+
+*Parity.*  If every fold angle of x* is 0 or +-pi, all axes lie in one plane, and the reflection in it sends
+exp(r u c / 2) to exp(-r u c / 2): planar rows are odd in r, normal ones even.  The errors above become
+
+    planar   r^2 s^3 / 6,    normal   r^2 s^4 / 12.
+
+*Minors.*  Divide the column of the normal row by r.  The entries of crease i are
+
+    G_i = G*_i + r k_i u_i,    J_i +- r l s  (even: r^2 l s^2 / 2),    (H u)_i +- r l s^2 / 2  (even: r^2 l s^3 / 6).
+
+The leading determinant is linear in u, and r times its next term is det [K u | J | H u]; the rest is bounded by columns
+(Hadamard): |det(A + E) - det A| <= prod (|A_c| + |E_c|) - prod |A_c|.  Where G* is zero on S, the column of G is divided
+by r as well.  Without a normal row the determinant starts with det [G* | J]; where that is zero, it is divided by r, and
+|det(A + r B + r^2 D) - det A - r (linear part)| <= prod (|A_c| + r |B_c| + r^2 |D_c|) - prod |A_c| - r sum_c |B_c| prod |A_c'|.
+
+*Twins.*  Creases a, b of a stratum that only closed creases part, on one line at x*, are so on the whole stratum:
+J_a = t J_b, and a critical point has G_a = t G_b, that is G*_a - t G*_b + r (k_a u_a - t k_b u_b) = 0.  In a wedge, crease a at
+right angles to a mirror that only closed creases part it from has J_a = 0, and G_a = 0.
+
+All these are forms in u for `forms`: no common zero on |u|_inf = 1 for all 0 < r <= r0 means no other critical point
+within r0.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
+
+*Turned pairs* (handles, book folds): twins a, b turned by an angle between 0 and pi, the other fold angles 0 or +-pi.  On the
+line of states dx_b = -t dx_a, which closes exactly, only one point has G_a = t G_b: that is x*.  The axes lie in the plane of
+the facets between a and b, or in that of the others: free axes in one of these planes have a normal row, else
+there is none.  No parity.
+
+*What is exact.*  That x* closes, and that axes are on one line: sums of sector angles, which a scene decides (they hold
+to rounding, or miss by 1e-7 at least).  Torques that should be zero, or equal, are taken as what they are: they may
+miss by rounding, |miss| / r is then an error, and the statement holds beyond `Isolation.core` only.  Coefficients are
+computed in doubles, to `CLOSES`: products of a few tens of quaternions from sector angles known to some ulp.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, EPS, RANK
+from origami_nlp.numerics import BESIDE, CLOSES, EPS, RANK, SAME
 from origami_nlp.programme import Kinematics, Model
-from origami_nlp.proof.forms import Forms, no_zero
+from origami_nlp.proof.forms import Forms, left_over, none_beside
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-NEAR = 1e-3
+"""Radii [rad] that are tried, largest first; boxes of the search end at some 1e-5."""
+SLACK = 64 * EPS
+"""Torques [stiffness] that differ by less are meant to be equal: rounding of pi, of rest angles, and of their products."""
 
 Stratum = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Isolation:
+    """What is known about critical points near a singular state.
+
+    Attributes
+    ----------
+    point
+        The state x*, to rounding [rad], shape [n]; x itself where none was found.
+    radius
+        No critical point of the stratum or its limits with core < |x - x*|_inf <= radius [rad]; 0: not shown.
+    core
+        0, or the distance [rad] below which torques that balance to rounding leave it open.
+    reason
+        In words, why, or why not.
+    """
+
     point: tuple[float, ...]
     radius: float
+    core: float
     reason: str
-    strata: tuple[Stratum, ...]
 
 
-def isolated(model: Model, x: np.ndarray, stratum: Stratum) -> Isolation:
-    point, why = _folded_point(model, np.asarray(x, dtype=float), tuple(stratum))
-    if point is None:
-        return Isolation(tuple(np.asarray(x, dtype=float).tolist()), 0.0, why, ())
-    known = _KNOWN.setdefault(model, {})
-    key = tuple(point.tolist())
-    if key not in known:
-        known[key] = _decided(model, point)
-    radius, reason = known[key][tuple(stratum)]
-    return Isolation(key, radius, reason, (tuple(stratum),) if radius else ())
+def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
+    """Show that a singular state is the only critical point near it on a stratum.
+
+    Parameters
+    ----------
+    model
+        A posed scene with fold limits.
+    x
+        Near the state, to `BESIDE` [rad], shape [n].
+    stratum
+        +1 or -1 for variables held at +-pi, 0 for free ones; those free may be at +-pi at the state.
+
+    Returns
+    -------
+    Isolation
+        Radius 0 where nothing is shown.
+
+    Examples
+    --------
+    >>> import math
+    >>> from origami_nlp import Model, Scene, Vertex
+    >>> vertex = Vertex.from_degrees((60, 80, 120, 100))
+    >>> model = Model(Scene(vertex, (1, 2, 3, 4), (0.3, -1, 2, 0.5), "none", "fold-limits"))
+    >>> isolated(model, [math.pi, -math.pi, -math.pi, -math.pi], (0, 0, 0, -1)).radius
+    0.01
+    """
+    near, stratum = np.asarray(x, dtype=float), tuple(int(s) for s in stratum)
+    try:
+        point, turned = _state_at(model, near, stratum)
+        known = _KNOWN.setdefault(model, {})
+        key = (*point.tolist(), *(stratum if turned else ()))
+        if key not in known:
+            known[key] = _decide(model, point, turned, stratum)
+        return known[key][stratum]
+    except _NotShown as why:
+        return Isolation(tuple(near.tolist()), 0.0, 0.0, str(why))
 
 
-_KNOWN: WeakKeyDictionary = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Model, dict[tuple[float, ...], dict[Stratum, Isolation]]] = (
+    WeakKeyDictionary()
+)
 
 
-def _folded_point(model, x, stratum):
+class _NotShown(Exception):
+    """Why nothing is shown."""
+
+
+def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray, list[int]]:
+    """Return the exact state next to x, and its creases that are turned by no multiple of pi."""
     turns = np.rint(x / math.pi)
     point = turns * math.pi
-    if np.abs(x - point).max() > NEAR:
-        return None, "not flat-folded"
-    if any(s and s != t for s, t in zip(stratum, turns, strict=True)):
-        return None, "not on the stratum"
+    turned = np.flatnonzero(np.abs(x - point) > BESIDE).tolist()
+    point[turned] = x[turned]
+    if any(s and (s != t or i in turned) for i, (s, t) in enumerate(zip(stratum, turns, strict=True))):
+        raise _NotShown("it is not on the stratum")
+    if len(turned) > 2:
+        raise _NotShown(f"{len(turned)} creases are turned: only pairs are looked at")
+    if turned:
+        point[turned] = _at_balance(model, point, turned)
     kinematics = Kinematics(model)
     at = kinematics.fold(point[None])
     if np.abs(kinematics.closure(at)[0]).max() > CLOSES or at.sheet[0] <= 0:
-        return None, "no flat-folded state there: does not close"
-    return point, ""
+        raise _NotShown("no flat folding, nor one with a turned pair, closes there")
+    if np.abs(x - point).max() > BESIDE:
+        raise _NotShown("its turned creases are not in balance there")
+    return point, turned
 
 
-def _decided(model, point):
-    site = _Site(model, point)
-    turns = np.rint(point / math.pi).astype(int)
-    strata = list(itertools.product(*[(0, int(t)) if t else (0,) for t in turns]))
-    out = {s: (0.0, "") for s in strata}
-    open_ = strata
+def _at_balance(model: Model, point: np.ndarray, turned: list[int]) -> np.ndarray:
+    """Fold angles of the turned creases where they are in balance: one on its own, or a pair on one line."""
+    p, kinematics = model.parameters, Kinematics(model)
+    force = p.rest[turned] + p.load[turned] / p.stiffness[turned]
+    if len(turned) == 1:
+        return force
+    a, b = turned
+    jacobian = kinematics.closure(kinematics.fold(point[None]))[1][0]
+    t = _ratio(jacobian[:, a], jacobian[:, b])
+    if not t or np.abs(jacobian[:, a] - t * jacobian[:, b]).max() > BESIDE:
+        raise _NotShown("the two turned creases are not on one line")
+    ka, kb = p.stiffness[turned]
+    both = 0.5 * math.pi * np.rint((point[b] + t * point[a]) / (0.5 * math.pi))
+    first = (ka * force[0] + t * kb * (both - force[1])) / (ka + t * t * kb)
+    return np.array([first, both - t * first])
+
+
+def _ratio(one: np.ndarray, other: np.ndarray) -> float:
+    """t with one = t other, a power of 2 up to its sign, if they are parallel; 0 where one of them is zero."""
+    lengths = np.linalg.norm(one), np.linalg.norm(other)
+    if min(lengths) <= RANK:
+        return 0.0
+    return float(np.sign(one @ other) * 2.0 ** round(math.log2(lengths[0] / lengths[1])))
+
+
+def _decide(
+    model: Model, point: np.ndarray, turned: list[int], stratum: Stratum
+) -> dict[Stratum, Isolation]:
+    """Decide on all strata that a flat folding touches, or on one that a state with a turned pair touches."""
+    turns = np.rint(point / math.pi).astype(int).tolist()
+    touched = itertools.product(*[(0, t) if t else (0,) for t in turns])
+    strata = [stratum] if turned else list(touched)
+    site = _Site(model, point, turned, stratum)
+    key, out = tuple(point.tolist()), {}
     for radius in RADII:
-        faces = no_zero(site.forms(open_, radius))
-        for s, empty, u in zip(open_, faces.empty, faces.direction, strict=True):
-            out[s] = (
-                radius if empty else 0.0,
-                "alone" if empty else f"direction {np.round(u, 3).tolist()}",
-            )
-        open_ = [s for s, empty in zip(open_, faces.empty, strict=True) if not empty]
-        if not open_:
+        forms, loose = site.forms(strata, radius)
+        given_up, left = left_over(forms, radius)
+        beside = none_beside(forms, left, SAME, radius)
+        for k, s in enumerate(strata):
+            mine = left.stratum == k
+            if given_up[k] or not beside[mine].all():
+                what = "whole sets of directions"
+                if not given_up[k]:
+                    u = (0.5 * (left.lower + left.upper))[mine & ~beside][0]
+                    what = f"u = {tuple(np.round(u, 3).tolist())}"
+                out[s] = Isolation(key, 0.0, 0.0, f"not shown: rows vanish, as far as looked at, along {what}")
+            else:
+                core = SAME if loose[k] or mine.any() else 0.0
+                out[s] = Isolation(key, radius, core, "closure, minors and twins to second order")
+        strata = [s for s in strata if not out[s].radius]
+        if not strata:
             break
     return out
 
 
 class _Site:
-    def __init__(self, model, point):
-        kinematics = Kinematics(model)
-        m, n = model.equation_count, model.size
+    """Closure and torques at a singular state, and the rows that follow from them."""
+
+    def __init__(self, model: Model, point: np.ndarray, turned: list[int], stratum: Stratum) -> None:
+        kinematics, n, m = Kinematics(model), model.size, model.equation_count
+        self.model, self.turned, self.point = model, turned, point
         at = kinematics.fold(np.tile(point, (m, 1)))
+        self.axes, self.rays = at.axes[0, :n], at.rays[0]
         jacobian = kinematics.closure(at)[1][0]
         hessian = kinematics.closure_hessian(at, np.eye(m))
-        left, size, _ = np.linalg.svd(jacobian)
+        seen = [i for i, s in enumerate(stratum) if not s] if turned else list(range(n))
+        left, size, _ = np.linalg.svd(jacobian[:, seen])
         size = np.append(size, np.zeros(m))[:m]
         self.rank = int((size > RANK).sum())
-        assert (size[self.rank :] < CLOSES).all()
+        if (size[self.rank :] > CLOSES).any():
+            raise _NotShown("its axes nearly lie in one plane")
+        if turned and self.rank < m and not self._in_one_plane(seen):
+            raise _NotShown("its axes seem to lie in one plane, for no reason that is looked for")
         self.jacobian = left.T @ jacobian
         self.hessian = np.einsum("ab,aij->bij", left, hessian)
-        self.m, self.n = m, n
-        s = model.structure
-        self.lever = 1.0 if s.kind == "D" and s.order > 1 else 0.5
-        p = model.parameters
-        torque = p.torque(point)
-        torque[np.abs(torque) <= 16 * EPS * p.stiffness] = 0.0
-        self.scale = float(np.abs(torque).max()) or float(p.stiffness.max())
-        self.torque, self.stiffness = torque / self.scale, p.stiffness / self.scale
-        self.point = point
-        self.axes = at.axes[0][:n]
-        self.cyclic = s.kind == "C" and s.order == 1
+        self.order = 1 if turned else 2
+        self.lever = 1.0 if model.structure.kind == "D" and model.structure.order > 1 else 0.5
+        torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
+        scale = float(np.abs(torque).max())
+        scale = scale if scale > SLACK * stiffness.max() else float(stiffness.max())
+        self.torque, self.stiffness = torque / scale, stiffness / scale
         self.minors = list(self._minors())
 
-    def _minors(self) -> Iterator[tuple]:
-        """Each set S with its constant, linear and quadratic parts and norms."""
-        rank, m = self.rank, self.m
+    def _in_one_plane(self, seen: list[int]) -> bool:
+        """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is."""
+        a, b = self.turned[0], self.turned[-1]
+        inside = [i for i in seen if a < i < b or (a == b and i > a)]
+        outside = [i for i in seen if i < a or (i > b and a != b)]
+        lines = self.axes[seen]
+        parallel = np.linalg.norm(np.cross(lines, lines[0]), axis=1).max() <= CLOSES
+        free = self.model.structure.kind == "C" and self.model.structure.order == 1
+        return parallel or not inside or (free and not outside)
+
+    def _minors(self) -> Iterator[_Minor]:
+        """Each minor of the free creases, with at most one normal row."""
+        m, rank = len(self.jacobian), self.rank
         if m - rank > 1:
             return
-        for rows in itertools.combinations(range(self.n), m + 1):
-            s = list(rows)
-            g, k = self.torque[s], self.stiffness[s]
-            j = self.jacobian[:rank, s].T
-            constant, linear, quadratic = 0.0, np.zeros(self.n), np.zeros((self.n, self.n))
-            at_rest = not g.any()
-            if rank == m:
-                for a in range(m + 1):
-                    c = (-1) ** a * np.linalg.det(np.delete(j, a, axis=0))
-                    constant += c * g[a]
-                    if at_rest:
-                        linear[s[a]] += c * k[a]
-                h = None
-            else:
-                h = self.hessian[-1][s]
-                for a, b in itertools.permutations(range(m + 1), 2):
-                    others = np.delete(j, (a, b), axis=0)
-                    # G first and h last: bring rows a and b out
-                    sign = (-1) ** (a + b + (b < a) + m) * (-1)
-                    d = sign * (np.linalg.det(others) if rank else 1.0)
-                    if at_rest:
-                        quadratic[s[a]] += d * k[a] * h[b]
-                    else:
-                        linear += d * g[a] * h[b]
-                quadratic = 0.5 * (quadratic + quadratic.T)
-            yield s, at_rest, constant, linear, quadratic, j, h
+        for s in itertools.combinations(range(len(self.axes)), m + 1):
+            rows = list(s)
+            yield _Minor(
+                rows,
+                self.torque[rows],
+                self.stiffness[rows],
+                self.jacobian[:rank, rows].T,
+                self.hessian[:, rows],
+                rank < m,
+            )
 
-    def forms(self, strata, radius) -> Forms:
-        n, m, rank = self.n, self.m, self.rank
-        sigma = self.lever * n
-        reach = sigma * radius
-        eta = CLOSES
-        free = np.array([[t == 0 for t in s] for s in strata])
-        rows = []
-        every = np.ones(len(strata), dtype=bool)
-        zero1, zero2 = np.zeros(n), np.zeros((n, n))
-        for a in range(m):
-            if a < rank:
-                rows.append((0.0, self.jacobian[a], zero2, sigma * reach**2 / 6 + eta * n, every))
+    def forms(self, strata: list[Stratum], radius: float) -> tuple[Forms, np.ndarray]:
+        """Return the rows on strata, for r <= radius, and whether they hold from `SAME` on only, bool [S]."""
+        free = np.array(strata) == 0
+        rows = [(row, np.ones(len(strata), dtype=bool)) for row in self._closure()]
+        rows += [
+            (minor.row(self, radius), free[:, minor.creases].all(axis=1)) for minor in self.minors
+        ]
+        rows += list(self._twins(free)) + list(self._at_mirrors(free))
+        holds = np.array([which for _, which in rows]).T
+        loose = holds[:, [row.loose for row, _ in rows]].any(axis=1)
+        turns = np.where(np.isin(np.arange(len(self.point)), self.turned), 0, np.rint(self.point / math.pi))
+        columns = zip(*((*row.forms, row.base, row.error) for row, _ in rows), strict=True)
+        c, a, q, t, tq, b, e = (np.array(column, dtype=float) for column in columns)
+        lower, upper = np.where(free & (turns >= 0), -1.0, 0.0), np.where(free & (turns <= 0), 1.0, 0.0)
+        return Forms(c, a, q, t, tq, b, e, self.order, holds, lower, upper), loose
+
+    @property
+    def size(self) -> float:
+        """Bound s of a derivative along u."""
+        return self.lever * len(self.point)
+
+    def _closure(self) -> Iterator[_Row]:
+        n, s, even = len(self.point), self.size, self.order == 2
+        for a, (j, h) in enumerate(zip(self.jacobian, self.hessian, strict=True)):
+            if a < self.rank:
+                yield _Row(n, linear=j, base=CLOSES * n, error=s**3 / 6 if even else s**2 / 2)
             else:
-                error = sigma**2 * reach**2 / 12 + eta * n**2
-                rows.append((0.0, zero1, self.hessian[a], error, every))
-        d_range = self.lever * reach**2 / 2 + eta
-        d_null = self.lever * sigma * reach**2 / 6 + eta * n
-        for s, at_rest, constant, linear, quadratic, j, h in self.minors:
-            root = math.sqrt(len(s))
-            g = np.linalg.norm(self.stiffness[s] if at_rest else self.torque[s])
-            dg = eta * root + (0.0 if at_rest else radius * np.linalg.norm(self.stiffness[s]))
-            sizes = [g, *np.linalg.norm(j, axis=0)]
-            more = [dg] + [d_range * root] * j.shape[1]
-            if h is not None:
-                sizes.append(np.linalg.norm(np.abs(h).sum(axis=1)))
-                more.append(d_null * root)
-            sizes, more = np.array(sizes), np.array(more)
-            error = np.prod(sizes + more) - np.prod(sizes) + 64 * EPS * np.prod(sizes + more)
-            rows.append((constant, linear, quadratic, error, free[:, s].all(axis=1)))
-        for (a, b), tau, which in self._twins(strata, free):
-            ga, gb = self.torque[a], tau * self.torque[b]
-            ka, kb = self.stiffness[a], tau * self.stiffness[b]
-            linear = np.zeros(n)
-            if ga == gb and (ga == 0 or ka == abs(kb)):
-                linear[a], linear[b] = ka, -kb
-                top = max(ka, abs(kb))
-                rows.append((0.0, linear / top, zero2, 0.0, which))
-            else:
-                error = radius * (ka + abs(kb)) + eta
-                rows.append((ga - gb, linear, zero2, error, which))
-        turns = np.rint(self.point / math.pi)
-        lower = np.where(free & (turns <= 0) * 1, 0, 0)
-        lower = np.where(free & (turns >= 0), -1.0, 0.0)
-        upper = np.where(free & (turns <= 0), 1.0, 0.0)
-        c, a, q, e, holds = zip(*rows, strict=True)
-        return Forms(
-            np.array(c), np.array(a), np.array(q), np.array(e), np.array(holds).T, lower, upper
+                error = s**4 / 12 if even else s**3 / 3
+                yield _Row(n, quadratic=h, base=CLOSES * n * n, error=error)
+
+    def _balance(self, i: int, t: float, k: int) -> _Row:
+        """G_i - t G_k = 0 for all states of a stratum."""
+        n, ki, kk = len(self.point), self.stiffness[i], t * self.stiffness[k]
+        slope = np.zeros(n)
+        slope[k], slope[i] = -kk, ki
+        miss = self.torque[i] - t * self.torque[k]
+        rounding = SLACK * (ki + abs(kk))
+        if abs(miss) <= rounding:
+            return _Row(n, linear=slope, base=2 * rounding / SAME, loose=True)
+        return _Row(n, constant=miss, tilt_linear=slope, base=rounding)
+
+    def _twins(self, free: np.ndarray) -> Iterator[tuple[_Row, np.ndarray]]:
+        """Rows of creases on one line that only closed ones part, and where they hold."""
+        s = self.model.structure
+        for a, b in itertools.combinations(range(len(self.point)), 2):
+            t = _ratio(self.jacobian[:, a], self.jacobian[:, b])
+            if t and np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSES:
+                shut = ~free[:, a + 1 : b].any(axis=1)
+                if s.kind == "C" and s.order == 1:
+                    shut |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
+                yield self._balance(a, t, b), shut & free[:, a] & free[:, b]
+
+    def _at_mirrors(self, free: np.ndarray) -> Iterator[tuple[_Row, np.ndarray]]:
+        """Rows of creases at right angles to a mirror that only closed ones part them from, and where they hold."""
+        if self.model.structure.kind != "D":
+            return
+        for i, axis in enumerate(self.axes):
+            first = np.linalg.norm(np.cross(axis, (0.0, 1.0, 0.0))) <= CLOSES
+            last = np.linalg.norm(np.cross(axis, np.cross(self.rays[-1], self.rays[-2]))) <= CLOSES
+            before, after = free[:, :i].any(axis=1), free[:, i + 1 :].any(axis=1)
+            which = free[:, i] & ((first & ~before) | (last & ~after))
+            yield self._balance(i, 0.0, i), which
+
+
+class _Row:
+    """c + a . u + u' M u + r (t . u + u' T u) = +-(base + error r^p); `loose`: for r >= SAME only."""
+
+    def __init__(
+        self,
+        n: int,
+        constant: float = 0.0,
+        linear: np.ndarray | None = None,
+        quadratic: np.ndarray | None = None,
+        tilt_linear: np.ndarray | None = None,
+        tilt_quadratic: np.ndarray | None = None,
+        base: float = 0.0,
+        error: float = 0.0,
+        loose: bool = False,
+    ) -> None:
+        row, square = np.zeros(n), np.zeros((n, n))
+        self.forms = (
+            constant,
+            row if linear is None else linear,
+            square if quadratic is None else 0.5 * (quadratic + quadratic.T),
+            row if tilt_linear is None else tilt_linear,
+            square if tilt_quadratic is None else 0.5 * (tilt_quadratic + tilt_quadratic.T),
+        )
+        self.base, self.error, self.loose = base, error, loose
+
+
+@dataclass(frozen=True, eq=False)
+class _Minor:
+    """det [G | J | (normal row)] of m + 1 creases.
+
+    Attributes
+    ----------
+    creases
+        The set S.
+    torque, stiffness
+        G*, k, shape [m + 1].
+    planar
+        J, shape [m + 1, rank].
+    bends
+        H of each closure row, shape [m, m + 1, n].
+    normal
+        Whether the last closure row is normal.
+    """
+
+    creases: list[int]
+    torque: np.ndarray
+    stiffness: np.ndarray
+    planar: np.ndarray
+    bends: np.ndarray
+    normal: bool
+
+    def row(self, site: _Site, radius: float) -> _Row:
+        """Return the row that the minor makes."""
+        return self._with_normal(site, radius) if self.normal else self._without(site, radius)
+
+    def _with_normal(self, site: _Site, radius: float) -> _Row:
+        n, s, even = len(site.point), site.size, site.order == 2
+        count, rank = self.planar.shape
+        h = self.bends[-1]
+        linear, quadratic = np.zeros(n), np.zeros((n, n))
+        for a, b in itertools.permutations(range(count), 2):
+            # expansion along the first column, G, and the last, the normal row
+            sign = (-1.0) ** (a + b + (b > a) + rank)
+            d = sign * float(np.linalg.det(np.delete(self.planar, (a, b), axis=0)) if rank else 1.0)
+            linear += d * self.torque[a] * h[b]
+            quadratic[self.creases[a]] += d * self.stiffness[a] * h[b]
+        root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
+        planar = np.linalg.norm(self.planar, axis=0)
+        bend = float(np.linalg.norm(np.abs(h).sum(axis=1)))
+        lever = site.lever * root
+        more_planar = lever * (s * s * radius**2 / 2 if even else s * radius)
+        more_bend = lever * (s**3 * radius**2 / 6 if even else s * s * radius / 2)
+        rests = np.abs(self.torque).max() <= SLACK * self.stiffness.max()
+        g = stiff if rests else float(np.linalg.norm(self.torque)) + stiff * radius
+        sizes = np.array([g, *planar, bend])
+        more = np.array([0.0, *([more_planar] * rank), more_bend])
+        wrong = np.array([SLACK * stiff, *([CLOSES * root] * rank), CLOSES * root * n])
+        if rests:
+            wrong[0] = 2 * SLACK * stiff / SAME
+        error = float(np.prod(sizes + more) - np.prod(sizes)) / radius**site.order
+        base = float(np.prod(sizes + more + wrong) - np.prod(sizes + more))
+        base += 128 * EPS * float(np.prod(sizes + more))
+        if rests:
+            return _Row(n, quadratic=quadratic, base=base, error=error, loose=True)
+        return _Row(n, linear=linear, tilt_quadratic=quadratic, base=base, error=error)
+
+    def _without(self, site: _Site, radius: float) -> _Row:
+        n, s, count = len(site.point), site.size, len(self.creases)
+        whole = np.column_stack([self.torque, self.planar])
+        cofactors = np.array(
+            [
+                [(-1.0) ** (i + c) * np.linalg.det(_without(whole, i, c)) for c in range(count)]
+                for i in range(count)
+            ]
+        )
+        constant = float(cofactors[:, 0] @ self.torque)
+        slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
+        slope[self.creases] += cofactors[:, 0] * self.stiffness
+        root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
+        first = np.array([stiff, *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1)])
+        second = np.array([0.0, *([site.lever * s * s / 2 * root] * (count - 1))])
+        sizes = np.linalg.norm(whole, axis=0)
+        wrong = CLOSES * root * np.array([stiff, *([1.0] * (count - 1))])
+        most = float(np.prod(sizes + radius * first + radius**2 * second + wrong))
+        linear = sum(first[c] * np.prod(np.delete(sizes, c)) for c in range(count))
+        rest = float(np.prod(sizes + radius * first + radius**2 * second) - np.prod(sizes))
+        rest += 128 * EPS * most - radius * float(linear)
+        base = most - float(np.prod(sizes + radius * first + radius**2 * second)) + 128 * EPS * most
+        if abs(constant) <= base:
+            base = (abs(constant) + base) / SAME + rest / radius + CLOSES * n * most
+            return _Row(n, linear=slope, base=base, loose=True)
+        return _Row(
+            n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order
         )
 
-    def _twins(self, strata, free):
-        for a, b in itertools.combinations(range(self.n), 2):
-            if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) > CLOSES:
-                continue
-            inner = ~free[:, a + 1 : b].any(axis=1)
-            if self.cyclic:
-                inner |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
-            which = inner & free[:, a] & free[:, b]
-            if not which.any():
-                continue
-            ja, jb = self.jacobian[:, a], self.jacobian[:, b]
-            if jb @ jb < RANK or ja @ ja < RANK:
-                continue
-            tau = 2.0 ** round(math.log2((ja @ ja) / (jb @ jb)) / 2) * np.sign(ja @ jb)
-            yield (a, b), tau, which
+
+def _without(square: np.ndarray, row: int, column: int) -> np.ndarray:
+    return np.delete(np.delete(square, row, axis=0), column, axis=1)
