@@ -112,9 +112,7 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
         Where no row could be told from zero.  A stratum without boxes that was not given up has no zero: proved.
     """
     forms = _with_rounding(forms)
-    error = (1 + 8 * EPS) * (
-        forms.base + forms.tilts * radius + forms.error * radius**forms.order
-    )
+    error = (1 + 8 * EPS) * (forms.base + forms.tilts * radius + forms.error * radius**forms.order)
     boxes, given_up = _faces(forms), np.zeros(len(forms.holds), dtype=bool)
     left = [boxes[:0]]
     while len(boxes.stratum):
@@ -203,8 +201,12 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     value, slope, error, spread, holds, d, m = (
         part[keep] for part in (value, slope, error, spread, holds, d, m)
     )
-    y = _left_inverse(slope * d[:, None, :], holds / (error + FLOOR * spread + EPS))
-    y = d[:, :, None] * y
+    # weighted least squares for unknowns of size 1: any Y would do
+    weight = holds / (error + FLOOR * spread + EPS)
+    w = weight[:, :, None] * slope * d[:, None, :]
+    turned = w.transpose(0, 2, 1)
+    y = np.linalg.solve(turned @ w + np.eye(m.shape[1]), turned)
+    y = d[:, :, None] * y * weight[:, None, :]
     size, n = np.abs(y), m.shape[1]
     count = 2 * (n + len(forms.constant))
     rest = np.abs(np.eye(n) - y @ slope)
@@ -219,14 +221,6 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     return keep, Boxes(boxes.stratum, low, high)
 
 
-def _left_inverse(slope: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return weighted least squares Y [..., n, R] for slopes [..., R, n] of unknowns of size 1 and weights [..., R]."""
-    w = weight[..., None] * slope
-    turned = np.swapaxes(w, -1, -2)
-    normal = turned @ w + np.eye(slope.shape[-1])
-    return np.linalg.solve(normal, turned) * weight[..., None, :]
-
-
 def _halved(boxes: Boxes) -> Boxes:
     """Split each box at the middle of its widest side; both halves share that number."""
     lower, upper = boxes.lower, boxes.upper
@@ -237,9 +231,7 @@ def _halved(boxes: Boxes) -> Boxes:
     return Boxes(np.tile(boxes.stratum, 2), np.vstack([lower, above]), np.vstack([below, upper]))
 
 
-def _tilted(
-    rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radius: float
-) -> bool:
+def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radius: float) -> bool:
     """Tell whether rows (all hold) have no zero with a direction in a box for core <= r <= radius."""
     move = upper > lower
     z = 0.5 * (lower + upper)
@@ -253,7 +245,7 @@ def _tilted(
     if not move.any() or np.abs(z).max() > 1.5 or d.max() > 64 * NARROWEST:
         return False
     size = np.abs(slope).max(axis=1) + EPS
-    y = _left_inverse(slope, 1 / (np.sqrt(EPS) * size))
+    y = np.linalg.pinv(slope / size[:, None]) / size
     count = 4 * (len(value) + len(z))
     shrink = np.abs(np.eye(len(d)) - y @ slope) + count * EPS * (np.abs(y) @ np.abs(slope))
     shrink += _bowed(y, bow, d)
@@ -263,7 +255,9 @@ def _tilted(
     grow = (1 + count * EPS) / (1 - q)
 
     def away(r: float) -> float:
-        return grow * float((np.abs(y) @ (value + rows.base + rows.tilts * r + rows.error * r * r)).max())
+        return grow * float(
+            (np.abs(y) @ (value + rows.base + rows.tilts * r + rows.error * r * r)).max()
+        )
 
     tilt = rows.tilt_linear @ z + np.einsum("rij,i,j->r", rows.tilt_quadratic, z, z)
     null = np.linalg.svd(slope / size[:, None])[0][:, int(move.sum()) :]

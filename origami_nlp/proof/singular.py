@@ -118,11 +118,11 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     """
     near, stratum = np.asarray(x, dtype=float), tuple(int(s) for s in stratum)
     try:
-        point, turned = _state_at(model, near, stratum)
+        point, lines = _state_at(model, near, stratum)
         known = _KNOWN.setdefault(model, {})
-        key = (*point.tolist(), *(stratum if turned else ()))
+        key = (*point.tolist(), *(stratum if lines else ()))
         if key not in known:
-            known[key] = _decide(model, point, turned, stratum)
+            known[key] = _decide(model, point, lines, stratum)
         return known[key][stratum]
     except _NotShown as why:
         return Isolation(tuple(near.tolist()), 0.0, 0.0, str(why))
@@ -137,42 +137,45 @@ class _NotShown(Exception):
     """Why nothing is shown."""
 
 
-def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray, list[int]]:
-    """Return the exact state next to x, and its creases that are turned by no multiple of pi."""
+def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray, list[list[int]]]:
+    """Return the exact state next to x, and its creases that are turned by no multiple of pi, by their lines."""
     turns = np.rint(x / math.pi)
     point = turns * math.pi
     turned = np.flatnonzero(np.abs(x - point) > BESIDE).tolist()
     point[turned] = x[turned]
-    if any(s and (s != t or i in turned) for i, (s, t) in enumerate(zip(stratum, turns, strict=True))):
+    held = np.flatnonzero(stratum)
+    if (turns[held] != np.array(stratum)[held]).any() or np.isin(held, turned).any():
         raise _NotShown("it is not on the stratum")
-    if len(turned) > 2:
-        raise _NotShown(f"{len(turned)} creases are turned: only pairs are looked at")
-    if turned:
-        point[turned] = _at_balance(model, point, turned)
     kinematics = Kinematics(model)
     at = kinematics.fold(point[None])
+    jacobian = kinematics.closure(at)[1][0]
+    lines: list[list[int]] = []
+    for i in turned:
+        apart = [np.linalg.norm(np.cross(at.axes[0, line[0]], at.axes[0, i])) for line in lines]
+        if lines and min(apart) <= model.size * BESIDE:
+            lines[int(np.argmin(apart))].append(i)
+        else:
+            lines.append([i])
+    for line in lines:
+        point[line] = _balanced(model, point[line], line, jacobian[:, line])
+    at = kinematics.fold(point[None])
     if np.abs(kinematics.closure(at)[0]).max() > CLOSES or at.sheet[0] <= 0:
-        raise _NotShown("no flat folding, nor one with a turned pair, closes there")
+        raise _NotShown("no flat folding, nor one with twins turned, closes there")
     if np.abs(x - point).max() > BESIDE:
         raise _NotShown("its turned creases are not in balance there")
-    return point, turned
+    return point, lines
 
 
-def _at_balance(model: Model, point: np.ndarray, turned: list[int]) -> np.ndarray:
-    """Fold angles of the turned creases where they are in balance: one on its own, or a pair on one line."""
-    p, kinematics = model.parameters, Kinematics(model)
-    force = p.rest[turned] + p.load[turned] / p.stiffness[turned]
-    if len(turned) == 1:
-        return force
-    a, b = turned
-    jacobian = kinematics.closure(kinematics.fold(point[None]))[1][0]
-    t = _ratio(jacobian[:, a], jacobian[:, b])
-    if not t or np.abs(jacobian[:, a] - t * jacobian[:, b]).max() > BESIDE:
-        raise _NotShown("the two turned creases are not on one line")
-    ka, kb = p.stiffness[turned]
-    both = 0.5 * math.pi * np.rint((point[b] + t * point[a]) / (0.5 * math.pi))
-    first = (ka * force[0] + t * kb * (both - force[1])) / (ka + t * t * kb)
-    return np.array([first, both - t * first])
+def _balanced(model: Model, x: np.ndarray, line: list[int], jacobian: np.ndarray) -> np.ndarray:
+    """Fold angles [k] near x of turned creases on one line where the moments along it are equal."""
+    p = model.parameters
+    stiffness, rest = p.stiffness[line], p.rest[line] + p.load[line] / p.stiffness[line]
+    t = np.array([_ratio(j, jacobian[:, 0]) for j in jacobian.T])
+    if not t.all():  # a crease that closure does not see
+        return rest
+    quarter = 0.5 * math.pi
+    sum_ = quarter * np.rint(t @ x / quarter)
+    return rest + t / stiffness * (sum_ - t @ rest) / (t @ (t / stiffness))
 
 
 def _ratio(one: np.ndarray, other: np.ndarray) -> float:
@@ -184,13 +187,13 @@ def _ratio(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def _decide(
-    model: Model, point: np.ndarray, turned: list[int], stratum: Stratum
+    model: Model, point: np.ndarray, lines: list[list[int]], stratum: Stratum
 ) -> dict[Stratum, Isolation]:
     """Decide on all strata that a flat folding touches, or on one that a state with a turned pair touches."""
     turns = np.rint(point / math.pi).astype(int).tolist()
     touched = itertools.product(*[(0, t) if t else (0,) for t in turns])
-    strata = [stratum] if turned else list(touched)
-    site = _Site(model, point, turned, stratum)
+    strata = [stratum] if lines else list(touched)
+    site = _Site(model, point, lines, stratum)
     key, out = tuple(point.tolist()), {}
     for radius in RADII:
         forms, loose = site.forms(strata, radius)
@@ -203,7 +206,9 @@ def _decide(
                 if not given_up[k]:
                     u = (0.5 * (left.lower + left.upper))[mine & ~beside][0]
                     what = f"u = {tuple(np.round(u, 3).tolist())}"
-                out[s] = Isolation(key, 0.0, 0.0, f"not shown: rows vanish, as far as looked at, along {what}")
+                out[s] = Isolation(
+                    key, 0.0, 0.0, f"not shown: rows vanish, as far as looked at, along {what}"
+                )
             else:
                 core = SAME if loose[k] or mine.any() else 0.0
                 out[s] = Isolation(key, radius, core, "closure, minors and twins to second order")
@@ -216,24 +221,27 @@ def _decide(
 class _Site:
     """Closure and torques at a singular state, and the rows that follow from them."""
 
-    def __init__(self, model: Model, point: np.ndarray, turned: list[int], stratum: Stratum) -> None:
+    def __init__(
+        self, model: Model, point: np.ndarray, lines: list[list[int]], stratum: Stratum
+    ) -> None:
         kinematics, n, m = Kinematics(model), model.size, model.equation_count
-        self.model, self.turned, self.point = model, turned, point
+        self.model, self.lines, self.point = model, lines, point
+        self.turned = sum(lines, [])
         at = kinematics.fold(np.tile(point, (m, 1)))
         self.axes, self.rays = at.axes[0, :n], at.rays[0]
         jacobian = kinematics.closure(at)[1][0]
         hessian = kinematics.closure_hessian(at, np.eye(m))
-        seen = [i for i, s in enumerate(stratum) if not s] if turned else list(range(n))
+        seen = [i for i, s in enumerate(stratum) if not s] if lines else list(range(n))
         left, size, _ = np.linalg.svd(jacobian[:, seen])
         size = np.append(size, np.zeros(m))[:m]
         self.rank = int((size > RANK).sum())
         if (size[self.rank :] > CLOSES).any():
             raise _NotShown("its axes nearly lie in one plane")
-        if turned and self.rank < m and not self._in_one_plane(seen):
+        if lines and self.rank < m and not self._in_one_plane(seen):
             raise _NotShown("its axes seem to lie in one plane, for no reason that is looked for")
         self.jacobian = left.T @ jacobian
         self.hessian = np.einsum("ab,aij->bij", left, hessian)
-        self.order = 1 if turned else 2
+        self.order = 1 if lines else 2
         self.lever = 1.0 if model.structure.kind == "D" and model.structure.order > 1 else 0.5
         torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
         scale = float(np.abs(torque).max())
@@ -242,14 +250,34 @@ class _Site:
         self.minors = list(self._minors())
 
     def _in_one_plane(self, seen: list[int]) -> bool:
-        """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is."""
-        a, b = self.turned[0], self.turned[-1]
-        inside = [i for i in seen if a < i < b or (a == b and i > a)]
-        outside = [i for i in seen if i < a or (i > b and a != b)]
-        lines = self.axes[seen]
-        parallel = np.linalg.norm(np.cross(lines, lines[0]), axis=1).max() <= CLOSES
-        free = self.model.structure.kind == "C" and self.model.structure.order == 1
-        return parallel or not inside or (free and not outside)
+        """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is.
+
+        Facets that closed or flat creases part lie in one plane; a line of twins leaves its plane at the first of them,
+        and is back in it after the last.  In a wedge the plane must be that of its first facet.
+        """
+        axes = self.axes[seen]
+        if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSES:
+            return True
+        plane, planes, last = 0, [{0} for _ in self.point], 0
+        back: list[tuple[list[int], int]] = []
+        for i in range(len(self.point)):
+            planes[i] = {plane}
+            for line in (line for line in self.lines if i in line):
+                if i == line[0]:
+                    back.append((line, plane))
+                if back[-1][0] is not line:
+                    return False  # lines that cross
+                last += 1
+                plane = back.pop()[1] if i == line[-1] and len(line) > 1 else last
+                planes[i].add(plane)
+        for line in self.lines:
+            every = set.union(*(planes[i] for i in line))
+            beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSES
+            for i in np.flatnonzero(beside):
+                planes[i] |= every
+        shared = set.intersection(*(planes[i] for i in seen))
+        structure = self.model.structure
+        return bool(shared) if structure.kind == "C" and structure.order == 1 else 0 in shared
 
     def _minors(self) -> Iterator[_Minor]:
         """Each minor of the free creases, with at most one normal row."""
@@ -277,10 +305,15 @@ class _Site:
         rows += list(self._twins(free)) + list(self._at_mirrors(free))
         holds = np.array([which for _, which in rows]).T
         loose = holds[:, [row.loose for row, _ in rows]].any(axis=1)
-        turns = np.where(np.isin(np.arange(len(self.point)), self.turned), 0, np.rint(self.point / math.pi))
+        turns = np.where(
+            np.isin(np.arange(len(self.point)), self.turned), 0, np.rint(self.point / math.pi)
+        )
         columns = zip(*((*row.forms, row.base, row.error) for row, _ in rows), strict=True)
         c, a, q, t, tq, b, e = (np.array(column, dtype=float) for column in columns)
-        lower, upper = np.where(free & (turns >= 0), -1.0, 0.0), np.where(free & (turns <= 0), 1.0, 0.0)
+        lower, upper = (
+            np.where(free & (turns >= 0), -1.0, 0.0),
+            np.where(free & (turns <= 0), 1.0, 0.0),
+        )
         return Forms(c, a, q, t, tq, b, e, self.order, holds, lower, upper), loose
 
     @property
@@ -442,9 +475,7 @@ class _Minor:
         if abs(constant) <= base:
             base = (abs(constant) + base) / SAME + rest / radius + CLOSES * n * most
             return _Row(n, linear=slope, base=base, loose=True)
-        return _Row(
-            n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order
-        )
+        return _Row(n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order)
 
 
 def _without(square: np.ndarray, row: int, column: int) -> np.ndarray:
