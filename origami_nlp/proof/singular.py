@@ -239,14 +239,14 @@ class _Site:
             raise _NotShown("its axes nearly lie in one plane")
         if lines and self.rank < m and not self._in_one_plane(seen):
             raise _NotShown("its axes seem to lie in one plane, for no reason that is looked for")
-        self.jacobian = left.T @ jacobian
+        self.turn, self.jacobian = left.T, left.T @ jacobian
         self.hessian = np.einsum("ab,aij->bij", left, hessian)
         self.order = 1 if lines else 2
         self.lever = 1.0 if model.structure.kind == "D" and model.structure.order > 1 else 0.5
         torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
-        scale = float(np.abs(torque).max())
-        scale = scale if scale > SLACK * stiffness.max() else float(stiffness.max())
-        self.torque, self.stiffness = torque / scale, stiffness / scale
+        largest = float(np.abs(torque).max())
+        self.scale = largest if largest > SLACK * stiffness.max() else float(stiffness.max())
+        self.torque, self.stiffness = torque / self.scale, stiffness / self.scale
         self.minors = list(self._minors())
 
     def _in_one_plane(self, seen: list[int]) -> bool:
