@@ -1,4 +1,4 @@
-"""That a list of minima is complete, by interval arithmetic over all fold angles."""
+"""Completeness as a theorem: every critical point of a scene, by interval arithmetic over all of its fold angles."""
 
 import lazy_loader
 
