@@ -13,5 +13,5 @@ from .chains import Rows as Rows
 from .complete import pose as pose, prove as prove
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
-from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree
 from .singular import Isolation as Isolation, isolated as isolated
+from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

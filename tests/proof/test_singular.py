@@ -12,7 +12,8 @@ from origami_nlp import Model, Scene, Vertex, examples
 from origami_nlp.numerics import SAME
 from origami_nlp.programme import Kinematics
 from origami_nlp.proof import isolated
-from origami_nlp.proof.singular import RADII, _Site
+from origami_nlp.proof.blow_up import Site
+from origami_nlp.proof.singular import RADII
 
 KAWASAKI, CROSS, SIXTY = (60, 80, 120, 100), (90,) * 4, (60,) * 6
 PAIRS, TWIST = (50, 60, 70, 110, 70), (90, 45, 90, 135)
@@ -118,14 +119,16 @@ def exact(model: Model) -> list:
 def worst(
     model: Model, point: np.ndarray, lines: list[list[int]], seed: int
 ) -> tuple[float, float]:
-    """Largest |row - its forms| over its error, for closure and minors; the same with the error of higher order / 1e5."""
+    """Largest |row - its forms| over its error, closure and minors; the same with errors of higher order / 1e5."""
     rng, n = np.random.default_rng(seed), model.size
     free = (
         (0,) * n
         if not lines
-        else tuple(int(i not in sum(lines, [])) * round(point[i] / math.pi) for i in range(n))
+        else tuple(
+            int(all(i not in line for line in lines)) * round(point[i] / math.pi) for i in range(n)
+        )
     )
-    site = _Site(model, point, lines, free)
+    site = Site(model, point, lines, free)
     seen = [i for i, s in enumerate(free) if not s]
     with mpmath.workdps(50):
         sectors = exact(model)
@@ -181,7 +184,7 @@ def worst(
     return largest, least
 
 
-def ratio(site: _Site, i: int, k: int) -> float:
+def ratio(site: Site, i: int, k: int) -> float:
     one, other = site.jacobian[:, i], site.jacobian[:, k]
     return float(one @ other / (other @ other))
 
@@ -219,8 +222,8 @@ def test_rows_at_flat_foldings_with_springs_at_rest_hold_to_fifty_digits(at_rest
     rest = tuple(x.tolist()) if at_rest else plain.rest_angles
     model = Model(Scene(plain.vertex, plain.stiffness, rest, "none", "fold-limits"))
     rows = [
-        minor.row(_Site(model, x, [], (0,) * 4), 1e-3)
-        for minor in _Site(model, x, [], (0,) * 4).minors
+        minor.row(Site(model, x, [], (0,) * 4), 1e-3)
+        for minor in Site(model, x, [], (0,) * 4).minors
     ]
     assert [row.loose for row in rows] == [at_rest] * len(rows)
     assert worst(model, x, [], 0)[0] <= 1
@@ -406,14 +409,14 @@ def test_a_planted_critical_point_is_never_inside_the_radius() -> None:
 def test_without_their_errors_rows_would_exclude_planted_critical_points(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    whole = _Site.forms
+    whole = Site.forms
 
-    def careless(self: _Site, strata: list, radius: float):
+    def careless(self: Site, strata: list, radius: float):
         forms, loose = whole(self, strata, radius)
         forms.error[:], forms.tilt_linear[:], forms.tilt_quadratic[:] = 0, 0, 0
         return forms, loose
 
-    monkeypatch.setattr(_Site, "forms", careless)
+    monkeypatch.setattr(Site, "forms", careless)
     found = [(isolated(model, x, s), away) for model, x, s, away in plants()]
     assert any(what.radius >= away for what, away in found)
 
@@ -424,7 +427,7 @@ def test_branches_pass_through_flat_foldings_and_only_the_minors_exclude_them(
     model = Model(scene(KAWASAKI, 0))
     states = flat_foldings(model)
     assert min(isolated(model, x, (0, 0, 0, 0)).radius for x in states) > 0
-    monkeypatch.setattr(_Site, "_minors", lambda self: iter(()))
+    monkeypatch.setattr(Site, "_minors", lambda self: iter(()))
     bare = Model(scene(KAWASAKI, 0))
     found = [isolated(bare, x, (0, 0, 0, 0)) for x in states]
     lost = [f.reason for f in found if not f.radius]
