@@ -1,10 +1,10 @@
 """Closure, minors and twins near a singular state x*, as forms in the direction and the distance from it.
 
-*Closure.*  Write x = x* + r u, |u|_inf = 1, g(x) for the closure rows (entries of a unit quaternion, or of a unit vector
-that it carries), all axes seen at x*.  Since q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of g along u
-is at most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); one with d/dx_i in it, l s^(k-1).
-Turn the rows so that J = dg/dx* is zero in the last of them ("normal": no axis turns about it to first order) and of
-full rank in the others ("planar").  With H the Hessian of a row at x*:
+*Closure.*  Write x = x* + r u, |u|_inf = 1, g(x) for the closure rows (entries of a unit quaternion, or of a unit
+vector that it carries), all axes seen at x*.  Since q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of
+g along u is at most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); one with d/dx_i in it, l
+s^(k-1). Turn the rows so that J = dg/dx* is zero in the last of them ("normal": no axis turns about it to first
+order) and of full rank in the others ("planar").  With H the Hessian of a row at x*:
 
     planar   g / r         = J u               +- r s^2 / 2
     normal   g / (r^2 / 2) = u' H u            +- r s^3 / 3
@@ -31,11 +31,11 @@ J_a = t J_b, and a critical point has G_a = t G_b, that is G*_a - t G*_b + r (k_
 No common zero on |u|_inf = 1 for all 0 < r <= r0 means no other critical point within r0 of x*, on a stratum and the
 limits of it.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
 
-*Turned twins.*  No parity.  The facets lie in planes: one until a line turns the sheet, another one between its creases,
-and so on.  Free axes in one of these planes have a normal row; else there is none.
+*Turned twins.*  No parity.  The facets lie in planes: one until a line turns the sheet, another one between its
+creases, and so on.  Free axes in one of these planes have a normal row; else there is none.
 
-*Rounding.*  Coefficients are computed in doubles, to `CLOSES`: products of a few tens of quaternions, from sector angles
-known to some ulp.
+*Rounding.*  Coefficients are computed in doubles, to `CLOSES`: products of a few tens of quaternions, from sector
+angles known to some ulp.
 """
 
 from __future__ import annotations

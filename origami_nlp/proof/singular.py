@@ -2,9 +2,10 @@
 
 At a closed state whose free axes lie in one plane, or on one line, closure loses rank, and no interval Newton method
 certifies anything there.  Two kinds are looked at: *flat foldings*, all fold angles 0 or +-pi, and those with *turned
-twins* (handles, book folds): creases on one line, or on some lines, have other fold angles.  The states with
-sum t_i x_i as it is, over a line, all close; they hold one point where the moments G_i / t_i along the line are equal, and
-that is the state meant.  `blow_up` has what closure, minors and twins say near it, `forms` shows that they agree nowhere.
+twins* (handles, book folds): creases on one line, or on some lines, have other fold angles.  The states with sum t_i
+x_i as it is, over a line, all close; they hold one point where the moments G_i / t_i along the line are equal, and
+that is the state meant.  `blow_up` has what closure, minors and twins say near it, `forms` shows that they agree
+nowhere.
 
 Whether the state itself is a minimum is for `kkt.classify` to say; it is not asked here.
 
