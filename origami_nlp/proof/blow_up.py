@@ -94,7 +94,7 @@ class Site:
         kinematics, n, m = Kinematics(model), model.size, model.equation_count
         self.model, self.lines, self.point = model, lines, point
         self.turned = [i for line in lines for i in line]
-        at = kinematics.fold(np.tile(point, (m, 1)))
+        at = kinematics.fold(np.repeat(point[None], m, axis=0))
         self.axes, self.shares = at.axes[0, :n], shares(model)
         jacobian = kinematics.closure(at)[1][0]
         hessian = kinematics.closure_hessian(at, np.eye(m))

@@ -90,7 +90,7 @@ class Boxes:
     lower: np.ndarray
     upper: np.ndarray
 
-    def __getitem__(self, which: np.ndarray) -> Boxes:
+    def __getitem__(self, which: np.ndarray | slice) -> Boxes:
         return Boxes(self.stratum[which], self.lower[which], self.upper[which])
 
 
