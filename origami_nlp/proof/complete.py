@@ -26,6 +26,7 @@ from origami_nlp.proof.roots import (
     newton,
 )
 from origami_nlp.proof.tree import Kind, Recorder
+from origami_nlp.proof.wedges import Period, Wedge
 
 TOGETHER = 20 * SMALL
 """Boxes of a stratum that are no further apart [rad] are one cluster."""
@@ -72,32 +73,40 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
-    radius = flat.radius or RADII[0]
-    left = prune(posed, start, flat=radius, seconds=seconds, recorder=recorder)
+    near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
+    left = prune(posed, start, flat=near, seconds=seconds, recorder=recorder)
     system = System(model)
-    roots, held, rest, more = _certified(system, posed, left.candidates, radius, recorder)
+    roots, held, number, rest, more = _certified(system, posed, left.candidates, near, recorder)
+    # a root with a free angle at its limit is none of the open stratum: the state belongs to others
+    inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
+    ends = np.flatnonzero(~inside.all(axis=1))
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
+    order = order[inside.all(axis=1)[order]]
     points = tuple(_point(model, roots, int(i)) for i in order)
-    position = np.empty(len(order), dtype=int)
+    position = np.full(len(roots), -1)
     position[order] = np.arange(len(order))
-    groups = list(_clusters(rest))
     singular, undecided, leaves = [], [], []
-    for group in groups:
-        reason, is_singular = _reason(system, rest[group])
+    for i in ends:
+        group = held[number == i]
+        leaves.append((group.node, Kind.SINGULAR, len(singular)))
+        singular.append(
+            _cluster(model, group, "free angles at their limits: a state of other strata")
+        )
+    for group in [rest[g] for g in _clusters(rest)]:
+        reason, is_singular = _reason(system, group)
         kept = singular if is_singular else undecided
-        leaves.append((group, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
-        kept.append(_cluster(model, rest[group], reason))
+        leaves.append((group.node, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
+        kept.append(_cluster(model, group, reason))
     if recorder:
-        for nodes, number in held:
-            recorder.leaves(nodes, Kind.ROOT, position[number])
-        for group, kind, number in leaves:
-            recorder.leaves(rest.node[group], kind, number)
+        recorder.leaves(held.node, Kind.ROOT, position[number])
+        for nodes, kind, place in leaves:
+            recorder.leaves(nodes, kind, place)
     for group in _by_stratum(left.open):
         if recorder:
             recorder.leaves(left.open.node[group], Kind.UNDECIDED, len(undecided))
         undecided.append(_cluster(model, left.open[group], "time was up"))
     if left.flat and not flat.radius:
-        undecided.append(_near_flat(model, radius))
+        undecided.append(_near_flat(model, near))
     return Proof(
         points,
         tuple(singular),
@@ -136,31 +145,42 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if not scene.group.is_trivial:
-        raise OptionError(f"symmetry {scene.group.name}: proofs are for symmetry = 'none'")
-    if model.size < 4:
-        raise OptionError("a vertex of degree 3 has no freedom")
-    vertex = Vertex(p.sectors, p.stiffness, p.rest)
-    return vertex, flat_lemma(vertex)
+    if model.freedom < 1:
+        raise OptionError("the scene has no freedom: its closed states are finitely many")
+    group = scene.group
+    if group.is_trivial:
+        vertex = Vertex(p.sectors, p.stiffness, p.rest)
+        return vertex, flat_lemma(vertex)
+    # torques per crease: variables stand for several, the model sums their springs
+    k = p.stiffness / model.multiplicity
+    flat = Flat(0.0, 0, None)
+    if group.kind == "C":
+        return Period(group.order, p.sectors, k, p.rest), flat
+    crease: list[int | None] = []
+    for ray in group.rays:
+        crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
+    return Wedge(group.order, p.sectors, crease, k, p.rest), flat
 
 
 def _certified(
     system: System, posed: Posed, boxes: Boxes, flat: float, recorder: Recorder | None
-) -> tuple[Roots, list[tuple[np.ndarray, np.ndarray]], Boxes, int]:
+) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
 
     Returns
     -------
     roots : Roots
         Different ones, each held by some box.
-    held
-        Nodes of boxes with the numbers of their roots.
+    held : Boxes
+    number : numpy.ndarray
+        Of the root of each of these.
     rest : Boxes
         Those that no root holds.
     more : int
         Boxes treated.
     """
-    found, held, more = certify(system, *_none(system))[0], [], 0
+    found, more = certify(system, *_none(system))[0], 0
+    held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
     for small in (0.0, *SMALLER):
         if small:
             which = _regular(system, boxes)
@@ -172,11 +192,12 @@ def _certified(
         place = np.full(len(roots), -1)
         place[used] = np.arange(len(used))
         found = roots[used]
-        held.append((boxes.node[number >= 0], place[number[number >= 0]]))
+        held.append(boxes[number >= 0])
+        numbers.append(place[number[number >= 0]])
         boxes = boxes[number < 0]
         if not len(boxes):
             break
-    return found, held, boxes, more
+    return found, joined(held), np.concatenate(numbers), boxes, more
 
 
 def _none(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -204,14 +225,11 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
     index = None if roots.index[i] < 0 else int(roots.index[i])
     signs = roots.signs[i]
     x, pins = roots.x[i], roots.pins[i]
-    inside = np.abs(x) + roots.radius[i] < math.pi
     decided: bool | None = None
     if bool((signs > 0).any()) or (index is not None and index > 0):
         decided = False
     elif index == 0 and (signs[pins != 0] < 0).all():
         decided = True
-    if not inside[pins == 0].all():  # a free angle at its limit
-        decided = None
     half = 0.5 if model.equation_count == 3 else 1.0
     return CriticalPoint(
         tuple(x.tolist()),
