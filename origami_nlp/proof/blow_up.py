@@ -120,12 +120,25 @@ class Site:
         """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is.
 
         Facets that closed or flat creases part lie in one plane; a line of twins leaves its plane at the first of them,
-        and is back in it after the last.  In a wedge the plane must be that of its first facet.
+        and is back in it after the last.  In a wedge the components along the mirror count: the plane must be that of
+        the first facet, or one that a right angle parts from it, which is then at right angles to the mirror.
         """
         axes = self.axes[seen]
         if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSES:
             return True
-        plane, planes, last = 0, [{0} for _ in self.point], 0
+        planes = self._planes()
+        shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
+        s = self.model.structure
+        quarters = self.point[self.turned] / (0.5 * math.pi)
+        if (s.kind, s.order) == ("C", 1) or (
+            s.order == 1 and (quarters == np.rint(quarters)).all()
+        ):
+            return bool(shared)
+        return 0 in shared
+
+    def _planes(self) -> list[set[int]]:
+        """Planes that each axis lies in, by number, 0 that of the first facet; none where lines cross."""
+        plane, last, planes = 0, 0, [{0} for _ in self.point]
         back: list[tuple[list[int], int]] = []
         for i in range(len(self.point)):
             planes[i] = {plane}
@@ -133,18 +146,16 @@ class Site:
                 if i == line[0]:
                     back.append((line, plane))
                 if back[-1][0] is not line:
-                    return False  # lines that cross
+                    return []
                 last += 1
-                plane = back.pop()[1] if i == line[-1] else last
+                plane = back.pop()[1] if i == line[-1] and len(line) > 1 else last
                 planes[i].add(plane)
         for line in self.lines:
             every = set.union(*(planes[i] for i in line))
             beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSES
-            for i in np.flatnonzero(beside):
-                planes[i] |= every
-        shared = set.intersection(*(planes[i] for i in seen))
-        structure = self.model.structure
-        return bool(shared) if structure.kind == "C" and structure.order == 1 else 0 in shared
+            for k, other in enumerate(planes):
+                other |= every if beside[k] else set()
+        return planes
 
     def _minors(self) -> Iterator[_Minor]:
         """Each minor of the free creases, with at most one normal row."""
@@ -171,7 +182,7 @@ class Site:
         ]
         rows += list(self._twins(free))
         holds = np.array([which for _, which in rows]).T
-        loose = holds[:, [row.loose for row, _ in rows]].any(axis=1)
+        loose = np.asarray(holds[:, [row.loose for row, _ in rows]].any(axis=1))
         turns = np.where(
             np.isin(np.arange(len(self.point)), self.turned), 0, np.rint(self.point / math.pi)
         )

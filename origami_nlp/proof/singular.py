@@ -1,11 +1,13 @@
 """Singular states stand alone: no other critical point within a radius of them.
 
 At a closed state whose free axes lie in one plane, or on one line, closure loses rank, and no interval Newton method
-certifies anything there.  Two kinds are looked at: *flat foldings*, all fold angles 0 or +-pi, and those with *turned
-twins* (handles, book folds): creases on one line, or on some lines, have other fold angles.  The states with sum t_i
-x_i as it is, over a line, all close; they hold one point where the moments G_i / t_i along the line are equal, and
-that is the state meant.  `blow_up` has what closure, minors and twins say near it, `forms` shows that they agree
-nowhere.
+certifies anything there.  Three kinds are looked at.  *Flat foldings*: all fold angles 0 or +-pi.  *Turned twins*
+(handles, book folds): creases on one line, or on some lines, have other fold angles.  The states with sum t_i x_i as
+it is, over a line, all close; they hold one point where the moments G_i / t_i along the line are equal, and that is the
+state meant.  *Right angles*: in a wedge of D1 one line is turned by right angles, so that the facets beyond it stand at
+right angles to the mirror.
+
+`blow_up` has what closure, minors and twins say near such a state, `forms` shows that they agree nowhere.
 
 Whether the state itself is a minimum is for `kkt.classify` to say; it is not asked here.
 
@@ -132,8 +134,14 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
             lines[int(np.argmin(apart))].append(i)
         else:
             lines.append([i])
+    mirrored = model.structure.kind == "D" and model.structure.order == 1 and len(lines) == 1
     for line in lines:
+        if len(line) < 2 and not mirrored:
+            raise NotShown("a crease is turned that has no twin")
         point[line] = _balanced(model, point[line], line, at.axes[0, line])
+    quarters = 0.5 * math.pi * np.rint(2 * x[turned] / math.pi)
+    if mirrored and np.abs(x[turned] - quarters).max() <= BESIDE:
+        point[turned] = quarters
     at = kinematics.fold(point[None])
     if np.abs(kinematics.closure(at)[0]).max() > CLOSES or at.sheet[0] <= 0:
         raise NotShown("no flat folding, nor one with twins turned, closes there")
@@ -144,8 +152,6 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
 
 def _balanced(model: Model, x: np.ndarray, line: list[int], axes: np.ndarray) -> np.ndarray:
     """Fold angles [k] near x of turned creases with axes [k, 3] on one line, where the moments along it are equal."""
-    if len(line) < 2:
-        raise NotShown("a crease is turned that has no twin")
     p = model.parameters
     stiffness, rest = p.stiffness[line], p.rest[line] + p.load[line] / p.stiffness[line]
     t = np.sign(axes @ axes[0]) * shares(model)[line] / shares(model)[line[0]]
