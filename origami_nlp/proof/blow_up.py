@@ -114,7 +114,7 @@ class Site:
         largest = float(np.abs(torque).max())
         self.scale = largest if largest > SLACK * stiffness.max() else float(stiffness.max())
         self.torque, self.stiffness = torque / self.scale, stiffness / self.scale
-        self.minors = list(self._minors())
+        self.minors = list(self._minors(seen))
 
     def _in_one_plane(self, seen: list[int]) -> bool:
         """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is.
@@ -157,12 +157,12 @@ class Site:
                 other |= every if beside[k] else set()
         return planes
 
-    def _minors(self) -> Iterator[_Minor]:
-        """Each minor of the free creases, with at most one normal row."""
+    def _minors(self, seen: list[int]) -> Iterator[_Minor]:
+        """Each minor of creases that may be free, with at most one normal row."""
         m, rank = len(self.jacobian), self.rank
         if m - rank > 1:
             return
-        for s in itertools.combinations(range(len(self.axes)), m + 1):
+        for s in itertools.combinations(seen, m + 1):
             rows = list(s)
             yield _Minor(
                 rows,

@@ -4,8 +4,8 @@ At a closed state whose free axes lie in one plane, or on one line, closure lose
 certifies anything there.  Three kinds are looked at.  *Flat foldings*: all fold angles 0 or +-pi.  *Turned twins*
 (handles, book folds): creases on one line, or on some lines, have other fold angles.  The states with sum t_i x_i as
 it is, over a line, all close; they hold one point where the moments G_i / t_i along the line are equal, and that is the
-state meant.  *Right angles*: in a wedge of D1 one line is turned by right angles, so that the facets beyond it stand at
-right angles to the mirror.
+state meant.  *Right angles*: in a wedge of D1 or D2 one line is turned by right angles, so that the facets beyond it
+stand at right angles to the mirror.
 
 `blow_up` has what closure, minors and twins say near such a state, `forms` shows that they agree nowhere.
 
@@ -134,7 +134,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
             lines[int(np.argmin(apart))].append(i)
         else:
             lines.append([i])
-    mirrored = model.structure.kind == "D" and model.structure.order == 1 and len(lines) == 1
+    mirrored = model.structure.kind == "D" and model.structure.order <= 2 and len(lines) == 1
     for line in lines:
         if len(line) < 2 and not mirrored:
             raise NotShown("a crease is turned that has no twin")

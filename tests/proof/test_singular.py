@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples
+from origami_nlp.errors import OptionError
 from origami_nlp.numerics import SAME
 from origami_nlp.programme import Kinematics
-from origami_nlp.proof import isolated
+from origami_nlp.proof import isolated, pose, prove
 from origami_nlp.proof.blow_up import Site
 from origami_nlp.proof.singular import RADII
 from tests.proof.singular_scenes import (
@@ -85,6 +86,59 @@ def test_flat_foldings_of_the_panels_stand_alone(alpha: str, ratio: float) -> No
     assert len(found) > 100
     assert min(f.radius for f in found) >= 1e-5
     assert {f.core for f in found} <= {0.0, SAME}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_flat_state_of_generic_vertices_agrees_with_its_own_lemma(seed: int) -> None:
+    """Two derivations of the same blow-up: affine forms over boxes there, quadratic forms here."""
+    rng = np.random.default_rng(seed)
+    n = 4 + seed % 3
+    sectors = rng.uniform(0.3, 1.0, n)
+    sectors *= 2 * math.pi / sectors.sum()
+    springs = np.exp(rng.uniform(-1, 1, n)), rng.uniform(-3, 3, n)
+    model = Model(Scene(Vertex(tuple(sectors)), *map(tuple, springs), "none", "fold-limits"))
+    other = pose(model)[1]
+    found = isolated(model, np.zeros(n), (0,) * n)
+    assert (found.radius > 0) == (other.radius > 0)
+    assert found.radius >= other.radius
+
+
+@pytest.mark.parametrize(
+    ("degrees", "symmetry"),
+    [
+        ((45, 90, 45, 45, 90, 45), "D1"),
+        ((70, 110, 70, 110), "C2"),
+        ((30, 60, 60, 30, 30, 60, 60, 30), "D2"),
+        ((50, 70, 50, 70, 50, 70), "D3"),
+        ((50, 70, 50, 70, 50, 70), "C3"),
+    ],
+)
+def test_the_flat_state_of_wedges_stands_alone(degrees: tuple[int, ...], symmetry: str) -> None:
+    model = Model(scene(degrees, 1, symmetry))
+    assert model.symmetry == symmetry
+    assert isolated(model, np.zeros(model.size), (0,) * model.size).radius >= 1e-3
+
+
+@pytest.mark.parametrize(
+    "plain",
+    [
+        scene(KAWASAKI, 0),
+        scene(CROSS, 0),
+        examples.degree6("pi/3", 1.0, contact="fold-limits"),
+        examples.degree8("pi/6", 1.0, contact="fold-limits"),
+    ],
+    ids=["kawasaki", "cross", "degree 6", "degree 8"],
+)
+def test_what_the_search_leaves_at_singular_states_is_decided(plain: Scene) -> None:
+    proof = prove(Model(plain))
+    assert proof.finished and proof.singular and not proof.undecided
+    model = Model(plain)
+    for cluster in proof.singular:
+        middle = 0.5 * (np.array(cluster.lower) + cluster.upper)
+        found = isolated(model, middle, cluster.stratum)
+        assert found.holds(cluster.lower, cluster.upper), (cluster, found)
+        wide = np.array(cluster.upper) + 2 * found.radius
+        assert not found.holds(cluster.lower, wide)
 
 
 def test_units_and_the_start_of_the_labels_do_not_matter() -> None:
@@ -181,7 +235,7 @@ def test_branches_pass_through_flat_foldings_and_only_the_minors_exclude_them(
     model = Model(scene(KAWASAKI, 0))
     states = flat_foldings(model)
     assert min(isolated(model, x, (0, 0, 0, 0)).radius for x in states) > 0
-    monkeypatch.setattr(Site, "_minors", lambda self: iter(()))
+    monkeypatch.setattr(Site, "_minors", lambda self, seen: iter(()))
     bare = Model(scene(KAWASAKI, 0))
     found = [isolated(bare, x, (0, 0, 0, 0)) for x in states]
     lost = [f.reason for f in found if not f.radius]
@@ -216,6 +270,8 @@ def test_a_state_off_its_stratum_is_refused() -> None:
     model = Model(scene(KAWASAKI, 0))
     x = flat_foldings(model)[-1]
     wrong = tuple(-round(t) for t in x / math.pi)
+    with pytest.raises(OptionError, match="fold-limits"):
+        isolated(Model(examples.degree6("pi/3")), np.zeros(4), (0,) * 4)
     assert "stratum" in isolated(model, x, wrong).reason
     assert isolated(model, x, wrong).radius == 0.0
     assert isolated(model, (0.5, 0.7, 0.1, 0.3), (0, 0, 0, 0)).radius == 0.0
