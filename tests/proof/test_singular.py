@@ -201,14 +201,14 @@ def planted(
 
 
 def plants() -> list[tuple[Model, np.ndarray, tuple[int, ...], float]]:
-    tried = [planted(seed, d) for d in (KAWASAKI, CROSS, PAIRS) for seed in range(40)]
-    tried += [planted(seed, SIXTY) for seed in range(8)]
+    tried = [planted(seed, d) for d in (KAWASAKI, CROSS, PAIRS) for seed in range(30)]
+    tried += [planted(seed, SIXTY) for seed in range(5)]
     return [p for p in tried if p is not None]
 
 
 def test_a_planted_critical_point_is_never_inside_the_radius() -> None:
     found = [(isolated(model, x, s), away) for model, x, s, away in plants()]
-    assert len(found) >= 20
+    assert len(found) >= 10
     for what, away in found:
         assert what.radius < away
     assert sum(what.radius > 0 for what, _ in found) >= len(found) // 3
