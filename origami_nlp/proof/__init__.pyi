@@ -14,4 +14,5 @@ from .complete import pose as pose, prove as prove
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
+from .singular import Isolation as Isolation, isolated as isolated
 from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

@@ -92,7 +92,9 @@ def newton(
         f, jacobian, _ = system.at(x, lam, pins)
         step = _solved(jacobian, f)
         size = np.abs(step[:, :n]).max(axis=1, initial=0.0)
-        alive &= np.isfinite(step).all(axis=1) & (size < 1.0)
+        alive &= (np.abs(step) < 1e100).all(axis=1) & (
+            size < 1.0
+        )  # multipliers run off where rank is lost
         step = np.where(alive[:, None], step, 0.0)
         x, lam = x - step[:, :n], lam - step[:, n:]
         alive &= np.abs(x - start).max(axis=1) < FAR

@@ -1,0 +1,350 @@
+"""Closure, minors and twins near a singular state x*, as forms in the direction and the distance from it.
+
+*Closure.*  Write x = x* + r u, |u|_inf = 1, g(x) for the closure rows (entries of a unit quaternion, or of a unit
+vector that it carries), all axes seen at x*.  Since q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of
+g along u is at most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); one with d/dx_i in it, l
+s^(k-1). Turn the rows so that J = dg/dx* is zero in the last of them ("normal": no axis turns about it to first
+order) and of full rank in the others ("planar").  With H the Hessian of a row at x*:
+
+    planar   g / r         = J u               +- r s^2 / 2
+    normal   g / (r^2 / 2) = u' H u            +- r s^3 / 3
+
+*Parity.*  If every fold angle of x* is 0 or +-pi, all axes lie in one plane, and the reflection in it sends
+exp(r u c / 2) to exp(-r u c / 2): planar rows are odd in r, normal ones even.  The errors above become
+
+    planar   r^2 s^3 / 6,    normal   r^2 s^4 / 12.
+
+*Minors.*  Divide the column of the normal row by r.  The entries of crease i are
+
+    G_i = G*_i + r k_i u_i,    J_i +- r l s  (even: r^2 l s^2 / 2),    (H u)_i +- r l s^2 / 2  (even: r^2 l s^3 / 6).
+
+The leading determinant is linear in u, and r times its next term is det [K u | J | H u]; the rest is bounded by columns
+(Hadamard): |det(A + E) - det A| <= prod (|A_c| + |E_c|) - prod |A_c|.  Where G* is zero on S, the column of G is
+divided by r as well.  Without a normal row the determinant starts with det [G* | J]; where that is zero, it is divided
+by r, and, all norms being those of columns,
+
+    |det(A + r B + r^2 D) - det A - r (linear part)| <= prod (A + r B + r^2 D) - prod A - r sum_c B_c prod_(d != c) A_d.
+
+*Twins.*  Creases a, b of a stratum that only closed creases part, on one line at x*, are so on the whole stratum:
+J_a = t J_b, and a critical point has G_a = t G_b, that is G*_a - t G*_b + r (k_a u_a - t k_b u_b) = 0.
+
+No common zero on |u|_inf = 1 for all 0 < r <= r0 means no other critical point within r0 of x*, on a stratum and the
+limits of it.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
+
+*Turned twins.*  No parity.  The facets lie in planes: one until a line turns the sheet, another one between its
+creases, and so on.  Free axes in one of these planes have a normal row; else there is none.
+
+*Rounding.*  Coefficients are computed in doubles, to `CLOSES`: products of a few tens of quaternions, from sector
+angles known to some ulp.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.numerics import CLOSES, EPS, RANK, SAME
+from origami_nlp.programme import Kinematics, Model
+from origami_nlp.proof.forms import Forms
+
+SLACK = 64 * EPS
+"""Torques over the stiffness [rad] that differ by less are meant to be equal: rounding of pi and of rest angles."""
+
+Stratum = tuple[int, ...]
+
+
+class NotShown(Exception):
+    """Why nothing is shown."""
+
+
+def shares(model: Model) -> np.ndarray:
+    """Share of each variable that its crease turns the piece by: a half on a mirror, [n]."""
+    has = model.structure.has_crease
+    rays = np.flatnonzero(has)
+    return np.where(np.isin(rays, (0, len(has) - 1)) & (model.structure.kind == "D"), 0.5, 1.0)
+
+
+class Site:
+    """Closure and torques at a singular state, and the rows that follow from them.
+
+    Parameters
+    ----------
+    model
+        A posed scene.
+    point
+        x*, shape [n] [rad].
+    lines
+        Turned creases, line by line; none at a flat folding.
+    stratum
+        With turned twins, the stratum that is looked at; else all may be.
+
+    Raises
+    ------
+    NotShown
+        If axes nearly lie in one plane, or do for no reason that is known.
+    """
+
+    def __init__(
+        self, model: Model, point: np.ndarray, lines: list[list[int]], stratum: Stratum
+    ) -> None:
+        kinematics, n, m = Kinematics(model), model.size, model.equation_count
+        self.model, self.lines, self.point = model, lines, point
+        self.turned = [i for line in lines for i in line]
+        at = kinematics.fold(np.repeat(point[None], m, axis=0))
+        self.axes, self.shares = at.axes[0, :n], shares(model)
+        jacobian = kinematics.closure(at)[1][0]
+        hessian = kinematics.closure_hessian(at, np.eye(m))
+        seen = [i for i, s in enumerate(stratum) if not s] if lines else list(range(n))
+        left, size, _ = np.linalg.svd(jacobian[:, seen])
+        size = np.append(size, np.zeros(m))[:m]
+        self.rank = int((size > RANK).sum())
+        if (size[self.rank :] > CLOSES).any():
+            raise NotShown("its axes nearly lie in one plane")
+        if lines and self.rank < m and not self._in_one_plane(seen):
+            raise NotShown("its axes seem to lie in one plane, for no reason that is looked for")
+        self.turn, self.jacobian = left.T, left.T @ jacobian
+        self.hessian = np.einsum("ab,aij->bij", left, hessian)
+        self.order = 1 if lines else 2
+        self.lever = 1.0 if model.structure.kind == "D" and model.structure.order > 1 else 0.5
+        torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
+        largest = float(np.abs(torque).max())
+        self.scale = largest if largest > SLACK * stiffness.max() else float(stiffness.max())
+        self.torque, self.stiffness = torque / self.scale, stiffness / self.scale
+        self.minors = list(self._minors(seen))
+
+    def _in_one_plane(self, seen: list[int]) -> bool:
+        """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is.
+
+        Facets that closed or flat creases part lie in one plane; a line of twins leaves its plane at the first of them,
+        and is back in it after the last.  In a wedge the components along the mirror count: the plane must be that of
+        the first facet, or one that a right angle parts from it, which is then at right angles to the mirror.
+        """
+        axes = self.axes[seen]
+        if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSES:
+            return True
+        planes = self._planes()
+        shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
+        s = self.model.structure
+        quarters = self.point[self.turned] / (0.5 * math.pi)
+        if (s.kind, s.order) == ("C", 1) or (
+            s.order == 1 and (quarters == np.rint(quarters)).all()
+        ):
+            return bool(shared)
+        return 0 in shared
+
+    def _planes(self) -> list[set[int]]:
+        """Planes that each axis lies in, by number, 0 that of the first facet; none where lines cross."""
+        plane, last, planes = 0, 0, [{0} for _ in self.point]
+        back: list[tuple[list[int], int]] = []
+        for i in range(len(self.point)):
+            planes[i] = {plane}
+            for line in (line for line in self.lines if i in line):
+                if i == line[0]:
+                    back.append((line, plane))
+                if back[-1][0] is not line:
+                    return []
+                last += 1
+                plane = back.pop()[1] if i == line[-1] and len(line) > 1 else last
+                planes[i].add(plane)
+        for line in self.lines:
+            every = set.union(*(planes[i] for i in line))
+            beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSES
+            for k, other in enumerate(planes):
+                other |= every if beside[k] else set()
+        return planes
+
+    def _minors(self, seen: list[int]) -> Iterator[_Minor]:
+        """Each minor of creases that may be free, with at most one normal row."""
+        m, rank = len(self.jacobian), self.rank
+        if m - rank > 1:
+            return
+        for s in itertools.combinations(seen, m + 1):
+            rows = list(s)
+            yield _Minor(
+                rows,
+                self.torque[rows],
+                self.stiffness[rows],
+                self.jacobian[:rank, rows].T,
+                self.hessian[:, rows],
+                rank < m,
+            )
+
+    def forms(self, strata: list[Stratum], radius: float) -> tuple[Forms, np.ndarray]:
+        """Return the rows on strata, for r <= radius, and whether they hold from `SAME` on only, bool [S]."""
+        free = np.array(strata) == 0
+        rows = [(row, np.ones(len(strata), dtype=bool)) for row in self._closure()]
+        rows += [
+            (minor.row(self, radius), free[:, minor.creases].all(axis=1)) for minor in self.minors
+        ]
+        rows += list(self._twins(free))
+        holds = np.array([which for _, which in rows]).T
+        loose = np.asarray(holds[:, [row.loose for row, _ in rows]].any(axis=1))
+        turns = np.where(
+            np.isin(np.arange(len(self.point)), self.turned), 0, np.rint(self.point / math.pi)
+        )
+        columns = zip(*((*row.forms, row.base, row.error) for row, _ in rows), strict=True)
+        c, a, q, t, tq, b, e = (np.array(column, dtype=float) for column in columns)
+        lower, upper = (
+            np.where(free & (turns >= 0), -1.0, 0.0),
+            np.where(free & (turns <= 0), 1.0, 0.0),
+        )
+        return Forms(c, a, q, t, tq, b, e, self.order, holds, lower, upper), loose
+
+    @property
+    def size(self) -> float:
+        """Bound s of a derivative along u."""
+        return self.lever * len(self.point)
+
+    def _closure(self) -> Iterator[_Row]:
+        n, s, even = len(self.point), self.size, self.order == 2
+        for a, (j, h) in enumerate(zip(self.jacobian, self.hessian, strict=True)):
+            if a < self.rank:
+                yield _Row(n, linear=j, base=CLOSES * n, error=s**3 / 6 if even else s**2 / 2)
+            else:
+                error = s**4 / 12 if even else s**3 / 3
+                yield _Row(n, quadratic=h, base=CLOSES * n * n, error=error)
+
+    def _balance(self, i: int, t: float, k: int) -> _Row:
+        """G_i - t G_k = 0 for all states of a stratum."""
+        n, ki, kk = len(self.point), self.stiffness[i], t * self.stiffness[k]
+        slope = np.zeros(n)
+        slope[k], slope[i] = -kk, ki
+        miss = self.torque[i] - t * self.torque[k]
+        rounding = SLACK * (ki + abs(kk))
+        if abs(miss) <= rounding:
+            return _Row(n, linear=slope, base=2 * rounding / SAME, loose=True)
+        return _Row(n, constant=miss, tilt_linear=slope, base=rounding)
+
+    def _twins(self, free: np.ndarray) -> Iterator[tuple[_Row, np.ndarray]]:
+        """Rows of creases on one line that only closed ones part, and where they hold."""
+        s = self.model.structure
+        for a, b in itertools.combinations(range(len(self.point)), 2):
+            if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSES:
+                t = float(np.sign(self.axes[a] @ self.axes[b]) * self.shares[a] / self.shares[b])
+                shut = ~free[:, a + 1 : b].any(axis=1)
+                if s.kind == "C" and s.order == 1:
+                    shut |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
+                yield self._balance(a, t, b), shut & free[:, a] & free[:, b]
+
+
+class _Row:
+    """c + a . u + u' M u + r (t . u + u' T u) = +-(base + error r^p); `loose`: for r >= SAME only."""
+
+    def __init__(
+        self,
+        n: int,
+        constant: float = 0.0,
+        linear: np.ndarray | None = None,
+        quadratic: np.ndarray | None = None,
+        tilt_linear: np.ndarray | None = None,
+        tilt_quadratic: np.ndarray | None = None,
+        base: float = 0.0,
+        error: float = 0.0,
+        loose: bool = False,
+    ) -> None:
+        row, square = np.zeros(n), np.zeros((n, n))
+        self.forms = (
+            constant,
+            row if linear is None else linear,
+            square if quadratic is None else 0.5 * (quadratic + quadratic.T),
+            row if tilt_linear is None else tilt_linear,
+            square if tilt_quadratic is None else 0.5 * (tilt_quadratic + tilt_quadratic.T),
+        )
+        self.base, self.error, self.loose = base, error, loose
+
+
+@dataclass(frozen=True, eq=False)
+class _Minor:
+    """det [G | J | (normal row)] of m + 1 creases.
+
+    Attributes
+    ----------
+    creases
+        The set S.
+    torque, stiffness
+        G*, k, shape [m + 1].
+    planar
+        J, shape [m + 1, rank].
+    bends
+        H of each closure row, shape [m, m + 1, n].
+    normal
+        Whether the last closure row is normal.
+    """
+
+    creases: list[int]
+    torque: np.ndarray
+    stiffness: np.ndarray
+    planar: np.ndarray
+    bends: np.ndarray
+    normal: bool
+
+    def row(self, site: Site, radius: float) -> _Row:
+        """Return the row that the minor makes."""
+        return self._with_normal(site, radius) if self.normal else self._without(site, radius)
+
+    def _with_normal(self, site: Site, radius: float) -> _Row:
+        n, s, even = len(site.point), site.size, site.order == 2
+        count, rank = self.planar.shape
+        h = self.bends[-1]
+        linear, quadratic = np.zeros(n), np.zeros((n, n))
+        for a, b in itertools.permutations(range(count), 2):
+            # expansion along the first column, G, and the last, the normal row
+            sign = (-1.0) ** (a + b + (b > a) + rank)
+            d = sign * float(np.linalg.det(np.delete(self.planar, (a, b), axis=0)) if rank else 1.0)
+            linear += d * self.torque[a] * h[b]
+            quadratic[self.creases[a]] += d * self.stiffness[a] * h[b]
+        root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
+        planar = np.linalg.norm(self.planar, axis=0)
+        bend = float(np.linalg.norm(np.abs(h).sum(axis=1)))
+        lever = site.lever * root
+        more_planar = lever * (s * s * radius**2 / 2 if even else s * radius)
+        more_bend = lever * (s**3 * radius**2 / 6 if even else s * s * radius / 2)
+        rests = np.abs(self.torque).max() <= SLACK * self.stiffness.max()
+        g = stiff if rests else float(np.linalg.norm(self.torque)) + stiff * radius
+        sizes = np.array([g, *planar, bend])
+        more = np.array([0.0, *([more_planar] * rank), more_bend])
+        wrong = np.array([SLACK * stiff, *([CLOSES * root] * rank), CLOSES * root * n])
+        if rests:
+            wrong[0] = 2 * SLACK * stiff / SAME
+        error = float(np.prod(sizes + more) - np.prod(sizes)) / radius**site.order
+        base = float(np.prod(sizes + more + wrong) - np.prod(sizes + more))
+        base += 128 * EPS * float(np.prod(sizes + more))
+        if rests:
+            return _Row(n, quadratic=quadratic, base=base, error=error, loose=True)
+        return _Row(n, linear=linear, tilt_quadratic=quadratic, base=base, error=error)
+
+    def _without(self, site: Site, radius: float) -> _Row:
+        n, s, count = len(site.point), site.size, len(self.creases)
+        whole = np.column_stack([self.torque, self.planar])
+        cofactors = np.array(
+            [
+                [(-1.0) ** (i + c) * np.linalg.det(_without(whole, i, c)) for c in range(count)]
+                for i in range(count)
+            ]
+        )
+        constant = float(cofactors[:, 0] @ self.torque)
+        slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
+        slope[self.creases] += cofactors[:, 0] * self.stiffness
+        root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
+        first = np.array([stiff, *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1)])
+        second = np.array([0.0, *([site.lever * s * s / 2 * root] * (count - 1))])
+        sizes = np.linalg.norm(whole, axis=0)
+        wrong = CLOSES * root * np.array([stiff, *([1.0] * (count - 1))])
+        most = float(np.prod(sizes + radius * first + radius**2 * second + wrong))
+        linear = sum(first[c] * np.prod(np.delete(sizes, c)) for c in range(count))
+        rest = float(np.prod(sizes + radius * first + radius**2 * second) - np.prod(sizes))
+        rest += 128 * EPS * most - radius * float(linear)
+        base = most - float(np.prod(sizes + radius * first + radius**2 * second)) + 128 * EPS * most
+        doubt = CLOSES * n * count**2 * float(np.prod(sizes + first + 1))  # of the slope
+        if abs(constant) <= base:
+            base = (abs(constant) + base) / SAME + rest / radius + doubt
+            return _Row(n, linear=slope, base=base, loose=True)
+        return _Row(n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order)
+
+
+def _without(square: np.ndarray, row: int, column: int) -> np.ndarray:
+    return np.delete(np.delete(square, row, axis=0), column, axis=1)
