@@ -17,7 +17,7 @@ from origami_nlp.kkt import Solve, polish, project
 from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.numerics import BESIDE, SAME
 from origami_nlp.programme import Model
-from origami_nlp.proof import Cluster, CriticalPoint, Proof, prove
+from origami_nlp.proof import Cluster, CriticalPoint, Proof, isolated, prove
 
 MOST_FREEDOMS = 3
 """Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
@@ -41,6 +41,8 @@ class Open:
         Why it is open.
     verdict
         What the state in it was judged to be, by another argument than the proof's; "" where there is none.
+    isolated
+        Why there is no critical point in it but that state, as far as that is proved; "" where it is not.
     """
 
     lower: tuple[float, ...]
@@ -48,6 +50,7 @@ class Open:
     energy: float
     reason: str
     verdict: str = ""
+    isolated: str = ""
 
 
 @dataclass(frozen=True)
@@ -86,10 +89,13 @@ class Completeness:
         below there are no others.
     held
         How many more are stationary only while creases are held at +-pi, which they would leave.
+    minima
+        How many are listed, added ones included.
     undecided
         Where minima may be that are not listed.
     singular
-        Isolated states at which the creases lose rank, each judged by its cone of directions.
+        States at which the creases lose rank, each judged by its cone of directions; `Open.isolated` where they are
+        shown to stand alone.
     added
         Minima that the search had not found.
 
@@ -107,6 +113,7 @@ class Completeness:
     seconds: float = 0.0
     critical_points: dict[str, int] = field(default_factory=dict)
     held: int = 0
+    minima: int = 0
     undecided: tuple[Open, ...] = ()
     singular: tuple[Open, ...] = ()
     added: tuple[Added, ...] = ()
@@ -122,13 +129,24 @@ class Completeness:
         if self.status == "not-proved":
             yield f"not proved: {self.reason}" + (f" ({work})" if self.boxes else "")
         else:
-            many = ", ".join(f"{n} of index {k}" for k, n in sorted(self.critical_points.items()))
-            states = f"{len(self.singular)} singular state{'s' * (len(self.singular) != 1)}"
-            but = "" if self.proved else f" except at {states} (below; each judged by its cone)"
-            yield (
-                f"complete: proved{but}: {sum(self.critical_points.values())} states hold still ({many}), "
-                f"{self.held} more only while creases are held at +-pi; {work}"
+            alone = [s for s in self.singular if s.isolated]
+            but = (
+                ""
+                if self.proved
+                else f" except at {_states(len(self.singular) - len(alone))} (below)"
             )
+            listed = "the one minimum is" if self.minima == 1 else f"all {self.minima} minima are"
+            yield f"complete: proved{but}: {listed} listed ({work})"
+            many = ", ".join(f"{n} of index {k}" for k, n in self.critical_points.items())
+            still = sum(self.critical_points.values())
+            yield (
+                f"  {still} regular state{'s' * (still != 1)} hold{'s' * (still == 1)} still ({many}), "
+                f"{self.held} more only while creases are held at +-pi"
+            )
+            if alone:
+                apart = max(u - v for s in alone for u, v in zip(s.upper, s.lower, strict=True)) / 2
+                beyond = f" beyond {apart:.0e} rad" * (apart > 0)
+                yield f"  {_states(len(alone))}, each shown to stand alone{beyond} and judged by its cone"
         for new in self.added:
             angles = " ".join(f"{a:.3f}" for a in np.round(np.degrees(new.fold_angles), 3) + 0.0)
             yield f"a minimum that the search had missed, found by the proof: {new.energy:.9g} J at {angles} deg"
@@ -136,7 +154,8 @@ class Completeness:
             yield from self._regions()
 
     def _regions(self, most: int = 8) -> Iterator[str]:
-        for name, regions in (("singular", self.singular), ("left open", self.undecided)):
+        open_ = [s for s in self.singular if not s.isolated]
+        for name, regions in (("singular", open_), ("left open", self.undecided)):
             for r in regions[:most]:
                 middle = 0.5 * (np.array(r.lower) + np.array(r.upper))
                 width = float(np.max(np.array(r.upper) - np.array(r.lower)))
@@ -148,6 +167,10 @@ class Completeness:
                 yield (
                     f"  and {len(regions) - most} more {name}, energies {min(energies):.6g} to {max(energies):.6g} J"
                 )
+
+
+def _states(many: int) -> str:
+    return f"{many} singular state{'s' * (many != 1)}"
 
 
 def check_prove(name: str, value: object) -> None:
@@ -234,7 +257,7 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    singular = _merged([_judged(model, record, cluster, added) for cluster in proof.singular])
+    singular = _merged([_stands_alone(model, record, cluster, added) for cluster in proof.singular])
     undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
@@ -252,6 +275,7 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         proof.seconds,
         dict(sorted(Counter(map(_index, still)).items())),
         len(proof.points) - len(still),
+        len(record.minima),
         tuple(undecided),
         tuple(singular),
         tuple(
@@ -321,6 +345,23 @@ def _disagreement(
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
 
 
+def _stands_alone(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
+    """Judge a singular state, isolated by its lemma where that works."""
+    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    lemma = isolated(model, 0.5 * (lower + upper), cluster.stratum)
+    if not lemma.holds(cluster.lower, cluster.upper):
+        return _judged(model, record, cluster, added)
+    x = np.array(lemma.point)
+    answer = _nearest(record, x, SAME)
+    if answer is None:
+        answer = listed(model, x)
+        record.answers.append(answer)
+        added += [answer] * answer.is_minimum
+    assert answer.what is not None
+    core = lemma.core
+    return _region(model, x - core, x + core, cluster.reason, answer.what.verdict, lemma.reason)
+
+
 def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
     """Judge the state in a small cluster: that on record, else the polished middle."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
@@ -340,11 +381,16 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
 
 
 def _region(
-    model: Model, lower: np.ndarray, upper: np.ndarray, reason: str, verdict: str = ""
+    model: Model,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    reason: str,
+    verdict: str = "",
+    isolated: str = "",
 ) -> Open:
     low, high = model.expand(lower), model.expand(upper)
     energy = model.energy(0.5 * (lower + upper))
-    return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict)
+    return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict, isolated)
 
 
 def _merged(regions: list[Open]) -> list[Open]:
@@ -353,7 +399,7 @@ def _merged(regions: list[Open]) -> list[Open]:
     for r in sorted(regions, key=lambda r: (r.verdict not in ("", "undecided"), r.energy)):
         middle = np.add(r.lower, r.upper) / 2
         same = [k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= SAME]
-        if not any(k.verdict == r.verdict for k in same):
+        if not any((k.verdict, bool(k.isolated)) == (r.verdict, bool(r.isolated)) for k in same):
             kept.append(r)
     return kept
 
@@ -379,7 +425,7 @@ def _status(
 ) -> str:
     if undecided or against or left or not proof.finished:
         return "not-proved"
-    return "proved-except-singular" if singular else "proved"
+    return "proved" if all(s.isolated for s in singular) else "proved-except-singular"
 
 
 def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
