@@ -52,6 +52,7 @@ SweepFile = Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOM
 Candidates = Annotated[
     str, typer.Argument(metavar="FILE", help="Candidates: .json or .csv, or - for JSON on stdin.")
 ]
+ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
 Family = Annotated[str, typer.Argument(metavar="FAMILY", help="degree6 or degree8.")]
 
 # ---------------------------------------------------------------- what goes out

@@ -1,0 +1,422 @@
+"""A folded vertex over a box of fold angles, in ball arithmetic: what the check of a proof computes with.
+
+Written from the mathematics alone, in python-flint's `arb` (midpoint and radius, every operation rounded
+outwards); nothing here comes from the search that made the proof.
+
+Each free angle is x_j = m_j + r_j xi_j with |xi_j| <= 1.  With t = r xi: cos t lies in [cos r, 1], and
+|sin t - xi sin r| <= d for d = sin t* - s t*, s = sin(r)/r, cos t* = s (the chord lies below the concave
+sine, farthest where slopes agree).  So cosine and sine of x are c0 + c1 xi with c0 a ball, and a product of
+rotations about fixed axes, each angle used once, is a polynomial in the xi of degree one in each: its
+coefficients are computed as they are, products of balls.
+
+Closure: the product q of the quaternions (cos x_i/2, b_i sin x_i/2) is +1, stated as q_1..q_h =
+conj(q_N) .. conj(q_h+1), h = ceil(N/2): four polynomials.  Every real combination y of them vanishes where
+the vertex closes, so any y with a combination that cannot vanish shows that a box holds no closed state, and
+the combination bounds each xi that it holds linearly.  y is a suggestion, computed in doubles: directions
+normal to pairs of columns, which separate a zonotope from a point.
+
+Axes: c_i is b_i turned by the creases before it (i <= h), or backwards by those after it (i > h): the same
+axis in every closed state.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from typing import Any
+
+from flint import arb, arb_mat
+
+Box = tuple[tuple[float, float], ...]
+"""Lower and upper end of each fold angle [rad]; of a pinned one unused."""
+Form = tuple[Any, dict[int, Any]]
+"""Centre (a ball) and coefficients of the xi: the centre's radius holds all that is not linear."""
+Terms = dict[int, Any]
+"""Coefficients (column matrices) of products of xi, by the set of their indices as bits."""
+
+AROUND = arb(0, 1)
+"""[-1, 1]."""
+SQUARE = arb(0.5, 0.5)
+"""[0, 1], where xi^2 lies."""
+ULPS = 2
+"""Sectors are any reals within so many units in the last place of the scene's doubles."""
+
+
+class Sheet:
+    """Geometry and springs of a vertex without symmetry, in balls.
+
+    Parameters
+    ----------
+    sectors
+        Sector angles, shape [N] [rad]; every vertex within `ULPS` of them that closes flat is meant.
+    stiffness, rest_angles
+        Shape [N], taken as they are.
+    """
+
+    def __init__(
+        self, sectors: Sequence[float], stiffness: Sequence[float], rest_angles: Sequence[float]
+    ) -> None:
+        self.count = n = len(sectors)
+        self.half = (n + 1) // 2
+        self.sectors = [arb(a, ULPS * math.ulp(a)) for a in sectors]
+        self.stiffness = [arb(k) for k in stiffness]
+        self.rest = [arb(a) for a in rest_angles]
+        self.flat = []
+        azimuth = arb(0)
+        for a in self.sectors:
+            sine, cosine = azimuth.sin_cos()
+            self.flat.append((cosine, sine))
+            azimuth += a
+        self._half_turns = lru_cache(100_000)(self._half_turns_)
+        self._turns = lru_cache(100_000)(self._turns_)
+        one = _scalar(3, 1)
+        self._spins, self._planes, self._crosses = [], [], []
+        for x, y in self.flat:
+            # q -> q (0, b): columns are the images of 1, i, j, k
+            self._spins.append(
+                arb_mat([[0, -x, -y, 0], [x, 0, 0, -y], [y, 0, 0, x], [0, y, -x, 0]])
+            )
+            along = arb_mat([[x * x, x * y, 0], [x * y, y * y, 0], [0, 0, 0]])
+            self._planes.append((along, one - along))
+            self._crosses.append(arb_mat([[0, 0, y], [0, 0, -x], [-y, x, 0]]))
+
+    def _half_turns_(self, i: int, low: float, high: float, sign: int) -> tuple[Any, Any]:
+        """Right factor Q(b_i, sign x_i) as T0 + T1 xi, 4 x 4."""
+        (c0, c1), (s0, s1) = circle(low, high, 2)
+        spin = self._spins[i] * sign
+        return _scalar(4, c0) + spin * s0, _scalar(4, c1) + spin * s1
+
+    def _turns_(self, i: int, low: float, high: float, sign: int) -> tuple[Any, Any]:
+        """Rotation about b_i by sign x_i as R0 + R1 xi, 3 x 3."""
+        (c0, c1), (s0, s1) = circle(low, high, 1)
+        (along, across), cross = self._planes[i], self._crosses[i] * sign
+        return along + across * c0 + cross * s0, across * c1 + cross * s1
+
+    def half_turn(self, i: int, box: Box, pins: Sequence[int], sign: int) -> tuple[Any, Any]:
+        """`_half_turns_` of a box; a pinned crease turns by +-pi exactly."""
+        if pins[i]:
+            return self._spins[i] * (sign * pins[i]), None
+        return self._half_turns(i, *box[i], sign)
+
+    def turn(self, i: int, box: Box, pins: Sequence[int], sign: int) -> tuple[Any, Any]:
+        """`_turns_` of a box; a pinned crease turns by +-pi exactly."""
+        if pins[i]:
+            along, across = self._planes[i]
+            return along - across, None
+        return self._turns(i, *box[i], sign)
+
+    def folded(self, angles: Sequence[Any]) -> tuple[list[Any], list[list[Any]]]:
+        """Return the quaternion [w, x, y, z] of the whole chain, and its axes [N][3], at balls of fold angles."""
+        q = arb_mat([[1], [0], [0], [0]])
+        turn = _scalar(3, 1)
+        axes = []
+        for i, angle in enumerate(angles):
+            (along, across), (cosine, sine) = self._planes[i], self.flat[i]
+            axes.append((turn * arb_mat([[cosine], [sine], [0]])).entries())
+            s, c = (angle / 2).sin_cos()
+            q = (_scalar(4, c) + self._spins[i] * s) * q
+            s, c = angle.sin_cos()
+            turn = turn * (along + across * c + self._crosses[i] * s)
+        return q.entries(), axes
+
+    def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[float]]:
+        """Return four polynomials that vanish in every closed state of a box, and about where q_1 .. q_h is."""
+        identity = arb_mat([[1], [0], [0], [0]])
+        left = ((i, *self.half_turn(i, box, pins, 1)) for i in range(self.half))
+        back = reversed(range(self.half, self.count))
+        right = ((i, *self.half_turn(i, box, pins, -1)) for i in back)
+        found = carry(identity, left)
+        middle = [float(v.mid()) for v in found[0].entries()]
+        for mask, column in carry(identity, right).items():
+            found[mask] = found[mask] - column if mask in found else -column
+        return found, middle
+
+    def axis(self, i: int, box: Box, pins: Sequence[int]) -> list[Form]:
+        """Components of the axis of crease i over a box."""
+        cosine, sine = self.flat[i]
+        start = arb_mat([[cosine], [sine], [0]])
+        if i < self.half:
+            maps = ((j, *self.turn(j, box, pins, 1)) for j in reversed(range(i)))
+        else:
+            maps = ((j, *self.turn(j, box, pins, -1)) for j in range(i + 1, self.count))
+        return linear(carry(start, maps))
+
+    def torque(self, i: int, box: Box) -> Form:
+        """G_i = k_i (x_i - rest_i) of a free crease over a box."""
+        middle, radius = parts(*box[i])
+        k = self.stiffness[i]
+        return k * (middle - self.rest[i]), {i: k * radius}
+
+    def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
+        """Tell whether c_a = sg c_b wherever the creases between are shut, and return sg (None: it is not).
+
+        The plate between them lies flat, so that its sectors add with a sign that turns at every pinned crease; a
+        sum within the rounding of the sectors of a multiple of pi is taken to be that multiple.
+        """
+        for first, last in ((a, b), (b, a)):
+            total, sign, i = self.sectors[first], 1, (first + 1) % self.count
+            while i != last and pins[i]:
+                sign = -sign
+                total += sign * self.sectors[i]
+                i = (i + 1) % self.count
+            if i == last:
+                whole = (total / arb.pi()).unique_fmpz()
+                if whole is None and (total / arb.pi()).contains_integer():
+                    return None
+                if (total / arb.pi()).contains_integer():
+                    return -1 if int(whole) % 2 else 1
+        return None
+
+
+def _scalar(size: int, value: Any) -> Any:
+    return arb_mat(size, size, [value if i % (size + 1) == 0 else 0 for i in range(size * size)])
+
+
+def parts(low: float, high: float) -> tuple[Any, Any]:
+    """Return m, r (exact) such that [low, high] is in m + r [-1, 1]."""
+    m = arb(0.5 * (low + high))
+    up, down = (arb(high) - m).upper(), (m - arb(low)).upper()
+    return m, up if up >= down else down
+
+
+def circle(low: float, high: float, over: int) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    """Return (c0, c1), (s0, s1): cosine and sine of x/over for x in [low, high] as c0 + c1 xi.
+
+    Parameters
+    ----------
+    low, high
+        Ends of x, at most 2 pi apart.
+    over
+        1, or 2 for half angles.
+    """
+    middle, radius = parts(low, high)
+    sine, cosine = (middle / over).sin_cos()
+    r = radius / over
+    if r == 0:
+        return (cosine, arb(0)), (sine, arb(0))
+    chord, end = r.sin_cos()
+    even = (1 + end) / 2 + AROUND * ((1 - end) / 2)
+    s = chord / r
+    bulge = ((1 - s * s).nonnegative_part().sqrt() - s * s.min(arb(1)).acos()).upper()
+    odd = AROUND * abs(bulge)
+    return (cosine * even - sine * odd, -sine * chord), (sine * even + cosine * odd, cosine * chord)
+
+
+def carry(start: Any, maps: Iterable[tuple[int, Any, Any]]) -> Terms:
+    """Apply maps T0 + T1 xi_j, one after the other, to a column; T1 None: a constant map."""
+    terms = {0: start}
+    for j, constant, slope in maps:
+        more = {} if slope is None else {mask | 1 << j: slope * v for mask, v in terms.items()}
+        terms = {mask: constant * v for mask, v in terms.items()} | more
+    return terms
+
+
+def linear(terms: Terms) -> list[Form]:
+    """Return the rows of a polynomial as forms: products of several xi go to the centre's radius."""
+    rows = terms[0].nrows()
+    centres, slopes = terms[0].entries(), [dict[int, Any]() for _ in range(rows)]
+    for mask, column in terms.items():
+        if mask and mask & (mask - 1):
+            for r, value in enumerate(column.entries()):
+                centres[r] += AROUND * value
+        elif mask:
+            for r, value in enumerate(column.entries()):
+                slopes[r][mask.bit_length() - 1] = value
+    return list(zip(centres, slopes, strict=True))
+
+
+def add(x: Form, y: Form, sign: int = 1) -> Form:
+    """Return x + sign y."""
+    slopes = dict(x[1])
+    for j, value in y[1].items():
+        value = value if sign > 0 else -value
+        slopes[j] = slopes[j] + value if j in slopes else value
+    return (x[0] + y[0] if sign > 0 else x[0] - y[0]), slopes
+
+
+def times(x: Form, y: Form) -> Form:
+    """Return x y: xi_j^2 lies in [0, 1], each product of two different xi in [-1, 1]."""
+    (a, g), (b, h) = x, y
+    if not h:
+        return a * b, {j: value * b for j, value in g.items()}
+    if not g:
+        return a * b, {j: value * a for j, value in h.items()}
+    centre = a * b
+    keys = sorted({*g, *h})
+    spread = arb(0)
+    for j, k in itertools.combinations(keys, 2):
+        mixed = arb(0)
+        if j in g and k in h:
+            mixed += g[j] * h[k]
+        if k in g and j in h:
+            mixed += g[k] * h[j]
+        spread += abs(mixed)
+    slopes = {}
+    for j in keys:
+        if j not in g:
+            slopes[j] = a * h[j]
+        elif j not in h:
+            slopes[j] = b * g[j]
+        else:
+            slopes[j] = a * h[j] + b * g[j]
+            centre += g[j] * h[j] * SQUARE
+    return centre + AROUND * spread, slopes
+
+
+def cross(x: Sequence[Form], y: Sequence[Form]) -> list[Form]:
+    """Vector product of two vectors of forms."""
+    return [
+        add(times(x[1], y[2]), times(x[2], y[1]), -1),
+        add(times(x[2], y[0]), times(x[0], y[2]), -1),
+        add(times(x[0], y[1]), times(x[1], y[0]), -1),
+    ]
+
+
+def dot(x: Sequence[Form], y: Sequence[Form]) -> Form:
+    """Scalar product of two vectors of forms."""
+    return add(add(times(x[0], y[0]), times(x[1], y[1])), times(x[2], y[2]))
+
+
+def nonzero(form: Form) -> bool:
+    """Tell whether a form certainly differs from 0 everywhere."""
+    return bool(abs(form[0]) > sum((abs(v) for v in form[1].values()), arb(0)))
+
+
+def determinant(torques: Sequence[Form], axes: Sequence[Sequence[Form]]) -> Form:
+    """det [G_S | C_S] of four creases, by expansion along G."""
+    (a, b, c, d), (ga, gb, gc, gd) = axes, torques
+    ab, cd = cross(a, b), cross(c, d)
+    total = add(times(ga, dot(b, cd)), times(gb, dot(a, cd)), -1)
+    return add(total, add(times(gc, dot(ab, d)), times(gd, dot(ab, c)), -1))
+
+
+def minor(sheet: Sheet, four: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
+    """`determinant` of four free creases over a box."""
+    torques = [sheet.torque(i, box) for i in four]
+    return determinant(torques, [sheet.axis(i, box, pins) for i in four])
+
+
+def twin_row(sheet: Sheet, a: int, b: int, sign: int, box: Box) -> Form:
+    """G_a - sign G_b."""
+    return add(sheet.torque(a, box), sheet.torque(b, box), -sign)
+
+
+class Combinations:
+    """Combinations of the closure polynomials over one box, each zero in every closed state of it.
+
+    Parameters
+    ----------
+    sheet, box, pins
+        The vertex, the box, and the sign of each pinned crease (0: free).
+
+    Attributes
+    ----------
+    empty
+        Whether some combination cannot vanish: no closed state in the box.
+    bounds
+        Bounds of each xi in every closed state.
+    """
+
+    def __init__(self, sheet: Sheet, box: Box, pins: Sequence[int]) -> None:
+        terms, radial = sheet.closure(box, pins)
+        masks = list(terms)
+        columns = [terms[mask].entries() for mask in masks]
+        system = arb_mat([[column[r] for column in columns] for r in range(4)])
+        where = {mask.bit_length() - 1: p for p, mask in enumerate(masks) if _single(mask)}
+        zero = masks.index(0)
+        found = suggestions(
+            radial, _middles(columns[zero]), [_middles(columns[p]) for p in where.values()]
+        )
+        entries = (arb_mat([[arb(v) for v in y] for y in found]) * system).entries()
+        self.empty = False
+        self.bounds = {j: (arb(-1), arb(1)) for j in where}
+        for k in range(len(found)):
+            row = entries[k * len(masks) : (k + 1) * len(masks)]
+            sizes = [v.abs_upper() for v in row]
+            sizes[zero] = arb(0)
+            total = sum(sizes, arb(0))
+            if row[zero].abs_lower() > total:
+                self.empty = True
+                return
+            for j, p in where.items():
+                slope = row[p]
+                if slope.abs_lower() > sizes[p] / 2:  # a ball that is hardly known bounds nothing
+                    reach = (AROUND * (total - sizes[p]) - row[zero]) / slope
+                    low, high = self.bounds[j]
+                    self.bounds[j] = (low.max(reach.lower()), high.min(reach.upper()))
+        if any(low > high for low, high in self.bounds.values()):
+            self.empty = True
+
+    def beyond(
+        self, j: int, whole: tuple[float, float], kept: tuple[float, float]
+    ) -> list[tuple[float, float]]:
+        """Return what an angle loses from `whole` to `kept` (each within the other), less what the bounds say."""
+        if self.empty:
+            return []
+        middle, radius = parts(*whole)
+        low, high = (middle + radius * bound for bound in self.bounds[j])
+        found = []
+        if whole[0] < kept[0] and not low >= arb(kept[0]):
+            found.append((whole[0], kept[0]))
+        if kept[1] < whole[1] and not high <= arb(kept[1]):
+            found.append((kept[1], whole[1]))
+        return found
+
+    def narrowed(self, box: Box) -> Box:
+        """Return the box without what the bounds exclude, ends rounded outwards."""
+        found = list(box)
+        for j, (low, high) in self.bounds.items():
+            middle, radius = parts(*box[j])
+            ends = float((middle + radius * low).lower()), float((middle + radius * high).upper())
+            found[j] = (
+                max(box[j][0], math.nextafter(ends[0], -math.inf)),
+                min(box[j][1], math.nextafter(ends[1], math.inf)),
+            )
+        return tuple(found)
+
+
+def _single(mask: int) -> bool:
+    return mask != 0 and mask & (mask - 1) == 0
+
+
+def _middles(column: Sequence[Any]) -> list[float]:
+    return [float(v.mid()) for v in column]
+
+
+def suggestions(
+    radial: Sequence[float], centre: Sequence[float], columns: Sequence[Sequence[float]]
+) -> list[list[float]]:
+    """Suggest combinations y of the four closure rows, in doubles: any y is as true as any other.
+
+    Parameters
+    ----------
+    radial
+        The quaternion q at the middle of the box: what is left of closure lies in the space tangent to it.
+    centre, columns
+        Of closure, the coefficients of 1 and of each xi.
+
+    Returns
+    -------
+    list
+        q itself; three tangent directions; the part of the centre normal to each column; what is normal to every
+        two columns, the faces of the zonotope that they span.
+    """
+    w, x, y, z = radial
+    frame = ((-x, w, -z, y), (-y, z, w, -x), (-z, -y, x, w))  # i q, j q, k q
+
+    def tangent(v: Sequence[float]) -> tuple[float, ...]:
+        return tuple(sum(a * b for a, b in zip(e, v, strict=True)) for e in frame)
+
+    c, spanned = tangent(centre), [tangent(v) for v in columns]
+    wanted = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), c]
+    wanted += [_across(a, _across(a, c)) for a in spanned]
+    wanted += [_across(a, b) for a, b in itertools.combinations(spanned, 2)]
+    return [list(radial)] + [
+        [sum(t * e[r] for t, e in zip(v, frame, strict=True)) for r in range(4)] for v in wanted
+    ]
+
+
+def _across(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
