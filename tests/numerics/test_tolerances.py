@@ -53,6 +53,7 @@ BESIDE_THE_TABLE = {
     "paper/published.PRINTED": "accuracy of published states: seven digits",
     "pattern/crease_pattern.CLOSED": "accuracy of coordinates in a file",
     "pattern/scene.(SMALLEST, LARGEST)": "range of a stiffness, in any unit",
+    "proof/": "unit roundoff, the accuracy of sines that is trusted, widths to which boxes are bisected",
     "space/events.SEEN": "accuracy of a double zero",
     "space/result.SAME_POINT": "points of a picture",
     "space/transitions.BRACKET": "step: width to which a sweep closes in",

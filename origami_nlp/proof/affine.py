@@ -1,0 +1,268 @@
+"""Affine forms with proved rounding: x = centre + sum_j slopes_j xi_j + error eta, every |xi_j|, |eta| <= 1, in batches.
+
+The xi_j are the box: variable j is mid_j + radius_j xi_j.  So a form keeps how it depends on the variables, to first
+order, and only what is of second order goes to `error`.  The last axis of every array is the batch of K boxes; the
+axis before it, of `slopes`, the d variables of the form.
+
+Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n u),
+a product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result
+(centre, slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding does
+to all of them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient of
+x y takes each pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| +
+sum |slopes| + error.  `padded` adds 4 (n + 4) u M(x) M(y) to the error: four times what is needed, for the rounding of M,
+of the sum and of the error itself; and 2^-1000, for products that underflow.
+
+What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 absolute.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+UNIT = 2.0**-53
+"""Unit roundoff u of doubles."""
+TINY = 2.0**-1000
+"""More than what underflow can lose in a sum of products."""
+TRIGONOMETRIC = 2.0**-50
+"""Error of NumPy's sine and cosine that is allowed for: 4 ulp of 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Affine:
+    """Affine forms of one shape over K boxes.
+
+    Attributes
+    ----------
+    centre
+        Shape [..., K].
+    slopes
+        Of the d variables, shape [..., d, K].
+    error
+        At least 0, shape [..., K].
+    """
+
+    centre: np.ndarray
+    slopes: np.ndarray
+    error: np.ndarray
+
+    def spread(self) -> np.ndarray:
+        """Return sum |slopes|, [..., K], as computed."""
+        return np.abs(self.slopes).sum(axis=-2)
+
+    def magnitude(self) -> np.ndarray:
+        """Return an upper bound of |x| over the box, [..., K]."""
+        d = self.slopes.shape[-2]
+        return (np.abs(self.centre) + self.spread() + self.error) * (1 + 4 * (d + 4) * UNIT)
+
+    def radius(self) -> np.ndarray:
+        """Return an upper bound of |x - centre| over the box, [..., K]."""
+        d = self.slopes.shape[-2]
+        return (self.spread() + self.error) * (1 + 4 * (d + 4) * UNIT)
+
+    def nonzero(self) -> np.ndarray:
+        """Tell where x certainly differs from zero over the box, [..., K]."""
+        return np.abs(self.centre) > self.radius()
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return a lower and an upper bound of x over the box, [..., K]."""
+        radius = self.radius()
+        return np.nextafter(self.centre - radius, -np.inf), np.nextafter(
+            self.centre + radius, np.inf
+        )
+
+    def __getitem__(self, index: object) -> Affine:
+        """Select along the axes before the batch (and before the variables)."""
+        i = index if isinstance(index, tuple) else (index,)
+        return Affine(self.centre[i], self.slopes[i], self.error[i])
+
+    def __neg__(self) -> Affine:
+        return Affine(-self.centre, -self.slopes, self.error)
+
+    def __add__(self, other: Affine) -> Affine:
+        total = self.magnitude() + other.magnitude()
+        return padded(
+            self.centre + other.centre,
+            self.slopes + other.slopes,
+            self.error + other.error,
+            total,
+            2,
+        )
+
+    def __sub__(self, other: Affine) -> Affine:
+        return self + -other
+
+    def __mul__(self, other: Affine) -> Affine:
+        """Multiply; xi_j^2 is in [0, 1], and the terms of xi_i xi_j and xi_j xi_i are bounded apart."""
+        x, y = self, other
+        mx, my = x.magnitude(), y.magnitude()
+        same = x.slopes * y.slopes
+        centre = x.centre * y.centre + 0.5 * same.sum(axis=-2)
+        slopes = x.centre[..., None, :] * y.slopes + y.centre[..., None, :] * x.slopes
+        error = x.spread() * y.spread() - 0.5 * np.abs(same).sum(axis=-2)
+        error = error + mx * y.error + my * x.error
+        return padded(centre, slopes, error, mx * my, 2 * same.shape[-2] + 4)
+
+    def scaled(self, factor: np.ndarray | float, doubt: np.ndarray | float = 0.0) -> Affine:
+        """Multiply by numbers [..., K] that are known to within `doubt`."""
+        f = np.asarray(factor, dtype=float)
+        magnitude = self.magnitude()
+        error = np.abs(f) * self.error + doubt * magnitude
+        slopes = (f[..., None, :] if f.ndim else f) * self.slopes
+        return padded(f * self.centre, slopes, error, (np.abs(f) + doubt) * magnitude, 2)
+
+
+def padded(
+    centre: np.ndarray, slopes: np.ndarray, error: np.ndarray, total: np.ndarray, terms: int
+) -> Affine:
+    """Allow for rounding: coefficients are sums of `terms` products whose absolute values sum to at most `total`."""
+    return Affine(centre, slopes, error + (4 * (terms + 4) * UNIT) * total + TINY)
+
+
+def constant(values: np.ndarray, doubt: float, variables: int, boxes: int) -> Affine:
+    """Return numbers of shape [...], known to within `doubt`, as forms of `variables` variables over `boxes` boxes."""
+    shape = (*np.shape(values), boxes)
+    centre = np.broadcast_to(np.asarray(values, dtype=float)[..., None], shape)
+    slopes = np.zeros((*np.shape(values), variables, boxes))
+    return Affine(centre, slopes, np.full(shape, doubt))
+
+
+def dot(x: Affine, y: Affine) -> Affine:
+    """Sum the products of x and y along the last axis before the batch.
+
+    Terms of second order are added up before they are bounded: sum_n (x_ni y_nj + x_nj y_ni) is the slope of
+    xi_i xi_j.
+
+    Parameters
+    ----------
+    x, y
+        Centres of shape [..., n, K].
+
+    Returns
+    -------
+    Affine
+        Shape [..., K].
+    """
+    mx, my = x.magnitude(), y.magnitude()
+    total = (mx * my).sum(axis=-2)
+    second = np.einsum("...nik,...njk->...ijk", x.slopes, y.slopes)
+    d = second.shape[-2]
+    i = np.arange(d)
+    same = second[..., i, i, :]
+    centre = (x.centre * y.centre).sum(axis=-2) + 0.5 * same.sum(axis=-2)
+    slopes = (x.centre[..., None, :] * y.slopes + y.centre[..., None, :] * x.slopes).sum(axis=-3)
+    mixed = np.abs(second + np.swapaxes(second, -3, -2)).sum(axis=(-3, -2))
+    # each pair i, j stands in `mixed` twice, and the diagonal as twice its size
+    error = 0.5 * mixed - 0.5 * np.abs(same).sum(axis=-2)
+    error = error + (mx * y.error + my * x.error).sum(axis=-2)
+    return padded(centre, slopes, error, total, (d * d + 4) * x.centre.shape[-2] + d)
+
+
+def variables(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the middle and the half width of boxes; [middle - half, middle + half] covers the box.
+
+    Parameters
+    ----------
+    lower, upper
+        Shape [..., K].
+
+    Returns
+    -------
+    middle, half
+        Shape [..., K].
+    """
+    middle = 0.5 * (lower + upper)
+    half = np.maximum(upper - middle, middle - lower)
+    return middle, np.where(upper > lower, np.nextafter(half, np.inf), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Cosine and sine of an angle over boxes: the middle, and what lies within r of it.
+
+    With t = r xi, |xi| <= 1: cos t = mean + spread eta and sin t = slope xi + miss eta', |eta|, |eta'| <= 1.
+
+    Attributes
+    ----------
+    cosine, sine
+        Of the middle; known to within `TRIGONOMETRIC`, or exact where `exact`.
+    mean, spread
+        (1 + cos r) / 2 and (1 - cos r) / 2.
+    slope, miss
+        sin r, that of the chord, and the largest distance of the sine from it: sin t* - s t*, cos t* = s = sin r / r,
+        which is at most r^3 / (9 sqrt 3), since |sin''(t)| <= t.
+    """
+
+    cosine: np.ndarray
+    sine: np.ndarray
+    mean: np.ndarray
+    spread: np.ndarray
+    slope: np.ndarray
+    miss: np.ndarray
+
+
+def turn_of(middle: np.ndarray, half: np.ndarray) -> Turn:
+    """Return the turn by angles in [middle - half, middle + half], half <= pi.
+
+    Parameters
+    ----------
+    middle, half
+        Shape [..., K] [rad].
+
+    Returns
+    -------
+    Turn
+        Shape [..., K].
+    """
+    cosine, sine = np.cos(middle), np.sin(middle)
+    return with_centre(cosine, sine, half)
+
+
+def with_centre(cosine: np.ndarray, sine: np.ndarray, half: np.ndarray) -> Turn:
+    """Return the turn about angles whose cosine and sine are given (exact ones of +-pi, for example)."""
+    spread = np.sin(0.5 * half) ** 2
+    slope = np.sin(half)
+    ratio = np.clip(slope / np.where(half > 0, half, 1.0), 0.0, 1.0)
+    at = np.arccos(ratio)
+    # near its largest value the distance does not depend on `at` to first order
+    miss = np.minimum(half**3 * (1 / 15.588), np.sin(at) - ratio * at + 16 * TRIGONOMETRIC)
+    return Turn(cosine, sine, 1.0 - spread, spread, slope, np.maximum(miss, 0.0))
+
+
+def turned(x: Affine, y: Affine, by: Turn) -> Affine:
+    """Return cos(t) x + sin(t) y, where t = r xi is a new variable (the last one) that x and y do not depend on.
+
+    Parameters
+    ----------
+    x, y
+        Shape [..., K]; they are at the middle of the turn already.
+    by
+        Shape [K], or one that broadcasts.
+
+    Returns
+    -------
+    Affine
+        Shape [..., K], one variable more.
+    """
+    mx, my = x.magnitude(), y.magnitude()
+    new = by.slope * y.centre
+    cross = (by.slope[..., None, :] * y.slopes) if y.slopes.shape[-2] else y.slopes
+    error = np.abs(cross).sum(axis=-2) + by.spread * mx + by.miss * my
+    # |cos t| <= 1, |sin t| <= 1
+    error = error + x.error + y.error
+    slopes = np.concatenate([by.mean[..., None, :] * x.slopes, new[..., None, :]], axis=-2)
+    total = mx + my
+    raw = padded(by.mean * x.centre, slopes, error, total, x.slopes.shape[-2] + 8)
+    return Affine(raw.centre, raw.slopes, raw.error + (4 * TRIGONOMETRIC) * total)
+
+
+def mixed(
+    x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = TRIGONOMETRIC
+) -> Affine:
+    """Return a x + b y for numbers a, b [..., K], |a|, |b| <= 1, that are known to within `doubt`."""
+    total = x.magnitude() + y.magnitude()
+    centre = a * x.centre + b * y.centre
+    slopes = a[..., None, :] * x.slopes + b[..., None, :] * y.slopes
+    error = np.abs(a) * x.error + np.abs(b) * y.error + doubt * total
+    return padded(centre, slopes, error, total, 4)

@@ -1,0 +1,327 @@
+"""What every local minimum satisfies, as affine forms over boxes of fold angles: closure, minors, twins; no symmetry.
+
+Closure.  The loop is cut at the facet between crease N and crease 1 and in its middle: with Q(b, phi) the fold about b,
+Q(b_1, phi_1) ... Q(b_h, phi_h) = Q(b_N, -phi_N) ... Q(b_{h+1}, -phi_{h+1}), both sides unit quaternions, states the
+sheet q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.
+
+Minors.  On the free creases of a stratum a local minimum has rank [G | C] <= 3 (Fritz John; G_i = k_i (phi_i - rest_i),
+row i of C the axis c_i): det [G_S | C_S] = 0 for every four free creases S, an alternating sum of G_i times triple products
+of axes.  A triple product of three axes of a closed loop depends on the angles along two of the three arcs between them,
+and on the middle one: seen from crease j, with Z = y + i z of the next axes on either side,
+(c_i, c_j, c_k) = Im(exp(i phi_j) Z' Z).  The two arcs with fewest creases are taken.
+
+Sectors are those of the scene to within `SECTORS` ulp each, with sum 2 pi exactly.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.proof.affine import (
+    TRIGONOMETRIC,
+    UNIT,
+    Affine,
+    Turn,
+    constant,
+    mixed,
+    padded,
+    turned,
+    variables,
+    with_centre,
+)
+
+SECTORS = 8
+"""Ulp of pi by which a sector angle may differ from the double in the scene."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """What vanishes at every critical point in a box, over K boxes.
+
+    Attributes
+    ----------
+    closure
+        Shape [rows, K], in n variables.
+    critical
+        Minors, then twins, shape [R, K].
+    asked
+        Which of these hold on the box's stratum, [R, K].
+    """
+
+    closure: Affine
+    critical: Affine
+    asked: np.ndarray
+
+
+class Vertex:
+    """The forms of a vertex without symmetry.
+
+    Parameters
+    ----------
+    sectors
+        Shape [N] [rad], sum 2 pi.
+    stiffness
+        Shape [N], in any unit: rows do not depend on it.
+    rest
+        Shape [N] [rad].
+    """
+
+    def __init__(self, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray) -> None:
+        n = self.size = len(sectors)
+        self.stiffness = np.asarray(stiffness, dtype=float)
+        self.rest = np.asarray(rest, dtype=float)
+        self.sectors = np.asarray(sectors, dtype=float)
+        self.half = (n + 1) // 2
+        # azimuths of the left creases from crease 1 on, of the right ones back from it
+        left = [math.fsum(sectors[:i]) for i in range(self.half)]
+        right = [-math.fsum(sectors[i:]) for i in range(n - 1, self.half - 1, -1)]
+        doubt = SECTORS * 4 * UNIT
+        self.doubt = doubt + 2 * TRIGONOMETRIC  # of a cosine or sine of a sector
+        self.doubt_crease = (n * doubt + 8 * UNIT) + 2 * TRIGONOMETRIC
+        self.sides = (
+            (tuple(range(self.half)), _right_products(left), 1.0),
+            (tuple(range(n - 1, self.half - 1, -1)), _right_products(right), -1.0),
+        )
+        self._pose_triples()
+        self._pose_minors()
+
+    def _pose_triples(self) -> None:
+        """Choose for each triple of creases the middle one and how many creases on each side the others are."""
+        n = self.size
+        self.triples = list(itertools.combinations(range(n), 3))
+        self.triple_number = {t: i for i, t in enumerate(self.triples)}
+        self.kinds: dict[tuple[int, int], list[tuple[int, int]]] = {}
+        for number, (i, j, k) in enumerate(self.triples):
+            # (before, middle, after) around the loop: all three are even permutations of (i, j, k)
+            options = [
+                ((b - a) % n, (c - b) % n, b) for a, b, c in ((i, j, k), (j, k, i), (k, i, j))
+            ]
+            back, on, middle = min(options, key=lambda o: (o[0] + o[1], abs(o[0] - o[1])))
+            self.kinds.setdefault((back, on), []).append((number, middle))
+        self.reach = max(max(kind) for kind in self.kinds)
+
+    def _pose_minors(self) -> None:
+        """Number the minors: four creases, the triple without each, and the sign of the expansion along G."""
+        n = self.size
+        self.fours = np.array(list(itertools.combinations(range(n), 4)), dtype=int).reshape(-1, 4)
+        self.without = np.array(
+            [
+                [self.triple_number[tuple(s[:a]) + tuple(s[a + 1 :])] for a in range(4)]
+                for s in self.fours.tolist()
+            ],
+            dtype=int,
+        ).reshape(-1, 4)
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+        """Enclose the rows over boxes.
+
+        Parameters
+        ----------
+        lower, upper
+            Shape [n, K] [rad]; pinned angles are +-pi whatever stands there.
+        pins
+            -1, 0 or +1, shape [n, K].
+
+        Returns
+        -------
+        Rows
+        """
+        middle, half = variables(lower, upper)
+        closure = self.closure(middle, half, pins)
+        fours = ~(pins != 0)[self.fours].any(axis=1)
+        return Rows(closure, self.minors(middle, half, pins), fours)
+
+    def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+        """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
+        left, right = self.sides_of(middle, half, pins)
+        back = right.slopes[:, ::-1]  # creases h+1 .. N in order
+        doubt = 2 * self.size * self.doubt_crease
+        gap = padded(
+            left.centre - right.centre,
+            np.concatenate([left.slopes, -back], axis=1),
+            left.error + right.error + doubt,
+            left.magnitude() + right.magnitude(),
+            2,
+        )
+        return _times_conjugate(left.centre, gap)
+
+    def sides_of(
+        self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray
+    ) -> tuple[Affine, Affine]:
+        """Enclose q_left, in angles 1 .. h, and q_right, in angles N .. h+1: [4, K] each."""
+        ends = []
+        turn = _turn(0.5 * middle, 0.5 * half, pins, np.zeros(1), pins)
+        for creases, products, sign in self.sides:
+            q = constant(np.array([1.0, 0, 0, 0]), 0.0, 0, middle.shape[1])
+            for crease, right in zip(creases, products, strict=True):
+                by = _take(turn, crease, sign)
+                x = mixed(q, by.cosine, _carried(right, q), by.sine)
+                q = turned(x, _carried(right, x), by)
+            ends.append(q)
+        return ends[0], ends[1]
+
+    def triple_products(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+        """Enclose the triple products of axes, in the order of `triples`: [T, K] in n variables."""
+        n, boxes = middle.shape
+        turn = _turn(middle, half, pins, -np.ones(1), np.zeros(1))
+        on, back = self._next_axes(turn, boxes), self._next_axes(turn, boxes, -1)
+        count = len(self.triples)
+        centre, error = np.empty((count, boxes)), np.empty((count, boxes))
+        slopes = np.zeros((count, n, boxes))
+        for (p, q), members in self.kinds.items():
+            number, j = (np.array(v) for v in zip(*members, strict=True))
+            z, w = back[p - 1][:, j], on[q - 1][:, j]
+            # Z' Z, the variables of Z' first
+            x, y = _complex_product(z, w)
+            by = _take(turn, j)
+            ax = mixed(x, by.cosine, y, -by.sine)
+            ay = mixed(x, by.sine, y, by.cosine)
+            t = turned(ay, ax, by)
+            centre[number], error[number] = t.centre, t.error + 2 * (p + q + 1) * self.doubt
+            for c in range(p - 1):
+                slopes[number, (j - 1 - c) % n] = t.slopes[:, c]
+            for c in range(q - 1):
+                slopes[number, (j + 1 + c) % n] = t.slopes[:, p - 1 + c]
+            slopes[number, j] = t.slopes[:, -1]
+        return Affine(centre, slopes, error)
+
+    def _next_axes(self, turn: Turn, boxes: int, way: int = 1) -> list[Affine]:
+        """Enclose y and z [2, N, K] of the axis 1, 2, ... creases on, seen from every crease; variables nearest first.
+
+        Backwards (way = -1) the loop is read in a mirror: y counts towards the crease before.
+        """
+        n = self.size
+        j = np.arange(n)
+        sector = self.sectors if way > 0 else self.sectors[j - 1]
+        c, s = np.cos(sector)[:, None], np.sin(sector)[:, None]
+        axis = constant(np.stack([c[:, 0], s[:, 0], 0 * j]), self.doubt, 0, boxes)
+        found = [axis[1:]]
+        near = (j + way) % n
+        by = _take(turn, near)
+        for _ in range(self.reach - 1):
+            x, y, z = (axis[i, near] for i in range(3))
+            ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
+            y, z = turned(ay, -az, by), turned(az, ay, by)
+            # the new variable is the nearest
+            y, z, x = _last_first(y), _last_first(z), _with_zero_first(x)
+            ones = np.ones_like(c)
+            x, y = mixed(x, c * ones, y, -s * ones), mixed(x, s * ones, y, c * ones)
+            axis = Affine(*(np.stack(v) for v in zip(_parts(x), _parts(y), _parts(z), strict=True)))
+            found.append(axis[1:])
+        return found
+
+    def minors(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+        """Enclose det [G_S | C_S] for every four creases, stiffness over its largest: [M, K] in n variables."""
+        n, boxes = middle.shape
+        t = self.triple_products(middle, half, pins)
+        k = (self.stiffness / self.stiffness.max())[:, None]
+        torque, lean = k * (middle - self.rest[:, None]), k * half
+        count = len(self.fours)
+        centre = np.zeros((count, boxes))
+        slopes = np.zeros((count, n, boxes))
+        error = np.zeros((count, boxes))
+        total = np.zeros((count, boxes))
+        rows = np.arange(count)
+        magnitude = t.magnitude()
+        own = t.slopes[self.without, self.fours]  # [M, 4, K]: of T_a in the variable of G_a
+        for a in range(4):
+            sign = 1.0 - 2.0 * (a % 2)
+            i, w = self.fours[:, a], self.without[:, a]
+            g, r = torque[i], lean[i]
+            centre += sign * (g * t.centre[w] + 0.5 * r * own[:, a])
+            slopes += sign * (g[:, None] * t.slopes[w])
+            slopes[rows, i] += sign * r * t.centre[w]
+            size = np.abs(g) + r
+            error += size * t.error[w] + r * (
+                np.abs(t.slopes[w]).sum(axis=1) - 0.5 * np.abs(own[:, a])
+            )
+            total += (size + 8 * k[i]) * magnitude[w]
+        return padded(centre, slopes, error, total, 4 * (n + 4))
+
+
+def _parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return x.centre, x.slopes, x.error
+
+
+def _last_first(x: Affine) -> Affine:
+    return Affine(x.centre, np.roll(x.slopes, 1, axis=-2), x.error)
+
+
+def _with_zero_first(x: Affine) -> Affine:
+    none = np.zeros((*x.slopes.shape[:-2], 1, x.slopes.shape[-1]))
+    return Affine(x.centre, np.concatenate([none, x.slopes], axis=-2), x.error)
+
+
+def _turn(
+    middle: np.ndarray,
+    half: np.ndarray,
+    pins: np.ndarray,
+    cosine: np.ndarray,
+    sine: np.ndarray,
+) -> Turn:
+    """Turns by every angle [n, K]; pinned ones have the given cosine and sine, exactly."""
+    pinned = pins != 0
+    c, s = np.where(pinned, cosine, np.cos(middle)), np.where(pinned, sine, np.sin(middle))
+    return with_centre(c, s, np.where(pinned, 0.0, half))
+
+
+def _take(turn: Turn, which: object, sign: float = 1.0) -> Turn:
+    """Select turns, or the turns the other way."""
+    c, s = turn.cosine[which], sign * turn.sine[which]
+    return Turn(
+        c, s, turn.mean[which], turn.spread[which], sign * turn.slope[which], turn.miss[which]
+    )
+
+
+def _right_products(azimuths: list[float]) -> list[np.ndarray]:
+    """Matrices [4, 4] of q -> q b for the unit vectors b at these azimuths."""
+    out = []
+    for beta in azimuths:
+        x, y = math.cos(beta), math.sin(beta)
+        out.append(np.array([[0, -x, -y, 0], [x, 0, 0, -y], [y, 0, 0, x], [0, y, -x, 0.0]]))
+    return out
+
+
+def _carried(matrix: np.ndarray, q: Affine) -> Affine:
+    """Apply a constant matrix [4, 4] (|entries| <= 1, two a row)."""
+    d, boxes = q.slopes.shape[1:]
+    slopes = (matrix @ q.slopes.reshape(4, d * boxes)).reshape(4, d, boxes)
+    size = np.abs(matrix)
+    return padded(matrix @ q.centre, slopes, size @ q.error, size @ q.magnitude(), 8)
+
+
+def _times_conjugate(m: np.ndarray, q: Affine) -> Affine:
+    """Multiply by conj(m) from the left, m [4, K] any numbers."""
+    w, x, y, z = m
+    matrix = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    size = np.abs(matrix)
+    slopes = np.einsum("abk,bdk->adk", matrix, q.slopes)
+    error = np.einsum("abk,bk->ak", size, q.error)
+    total = np.einsum("abk,bk->ak", size, q.magnitude())
+    return padded(np.einsum("abk,bk->ak", matrix, q.centre), slopes, error, total, 8)
+
+
+def _complex_product(z: Affine, w: Affine) -> tuple[Affine, Affine]:
+    """Multiply y + i z of two axes [2, ..., K]; variables of the first, then of the second."""
+    a, b = _joined(z, w)
+    x = _difference_of_products(a[0], b[0], a[1], b[1], -1.0)
+    y = _difference_of_products(a[0], b[1], a[1], b[0], 1.0)
+    return x, y
+
+
+def _joined(z: Affine, w: Affine) -> tuple[Affine, Affine]:
+    """Give two forms the variables of both."""
+    first, second = z.slopes.shape[-2], w.slopes.shape[-2]
+    lead, boxes = z.slopes.shape[:-2], z.slopes.shape[-1]
+    a = np.concatenate([z.slopes, np.zeros((*lead, second, boxes))], axis=-2)
+    b = np.concatenate([np.zeros((*lead, first, boxes)), w.slopes], axis=-2)
+    return Affine(z.centre, a, z.error), Affine(w.centre, b, w.error)
+
+
+def _difference_of_products(a: Affine, b: Affine, c: Affine, d: Affine, sign: float) -> Affine:
+    ab, cd = a * b, c * d
+    return ab + (cd if sign > 0 else -cd)
