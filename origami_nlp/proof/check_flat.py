@@ -32,7 +32,9 @@ from origami_nlp.proof.check_forms import (
     Form,
     Sheet,
     add,
+    cross,
     determinant,
+    dot,
     nonzero,
     parts,
     times,
@@ -117,7 +119,10 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
         )
     found = [across, up, zeta]
     for four in itertools.combinations(range(n), 4):
-        found.append(determinant([torques[i] for i in four], [axes[i] for i in four]))
+        a, b, c, d = (axes[i] for i in four)
+        ab, cd = cross(a, b), cross(c, d)
+        triples = [dot(b, cd), dot(a, cd), dot(ab, d), dot(ab, c)]
+        found.append(determinant([torques[i] for i in four], triples))
     return found
 
 

@@ -15,8 +15,8 @@ the vertex closes, so any y with a combination that cannot vanish shows that a b
 the combination bounds each xi that it holds linearly.  y is a suggestion, computed in doubles: directions
 normal to pairs of columns, which separate a zonotope from a point.
 
-Axes: c_i is b_i turned by the creases before it (i <= h), or backwards by those after it (i > h): the same
-axis in every closed state.
+Axes: c_i is b_i turned by the creases before it.  Triple products of axes are those of a rigid body, so that in a
+closed state they may be had from any of the three creases, with the angles on two of the three arcs between them.
 """
 
 from __future__ import annotations
@@ -69,15 +69,16 @@ class Sheet:
             sine, cosine = azimuth.sin_cos()
             self.flat.append((cosine, sine))
             azimuth += a
-        self._half_turns = lru_cache(100_000)(self._half_turns_)
-        self._turns = lru_cache(100_000)(self._turns_)
+        self._half_turns = lru_cache(10_000)(self._half_turns_)
+        self._turns = lru_cache(10_000)(self._turns_)
         one = _scalar(3, 1)
-        self._spins, self._planes, self._crosses = [], [], []
+        self._axes, self._spins, self._planes, self._crosses = [], [], [], []
         for x, y in self.flat:
             # q -> q (0, b): columns are the images of 1, i, j, k
             self._spins.append(
                 arb_mat([[0, -x, -y, 0], [x, 0, 0, -y], [y, 0, 0, x], [0, y, -x, 0]])
             )
+            self._axes.append(arb_mat([[x], [y], [0]]))
             along = arb_mat([[x * x, x * y, 0], [x * y, y * y, 0], [0, 0, 0]])
             self._planes.append((along, one - along))
             self._crosses.append(arb_mat([[0, 0, y], [0, 0, -x], [-y, x, 0]]))
@@ -113,8 +114,8 @@ class Sheet:
         turn = _scalar(3, 1)
         axes = []
         for i, angle in enumerate(angles):
-            (along, across), (cosine, sine) = self._planes[i], self.flat[i]
-            axes.append((turn * arb_mat([[cosine], [sine], [0]])).entries())
+            along, across = self._planes[i]
+            axes.append((turn * self._axes[i]).entries())
             s, c = (angle / 2).sin_cos()
             q = (_scalar(4, c) + self._spins[i] * s) * q
             s, c = angle.sin_cos()
@@ -133,15 +134,35 @@ class Sheet:
             found[mask] = found[mask] - column if mask in found else -column
         return found, middle
 
-    def axis(self, i: int, box: Box, pins: Sequence[int]) -> list[Form]:
-        """Components of the axis of crease i over a box."""
-        cosine, sine = self.flat[i]
-        start = arb_mat([[cosine], [sine], [0]])
-        if i < self.half:
-            maps = ((j, *self.turn(j, box, pins, 1)) for j in reversed(range(i)))
-        else:
-            maps = ((j, *self.turn(j, box, pins, -1)) for j in range(i + 1, self.count))
-        return linear(carry(start, maps))
+    def triple(self, three: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
+        """Triple product of the axes of three creases in a closed state of a box.
+
+        The three arcs between them are alike: seen from one crease j, fixed, the axis before it is turned back by the
+        creases on its arc, the axis after it by j and those on its arc.  No angle is used twice, and those on the
+        third arc are not used at all: j is chosen so that they are many.
+        """
+        i, j, k = min(
+            (three[p:] + three[:p] for p in range(3)),  # type: ignore[operator]
+            key=lambda t: sum(
+                not pins[c] for c in (*self._arc(t[0], t[1]), *self._arc(t[1], t[2]), t[1])
+            ),
+        )
+        back = ((c, *self.turn(c, box, pins, -1)) for c in self._arc(i, j))
+        on = reversed([j, *self._arc(j, k)])
+        forth = [(c, *self.turn(c, box, pins, 1)) for c in on]
+        before = carry(self._axes[i], back)
+        # (c_i x b_j) . c_k
+        after = carry(self._axes[k], forth)
+        beside = {mask: (-(self._crosses[j] * v)).transpose() for mask, v in before.items()}
+        product = {
+            low | high: u * v
+            for (low, u), (high, v) in itertools.product(beside.items(), after.items())
+        }
+        return linear(product)[0]
+
+    def _arc(self, first: int, last: int) -> list[int]:
+        """Creases strictly between two."""
+        return [(first + 1 + c) % self.count for c in range((last - first - 1) % self.count)]
 
     def torque(self, i: int, box: Box) -> Form:
         """G_i = k_i (x_i - rest_i) of a free crease over a box."""
@@ -284,18 +305,19 @@ def nonzero(form: Form) -> bool:
     return bool(abs(form[0]) > sum((abs(v) for v in form[1].values()), arb(0)))
 
 
-def determinant(torques: Sequence[Form], axes: Sequence[Sequence[Form]]) -> Form:
-    """det [G_S | C_S] of four creases, by expansion along G."""
-    (a, b, c, d), (ga, gb, gc, gd) = axes, torques
-    ab, cd = cross(a, b), cross(c, d)
-    total = add(times(ga, dot(b, cd)), times(gb, dot(a, cd)), -1)
-    return add(total, add(times(gc, dot(ab, d)), times(gd, dot(ab, c)), -1))
+def determinant(torques: Sequence[Form], triples: Sequence[Form]) -> Form:
+    """det [G_S | C_S] of four creases, expanded along G: `triples` are those of the other three, in order."""
+    total = times(torques[0], triples[0])
+    for p in range(1, 4):
+        total = add(total, times(torques[p], triples[p]), -1 if p % 2 else 1)
+    return total
 
 
 def minor(sheet: Sheet, four: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
-    """`determinant` of four free creases over a box."""
+    """`determinant` of four free creases in a closed state of a box."""
     torques = [sheet.torque(i, box) for i in four]
-    return determinant(torques, [sheet.axis(i, box, pins) for i in four])
+    others = ([i for i in four if i != own] for own in four)
+    return determinant(torques, [sheet.triple(three, box, pins) for three in others])
 
 
 def twin_row(sheet: Sheet, a: int, b: int, sign: int, box: Box) -> Form:

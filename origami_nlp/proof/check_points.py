@@ -29,8 +29,10 @@ from flint import arb, arb_mat
 from origami_nlp.proof.check_forms import AROUND, Sheet
 
 Balls = list[Any]
-NEWTON, GROWTHS = 6, 8
-"""Newton steps, and how often the box tried for existence is made four times as large."""
+NEWTON, GROWTHS = 30, 8
+"""Newton steps at most, and how often the box tried for existence is made four times as large."""
+TINY = 2.0**-100
+"""Newton steps end below this."""
 
 
 class Refused(Exception):
@@ -121,6 +123,8 @@ class Stratum:
         for _ in range(NEWTON):
             step = _inverse(self.jacobian(z)) * self.residual(z)
             z = [(a - b).mid() for a, b in zip(z, step.entries(), strict=True)]
+            if all(abs(b.mid()) < TINY for b in step.entries()):
+                break
         held = self._held(z)
         angles, m = self.angles(held[:-3]), held[-3:]
         q, axes = self.sheet.folded(angles)
@@ -150,14 +154,20 @@ class Stratum:
         """Krawczyk's operator around z: balls that hold a zero of F."""
         near = _inverse(self.jacobian(z))
         start = (near * self.residual(z)).entries()
-        sizes = [2 * s.abs_upper() + arb(2) ** -120 for s in start]
+
+        def image(box: Balls) -> Balls:
+            left = _identity(len(z)) - near * self.jacobian(box)
+            off = _column([b - a for a, b in zip(z, box, strict=True)])
+            moved = (left * off).entries()
+            return [a - b + c for a, b, c in zip(z, start, moved, strict=True)]
+
+        sizes = [2 * s.abs_upper() + TINY for s in start]
         for _ in range(GROWTHS):
             box = [a + AROUND * s for a, s in zip(z, sizes, strict=True)]
-            left = _identity(len(z)) - near * self.jacobian(box)
-            moved = (left * _column([AROUND * s for s in sizes])).entries()
-            image = [a - b + c for a, b, c in zip(z, start, moved, strict=True)]
-            if all(a.contains_interior(b) for a, b in zip(box, image, strict=True)):
-                return image
+            found = image(box)
+            if all(a.contains_interior(b) for a, b in zip(box, found, strict=True)):
+                # zeros stay in the image of every box that holds them and z
+                return image([b.union(a) for a, b in zip(z, found, strict=True)])
             sizes = [4 * s for s in sizes]
         raise Refused("no box around it is mapped into itself: nothing shows that it exists")
 

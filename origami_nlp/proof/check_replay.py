@@ -26,9 +26,9 @@ from origami_nlp.proof.certificate import (
 )
 from origami_nlp.proof.check_flat import falls, isolated
 from origami_nlp.proof.check_forms import (
+    AROUND,
     Box,
     Combinations,
-    Form,
     Sheet,
     minor,
     nonzero,
@@ -42,6 +42,8 @@ TRIES = 400
 """Boxes that a leaf or a removed part is cut into, at most, where it is not clear at once."""
 HALVINGS = 6
 """How often the radius in which a point is alone is halved; the shell around it is then searched."""
+STATED = 2.0**-30
+"""Relative accuracy of energies and moments as they are stated: nothing rests on them."""
 TOLD = 1_000
 """Nodes between two reports of how far the check is."""
 
@@ -138,9 +140,13 @@ class Replay:
             raise Refused(f"its index is {shown}, not {point.index}")
         if point.is_minimum is not None and point.is_minimum is not found.is_minimum:
             raise Refused(f"is_minimum is {found.is_minimum}, not {point.is_minimum}")
-        spread = found.energy.abs_upper() * arb(2) ** -40  # the statement of a double
-        if not abs(found.energy - arb(point.energy)) <= spread + stratum.reach(found, point.radius):
+        reach = stratum.reach(found, point.radius) + found.energy.abs_upper() * STATED
+        if not abs(found.energy - arb(point.energy)) <= reach:
             raise Refused("its energy is another")
+        near = stratum.moments(point.x, point.radius, [m.mid() for m in found.moment])
+        size = AROUND * STATED * sum((m.abs_upper() for m in found.moment), arb(0))
+        if not all((m + size).overlaps(arb(v)) for m, v in zip(near, point.moment, strict=True)):
+            raise Refused("its moment is another")
         return found
 
     def _alone(self) -> None:
@@ -165,12 +171,12 @@ class Replay:
 
     def _shell(self, number: int, point: Point, inner: float) -> None:
         """Check that nothing critical lies around a point, between two radii."""
-        box = [_outer(v, point.unique_radius) for v in point.x]
-        for j in _free(point.stratum):
+        pins, box = point.stratum, [_outer(v, point.unique_radius) for v in point.x]
+        for j in _free(pins):
             (low, high), near = box[j], _inner(point.x[j], inner)
             for part in ((low, near[0]), (near[1], high)):
                 slab = (*box[:j], part, *box[j + 1 :])
-                if not self._absent(slab, point.stratum, critical=True):
+                if not self._absent(slab, pins, lambda b: self._not_critical(b, pins)):
                     raise Refused(
                         f"point {number}: nothing shows that it is alone within "
                         f"{point.unique_radius:.3g} rad"
@@ -240,7 +246,7 @@ class Replay:
             four = [i for i in range(n) if number >> i & 1]
             if len(four) != 4 or number >> n or any(pins[i] for i in four):
                 raise Refused("names no four free creases")
-            if not self._nowhere(lambda b: minor(self.sheet, four, b, pins), box):
+            if not self._absent(box, pins, lambda b: nonzero(minor(self.sheet, four, b, pins))):
                 raise Refused(f"the minor of creases {_listed(four)} may vanish")
         elif kind == TWIN:
             a, b = divmod(number, n)
@@ -290,16 +296,19 @@ class Replay:
 
     # ------------------------------------------------------------ what a box does not hold
 
-    def _absent(self, box: Box, pins: Sequence[int], critical: bool = False) -> bool:
-        """Show that a box holds no closed state, or no closed state that is critical, by cutting it up."""
+    def _absent(
+        self, box: Box, pins: Sequence[int], excluded: Callable[[Box], bool] | None = None
+    ) -> bool:
+        """Show that a box holds no closed state, but where it is `excluded`, by cutting it up."""
         free, stack = _free(pins), [box]
         for _ in range(TRIES):
             one = stack.pop()
-            combined = Combinations(self.sheet, one, pins)
-            if not combined.empty and not (critical and self._not_critical(one, pins)):
-                if not free:
-                    return False
-                stack += _halves(combined.narrowed(one), _widest(one, free))
+            if excluded is None or not excluded(one):
+                combined = Combinations(self.sheet, one, pins)
+                if not combined.empty:
+                    if not free:
+                        return False
+                    stack += _halves(combined.narrowed(one), _widest(one, free))
             if not stack:
                 return True
         return False
@@ -310,21 +319,6 @@ class Replay:
             return True
         pairs = ((a, b, self.sheet.twin(a, b, pins)) for a, b in itertools.combinations(free, 2))
         return any(sg and nonzero(twin_row(self.sheet, a, b, sg, box)) for a, b, sg in pairs)
-
-    def _nowhere(self, row: Callable[[Box], Form], box: Box) -> bool:
-        """Show that a row vanishes nowhere in a box, by cutting it up where the row varies most."""
-        stack = [box]
-        for _ in range(TRIES):
-            one = stack.pop()
-            form = row(one)
-            if not nonzero(form):
-                if not form[1]:
-                    return False
-                slopes = form[1]
-                stack += _halves(one, max(slopes, key=lambda j: float(abs(slopes[j]).upper())))
-            if not stack:
-                return True
-        return False
 
 
 def _free(pins: Sequence[int]) -> list[int]:

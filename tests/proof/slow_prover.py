@@ -6,31 +6,31 @@ what the check does with a proof, good or bad.
 
 import itertools
 import math
-from dataclasses import replace
+from functools import cache
 
 import numpy as np
-from flint import ctx
+from flint import arb, ctx
 
 from origami_nlp.pattern import Scene
 from origami_nlp.proof import certificate as c
 from origami_nlp.proof.check_forms import Combinations, Sheet, minor, nonzero, twin_row
 from origami_nlp.proof.check_points import Refused, Stratum
+from tests.proof.balls import scene
 
 R0, SMALL, TINY = 1e-3, 1e-2, 1e-7
 
 
 class Prover:
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        ctx.prec = 128
-        self.fine = self.sheet_of(scene)
-        ctx.prec = 64
-        self.sheet = self.sheet_of(scene)
+    def __init__(self, stated: Scene) -> None:
+        self.scene = stated
+        with ctx.workprec(128):
+            self.fine = self.sheet_of(stated)
+        self.sheet = self.sheet_of(stated)
         self.points, self.undecided, self.kinds, self.numbers, self.boxes = [], [], [], [], []
 
     @staticmethod
-    def sheet_of(scene: Scene) -> Sheet:
-        return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
+    def sheet_of(s: Scene) -> Sheet:
+        return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
     def node(self, kind: int, number: int = 0) -> None:
         self.kinds.append(kind)
@@ -112,10 +112,13 @@ class Prover:
 
     def locate(self, box, pins) -> bool:
         x = [math.pi * s if s else 0.5 * (a + b) for s, (a, b) in zip(pins, box, strict=True)]
-        ctx.prec = 128
+        with ctx.workprec(128):
+            return self.located(x, pins)
+
+    def located(self, x, pins) -> bool:
         try:
             stratum = Stratum(self.fine, pins)
-            _, axes = self.fine.folded(stratum.angles([stratum_ball(x[i]) for i in stratum.free]))
+            _, axes = self.fine.folded(stratum.angles([arb(x[i]) for i in stratum.free]))
             matrix = np.array([[float(v.mid()) for v in axes[i]] for i in stratum.free])
             k, rest = self.scene.stiffness, self.scene.rest_angles
             torque = [k[i] * (x[i] - rest[i]) for i in stratum.free]
@@ -129,8 +132,6 @@ class Prover:
                 radius /= 2
         except Refused:
             return False
-        finally:
-            ctx.prec = 64
         self.points.append(
             c.Point(
                 x=tuple(near),
@@ -154,14 +155,8 @@ class Prover:
             return False
 
 
-def stratum_ball(value):
-    from flint import arb
-
-    return arb(value)
-
-
-def prove(scene: Scene) -> c.Certificate:
-    return Prover(scene).prove()
-
-
-__all__ = ["prove", "replace"]
+@cache
+def proved(degree: int, seed: int) -> c.Certificate:
+    """The certificate of `tests.proof.balls.scene`, made once."""
+    with ctx.workprec(64):
+        return Prover(scene(degree, seed)).prove()
