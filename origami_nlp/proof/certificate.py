@@ -26,9 +26,16 @@ from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
 SCHEMA = "origami-nlp/proof/1"
 LARGEST = 1_000_000_000
 """Bytes of a file, and of an array of its tree."""
-KINDS = ("split", "contract", "closed", "minor", "twin", "flat", "root", "singular", "undecided")
-"""Kinds of nodes, by their number in a file."""
-SPLIT, CONTRACT, CLOSED, MINOR, TWIN, FLAT, ROOT, SINGULAR, UNDECIDED = range(len(KINDS))
+KINDS = (
+    *("split", "contract", "narrow", "closed", "none"),
+    *("minor", "twin", "flat", "root", "singular", "undecided"),
+)
+"""Kinds of nodes, by their number in a file: two halves; a smaller box, what is cut off holding no closed state, or no
+critical one; no closed state; no critical state; a minor, or a twin row, that does not vanish; near the flat state; in
+the box of a point, or in one that is left open."""
+SPLIT, CONTRACT, NARROW, CLOSED, NONE, MINOR, TWIN, FLAT, ROOT, SINGULAR, UNDECIDED = range(
+    len(KINDS)
+)
 
 
 @dataclass(frozen=True)
@@ -100,7 +107,7 @@ class Nodes:
         Of a split its axis; of a closed leaf a hint; of a minor the four creases as bits; of twins a, b: a N + b;
         of other leaves which point or box; int32 [M].
     boxes
-        Ends of the boxes of contract nodes, in order, float64 [C, 2, N] [rad].
+        Ends of the boxes of contract and narrow nodes, in order, float64 [C, 2, N] [rad].
     """
 
     kind: np.ndarray
@@ -348,7 +355,7 @@ def _nodes(tree: dict[str, Any], n: int) -> Nodes:
     kind, number = _unpacked(tree, "kind", "u1", count), _unpacked(tree, "number", "<i4", count)
     if kind.max() >= len(KINDS):
         raise CertificateError(f"tree.kind of the proof holds {kind.max()}: no such kind of node")
-    boxes = _unpacked(tree, "boxes", "<f8", int((kind == CONTRACT).sum()) * 2 * n)
+    boxes = _unpacked(tree, "boxes", "<f8", int(np.isin(kind, (CONTRACT, NARROW)).sum()) * 2 * n)
     if not np.isfinite(boxes).all():
         raise CertificateError("tree.boxes of the proof holds what is no number")
     return Nodes(kind, number, boxes.reshape(-1, 2, n))

@@ -19,12 +19,12 @@ G . u != 0, where the closed states pass through 0 along u (Q is not stationary 
 from __future__ import annotations
 
 import itertools
-import math
 from typing import Any
 
 import numpy as np
 from flint import arb
 
+from origami_nlp.proof.check_bounds import Bounds
 from origami_nlp.proof.check_forms import (
     AROUND,
     SQUARE,
@@ -35,8 +35,8 @@ from origami_nlp.proof.check_forms import (
     cross,
     determinant,
     dot,
-    nonzero,
     parts,
+    scaled,
     times,
 )
 
@@ -64,10 +64,15 @@ def isolated(sheet: Sheet, r0: float, most: int = MOST_BOXES) -> int | None:
     if not 0 < r0 < 1:
         return None
     n = sheet.count
-    stack = [tuple((1.0, 1.0) if i == j else (-1.0, 1.0) for j in range(n)) for i in range(n)]
+    stack: list[Box] = [
+        tuple((1.0, 1.0) if i == j else (-1.0, 1.0) for j in range(n)) for i in range(n)
+    ]
     for boxes in range(1, most + 1):
-        box = _narrowed(rows(sheet, stack[-1], arb(r0)), stack.pop())
-        if box is not None:
+        box = stack.pop()
+        bounds = Bounds([j for j, (low, high) in enumerate(box) if low < high])
+        bounds.add_rows(rows(sheet, box, arb(r0)))
+        if not bounds.empty:
+            box = bounds.narrowed(box)
             axis = max(range(n), key=lambda j: box[j][1] - box[j][0])
             low, high = box[axis]
             middle = 0.5 * (low + high)
@@ -89,33 +94,33 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
     axes, torques = [], []
     for i in range(n):
         x, y = sheet.flat[i]
-        along = add(_scaled(across, x), _scaled(up, y))  # omega . b
-        out = add(_scaled(across, y), _scaled(up, x), -1)  # (omega x b)_z
-        level, bent = times(w, zeta), _scaled(times(zeta, along), square)
-        size = add(add(times(across, across), times(up, up)), _scaled(times(zeta, zeta), square))
-        shrunk = add(_fixed(1), _scaled(size, 2 * square), -1)
+        along = add(scaled(across, x), scaled(up, y))  # omega . b
+        out = add(scaled(across, y), scaled(up, x), -1)  # (omega x b)_z
+        level, bent = times(w, zeta), scaled(times(zeta, along), square)
+        size = add(add(times(across, across), times(up, up)), scaled(times(zeta, zeta), square))
+        shrunk = add(_fixed(1), scaled(size, 2 * square), -1)
         twice = 2 * square
-        px = add(_scaled(level, -y), times(along, across))
-        py = add(_scaled(level, x), times(along, up))
+        px = add(scaled(level, -y), times(along, across))
+        py = add(scaled(level, x), times(along, up))
         axes.append(
             [
-                add(_scaled(shrunk, x), _scaled(px, twice)),
-                add(_scaled(shrunk, y), _scaled(py, twice)),
-                _scaled(add(times(w, out), bent), arb(2)),
+                add(scaled(shrunk, x), scaled(px, twice)),
+                add(scaled(shrunk, y), scaled(py, twice)),
+                scaled(add(times(w, out), bent), arb(2)),
             ]
         )
         middle, radius = parts(*box[i])
         k, u = sheet.stiffness[i], (middle, {i: radius} if radius > 0 else {})
         torques.append((k * (AROUND * r0 - sheet.rest[i]), {}))  # |u_i| <= 1
-        s, lifted = _scaled(u, slope), _scaled(zeta, square)
+        s, lifted = scaled(u, slope), scaled(zeta, square)
         w, zeta, across, up = (
-            add(_scaled(w, even), _scaled(times(s, along), square), -1),
-            add(_scaled(zeta, even), times(s, out)),
+            add(scaled(w, even), scaled(times(s, along), square), -1),
+            add(scaled(zeta, even), times(s, out)),
             add(
-                _scaled(across, even),
-                times(s, add(_scaled(w, x), _scaled(lifted, y), -1)),
+                scaled(across, even),
+                times(s, add(scaled(w, x), scaled(lifted, y), -1)),
             ),
-            add(_scaled(up, even), times(s, add(_scaled(w, y), _scaled(lifted, x)))),
+            add(scaled(up, even), times(s, add(scaled(w, y), scaled(lifted, x)))),
         )
     found = [across, up, zeta]
     for four in itertools.combinations(range(n), 4):
@@ -128,41 +133,6 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
 
 def _fixed(value: int) -> Form:
     return arb(value), {}
-
-
-def _scaled(form: Form, factor: Any) -> Form:
-    return form[0] * factor, {j: v * factor for j, v in form[1].items()}
-
-
-def _narrowed(found: list[Form], box: Box) -> Box | None:
-    """Return the part of a box of u where all rows may vanish, or None: nowhere."""
-    if any(map(nonzero, found)):
-        return None
-    moving = [j for j, (low, high) in enumerate(box) if low < high]
-    slopes = np.array([[float(f[1].get(j, arb(0)).mid()) for j in moving] for f in found])
-    spread = np.array([float(f[0].rad()) for f in found])
-    weights = 1 / (spread + 1e-9 * np.abs(slopes).max(axis=1) + 1e-300)
-    suggested = np.linalg.pinv(weights[:, None] * slopes, rcond=1e-6) * weights
-    result = list(box)
-    for j, y in zip(moving, suggested, strict=True):
-        row: Form = (arb(0), {})
-        for form, factor in zip(found, y, strict=True):
-            row = add(row, _scaled(form, arb(float(factor))))
-        own = row[1].pop(j, arb(0))
-        if not own > 0.5:
-            continue
-        total = sum((v.abs_upper() for v in row[1].values()), arb(0))
-        reach = (AROUND * total - row[0]) / own
-        low, high = reach.lower().max(arb(-1)), reach.upper().min(arb(1))
-        if low > high:
-            return None
-        middle, radius = parts(*box[j])
-        ends = (
-            math.nextafter(float(middle + radius * low), -2),
-            math.nextafter(float(middle + radius * high), 2),
-        )
-        result[j] = max(box[j][0], ends[0]), min(box[j][1], ends[1])
-    return tuple(result)
 
 
 def falls(sheet: Sheet) -> bool:

@@ -10,10 +10,7 @@ rotations about fixed axes, each angle used once, is a polynomial in the xi of d
 coefficients are computed as they are, products of balls.
 
 Closure: the product q of the quaternions (cos x_i/2, b_i sin x_i/2) is +1, stated as q_1..q_h =
-conj(q_N) .. conj(q_h+1), h = ceil(N/2): four polynomials.  Every real combination y of them vanishes where
-the vertex closes, so any y with a combination that cannot vanish shows that a box holds no closed state, and
-the combination bounds each xi that it holds linearly.  y is a suggestion, computed in doubles: directions
-normal to pairs of columns, which separate a zonotope from a point.
+conj(q_N) .. conj(q_h+1), h = ceil(N/2): four polynomials.
 
 Axes: c_i is b_i turned by the creases before it.  Triple products of axes are those of a rigid body, so that in a
 closed state they may be had from any of the three creases, with the angles on two of the three arcs between them.
@@ -23,7 +20,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -313,132 +310,35 @@ def determinant(torques: Sequence[Form], triples: Sequence[Form]) -> Form:
     return total
 
 
-def minor(sheet: Sheet, four: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
-    """`determinant` of four free creases in a closed state of a box."""
-    torques = [sheet.torque(i, box) for i in four]
-    others = ([i for i in four if i != own] for own in four)
-    return determinant(torques, [sheet.triple(three, box, pins) for three in others])
+def scaled(form: Form, factor: Any) -> Form:
+    """Return a form times a ball."""
+    return form[0] * factor, {j: v * factor for j, v in form[1].items()}
+
+
+def minors(
+    sheet: Sheet, fours: Iterable[Sequence[int]], box: Box, pins: Sequence[int]
+) -> Iterator[Form]:
+    """`determinant` of sets of four free creases in a closed state of a box."""
+    known: dict[tuple[int, ...], Form] = {}
+    for four in fours:
+        triples = []
+        for three in (tuple(i for i in four if i != own) for own in four):
+            if three not in known:
+                known[three] = sheet.triple(three, box, pins)
+            triples.append(known[three])
+        yield determinant([sheet.torque(i, box) for i in four], triples)
+
+
+def critical_rows(sheet: Sheet, box: Box, pins: Sequence[int]) -> list[Form]:
+    """All that vanishes in a critical state of a box: minors of its free creases, and twin rows."""
+    free = [j for j, s in enumerate(pins) if not s]
+    rows = list(minors(sheet, itertools.combinations(free, 4), box, pins))
+    for a, b in itertools.combinations(free, 2):
+        if sign := sheet.twin(a, b, pins):
+            rows.append(twin_row(sheet, a, b, sign, box))
+    return rows
 
 
 def twin_row(sheet: Sheet, a: int, b: int, sign: int, box: Box) -> Form:
     """G_a - sign G_b."""
     return add(sheet.torque(a, box), sheet.torque(b, box), -sign)
-
-
-class Combinations:
-    """Combinations of the closure polynomials over one box, each zero in every closed state of it.
-
-    Parameters
-    ----------
-    sheet, box, pins
-        The vertex, the box, and the sign of each pinned crease (0: free).
-
-    Attributes
-    ----------
-    empty
-        Whether some combination cannot vanish: no closed state in the box.
-    bounds
-        Bounds of each xi in every closed state.
-    """
-
-    def __init__(self, sheet: Sheet, box: Box, pins: Sequence[int]) -> None:
-        terms, radial = sheet.closure(box, pins)
-        masks = list(terms)
-        columns = [terms[mask].entries() for mask in masks]
-        system = arb_mat([[column[r] for column in columns] for r in range(4)])
-        where = {mask.bit_length() - 1: p for p, mask in enumerate(masks) if _single(mask)}
-        zero = masks.index(0)
-        found = suggestions(
-            radial, _middles(columns[zero]), [_middles(columns[p]) for p in where.values()]
-        )
-        entries = (arb_mat([[arb(v) for v in y] for y in found]) * system).entries()
-        self.empty = False
-        self.bounds = {j: (arb(-1), arb(1)) for j in where}
-        for k in range(len(found)):
-            row = entries[k * len(masks) : (k + 1) * len(masks)]
-            sizes = [v.abs_upper() for v in row]
-            sizes[zero] = arb(0)
-            total = sum(sizes, arb(0))
-            if row[zero].abs_lower() > total:
-                self.empty = True
-                return
-            for j, p in where.items():
-                slope = row[p]
-                if slope.abs_lower() > sizes[p] / 2:  # a ball that is hardly known bounds nothing
-                    reach = (AROUND * (total - sizes[p]) - row[zero]) / slope
-                    low, high = self.bounds[j]
-                    self.bounds[j] = (low.max(reach.lower()), high.min(reach.upper()))
-        if any(low > high for low, high in self.bounds.values()):
-            self.empty = True
-
-    def beyond(
-        self, j: int, whole: tuple[float, float], kept: tuple[float, float]
-    ) -> list[tuple[float, float]]:
-        """Return what an angle loses from `whole` to `kept` (each within the other), less what the bounds say."""
-        if self.empty:
-            return []
-        middle, radius = parts(*whole)
-        low, high = (middle + radius * bound for bound in self.bounds[j])
-        found = []
-        if whole[0] < kept[0] and not low >= arb(kept[0]):
-            found.append((whole[0], kept[0]))
-        if kept[1] < whole[1] and not high <= arb(kept[1]):
-            found.append((kept[1], whole[1]))
-        return found
-
-    def narrowed(self, box: Box) -> Box:
-        """Return the box without what the bounds exclude, ends rounded outwards."""
-        found = list(box)
-        for j, (low, high) in self.bounds.items():
-            middle, radius = parts(*box[j])
-            ends = float((middle + radius * low).lower()), float((middle + radius * high).upper())
-            found[j] = (
-                max(box[j][0], math.nextafter(ends[0], -math.inf)),
-                min(box[j][1], math.nextafter(ends[1], math.inf)),
-            )
-        return tuple(found)
-
-
-def _single(mask: int) -> bool:
-    return mask != 0 and mask & (mask - 1) == 0
-
-
-def _middles(column: Sequence[Any]) -> list[float]:
-    return [float(v.mid()) for v in column]
-
-
-def suggestions(
-    radial: Sequence[float], centre: Sequence[float], columns: Sequence[Sequence[float]]
-) -> list[list[float]]:
-    """Suggest combinations y of the four closure rows, in doubles: any y is as true as any other.
-
-    Parameters
-    ----------
-    radial
-        The quaternion q at the middle of the box: what is left of closure lies in the space tangent to it.
-    centre, columns
-        Of closure, the coefficients of 1 and of each xi.
-
-    Returns
-    -------
-    list
-        q itself; three tangent directions; the part of the centre normal to each column; what is normal to every
-        two columns, the faces of the zonotope that they span.
-    """
-    w, x, y, z = radial
-    frame = ((-x, w, -z, y), (-y, z, w, -x), (-z, -y, x, w))  # i q, j q, k q
-
-    def tangent(v: Sequence[float]) -> tuple[float, ...]:
-        return tuple(sum(a * b for a, b in zip(e, v, strict=True)) for e in frame)
-
-    c, spanned = tangent(centre), [tangent(v) for v in columns]
-    wanted = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), c]
-    wanted += [_across(a, _across(a, c)) for a in spanned]
-    wanted += [_across(a, b) for a, b in itertools.combinations(spanned, 2)]
-    return [list(radial)] + [
-        [sum(t * e[r] for t, e in zip(v, frame, strict=True)) for r in range(4)] for v in wanted
-    ]
-
-
-def _across(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

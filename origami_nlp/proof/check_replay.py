@@ -17,6 +17,8 @@ from origami_nlp.proof.certificate import (
     FLAT,
     KINDS,
     MINOR,
+    NARROW,
+    NONE,
     ROOT,
     SINGULAR,
     SPLIT,
@@ -24,13 +26,13 @@ from origami_nlp.proof.certificate import (
     Certificate,
     Point,
 )
+from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_flat import falls, isolated
 from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
-    Combinations,
     Sheet,
-    minor,
+    minors,
     nonzero,
     twin_row,
 )
@@ -176,7 +178,7 @@ class Replay:
             (low, high), near = box[j], _inner(point.x[j], inner)
             for part in ((low, near[0]), (near[1], high)):
                 slab = (*box[:j], part, *box[j + 1 :])
-                if not self._absent(slab, pins, lambda b: self._not_critical(b, pins)):
+                if not self._absent(slab, pins, critical=True):
                     raise Refused(
                         f"point {number}: nothing shows that it is alone within "
                         f"{point.unique_radius:.3g} rad"
@@ -201,8 +203,9 @@ class Replay:
                 try:
                     if kind == SPLIT:
                         stack += self._split(box, pins, number)
-                    elif kind == CONTRACT:
-                        stack.append(self._contracted(box, pins, next(boxes).tolist()))
+                    elif kind in (CONTRACT, NARROW):
+                        ends = next(boxes).tolist()
+                        stack.append(self._contracted(box, pins, ends, kind == NARROW))
                     else:
                         self._leaf(box, pins, kind, number)
                 except Refused as problem:
@@ -221,19 +224,25 @@ class Replay:
             raise Refused(f"splits crease {axis + 1}, which is not free")
         return _halves(box, axis)
 
-    def _contracted(self, box: Box, pins: Sequence[int], ends: list[list[float]]) -> Box:
-        """Return the smaller box, once what it leaves out is known to hold no closed state."""
-        combined = Combinations(self.sheet, box, pins)
-        new = list(box)
-        for j in _free(pins):
-            low, high = box[j]
-            kept = max(low, ends[0][j]), min(high, ends[1][j])
-            if not kept[0] <= kept[1]:
+    def _contracted(
+        self, box: Box, pins: Sequence[int], ends: list[list[float]], critical: bool
+    ) -> Box:
+        """Return the smaller box, once what it leaves out is known to hold no closed (or critical) state."""
+        states = States(self.sheet, box, pins)
+        kept = [(max(low, a), min(high, b)) for (low, high), a, b in zip(box, *ends, strict=True)]
+        free = _free(pins)
+        for j in free:
+            if not kept[j][0] <= kept[j][1]:
                 raise Refused(f"the new box lies outside the old one at crease {j + 1}")
-            for part in combined.beyond(j, box[j], kept):
-                if not self._absent((*new[:j], part, *new[j + 1 :]), pins):
-                    raise Refused(f"what is cut off at crease {j + 1} may hold a closed state")
-            new[j] = kept
+        if critical and any(states.beyond(j, box[j], kept[j]) for j in free):
+            states.add_critical()
+        new = list(box)
+        for j in free:
+            for part in states.beyond(j, box[j], kept[j]):
+                if not self._absent((*new[:j], part, *new[j + 1 :]), pins, critical):
+                    what = "critical" if critical else "closed"
+                    raise Refused(f"what is cut off at crease {j + 1} may hold a {what} state")
+            new[j] = kept[j]
         return tuple(new)
 
     def _leaf(self, box: Box, pins: Sequence[int], kind: int, number: int) -> None:
@@ -242,11 +251,14 @@ class Replay:
         if kind == CLOSED:
             if not self._absent(box, pins):
                 raise Refused("the box may hold a closed state")
+        elif kind == NONE:
+            if not self._absent(box, pins, critical=True):
+                raise Refused("the box may hold a critical state")
         elif kind == MINOR:
             four = [i for i in range(n) if number >> i & 1]
             if len(four) != 4 or number >> n or any(pins[i] for i in four):
                 raise Refused("names no four free creases")
-            if not self._absent(box, pins, lambda b: nonzero(minor(self.sheet, four, b, pins))):
+            if not self._absent(box, pins, excluded=lambda b: self._differs(four, b, pins)):
                 raise Refused(f"the minor of creases {_listed(four)} may vanish")
         elif kind == TWIN:
             a, b = divmod(number, n)
@@ -261,6 +273,9 @@ class Replay:
             self._flat(box, pins)
         else:
             self._within(box, pins, kind, number)
+
+    def _differs(self, four: Sequence[int], box: Box, pins: Sequence[int]) -> bool:
+        return nonzero(next(minors(self.sheet, [four], box, pins)))
 
     def _flat(self, box: Box, pins: Sequence[int]) -> None:
         r0 = self.certificate.r0
@@ -297,28 +312,27 @@ class Replay:
     # ------------------------------------------------------------ what a box does not hold
 
     def _absent(
-        self, box: Box, pins: Sequence[int], excluded: Callable[[Box], bool] | None = None
+        self,
+        box: Box,
+        pins: Sequence[int],
+        critical: bool = False,
+        excluded: Callable[[Box], bool] | None = None,
     ) -> bool:
-        """Show that a box holds no closed state, but where it is `excluded`, by cutting it up."""
+        """Show that a box holds no closed state (or no critical one, or none but where `excluded`), by cutting it up."""
         free, stack = _free(pins), [box]
         for _ in range(TRIES):
             one = stack.pop()
             if excluded is None or not excluded(one):
-                combined = Combinations(self.sheet, one, pins)
-                if not combined.empty:
+                states = States(self.sheet, one, pins)
+                if critical:
+                    states.add_critical()
+                if not states.empty:
                     if not free:
                         return False
-                    stack += _halves(combined.narrowed(one), _widest(one, free))
+                    stack += _halves(states.narrowed(one), _widest(one, free))
             if not stack:
                 return True
         return False
-
-    def _not_critical(self, box: Box, pins: Sequence[int]) -> bool:
-        free = _free(pins)
-        if any(nonzero(minor(self.sheet, s, box, pins)) for s in itertools.combinations(free, 4)):
-            return True
-        pairs = ((a, b, self.sheet.twin(a, b, pins)) for a, b in itertools.combinations(free, 2))
-        return any(sg and nonzero(twin_row(self.sheet, a, b, sg, box)) for a, b, sg in pairs)
 
 
 def _free(pins: Sequence[int]) -> list[int]:

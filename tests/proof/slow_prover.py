@@ -13,7 +13,8 @@ from flint import arb, ctx
 
 from origami_nlp.pattern import Scene
 from origami_nlp.proof import certificate as c
-from origami_nlp.proof.check_forms import Combinations, Sheet, minor, nonzero, twin_row
+from origami_nlp.proof.check_bounds import States
+from origami_nlp.proof.check_forms import Sheet, minors, nonzero, twin_row
 from origami_nlp.proof.check_points import Refused, Stratum
 from tests.proof.balls import scene
 
@@ -52,14 +53,14 @@ class Prover:
         free = [j for j, s in enumerate(pins) if not s]
         while stack:
             box = stack.pop()
-            combined = Combinations(self.sheet, box, pins)
-            if combined.empty:
+            states = States(self.sheet, box, pins)
+            if states.empty:
                 self.node(c.CLOSED)
                 continue
             if (leaf := self.leaf(box, pins, free)) is not None:
                 self.node(*leaf)
                 continue
-            new = combined.narrowed(box)
+            new = states.narrowed(box)
             wide = [(b - a) * 1e-9 for a, b in box]
             new = tuple(
                 (max(a, p - w), min(b, q + w))
@@ -80,7 +81,7 @@ class Prover:
 
     def leaf(self, box, pins, free):
         for four in itertools.combinations(free, 4):
-            if nonzero(minor(self.sheet, four, box, pins)):
+            if nonzero(next(minors(self.sheet, [four], box, pins))):
                 return c.MINOR, sum(1 << i for i in four)
         for a, b in itertools.combinations(free, 2):
             sign = self.sheet.twin(a, b, pins)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from origami_nlp.proof import check_forms as f
+from origami_nlp.proof import check_bounds, check_forms as f
+from origami_nlp.proof.check_bounds import States
 from tests.independent.rotations import project, spin_sign
 from tests.proof.balls import at, exactly, holds, scene
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
@@ -115,10 +116,10 @@ def test_no_closed_state_is_excluded_or_cut_off(degree):
                 (max(-UP, float(v) - float(a)), min(UP, float(v) + float(b)))
                 for v, (a, b) in zip(x, reach, strict=True)
             )
-            combined = f.Combinations(sheet, box, pins)
+            combined = States(sheet, box, pins)
             assert not combined.empty
             new = combined.narrowed(box)
-            for j in combined.bounds:
+            for j in combined.known:
                 assert box[j][0] <= new[j][0] <= x[j] <= new[j][1] <= box[j][1]
                 kept = (float(x[j]) + 1e-3 * (box[j][1] - float(x[j])), box[j][1])
                 if kept[0] > x[j]:  # what is cut off holds the state
@@ -154,7 +155,7 @@ def test_minors_hold_what_50_digits_say_of_closed_states(degree):
                         continue
                     seen += 1
                     wanted = mp.det(mp.matrix([[torque[i], *true[i]] for i in four]))
-                    assert holds(at(f.minor(sheet, four, box, pins), xi), wanted)
+                    assert holds(at(next(f.minors(sheet, [four], box, pins)), xi), wanted)
     assert seen > 20
 
 
@@ -165,8 +166,8 @@ def test_any_combination_of_rows_may_be_suggested():
     x = next(closed_states(s, rng, pins, 20))
     box = tuple((float(v) - 0.1, float(v) + 0.07) for v in x)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(f, "suggestions", lambda *_: rng.normal(size=(50, 4)).tolist())
-        combined = f.Combinations(sheet, box, pins)
+        patch.setattr(check_bounds, "suggestions", lambda *_: rng.normal(size=(50, 4)).tolist())
+        combined = States(sheet, box, pins)
     assert not combined.empty
     assert all(a <= v <= b for (a, b), v in zip(combined.narrowed(box), x, strict=True))
 
