@@ -8,6 +8,7 @@ from .affine import (
     turned as turned,
     variables as variables,
 )
+from .boxes import Boxes as Boxes, Left as Left, prune as prune
 from .certificate import (
     Certificate as Certificate,
     certificate_from_dict as certificate_from_dict,
@@ -15,5 +16,9 @@ from .certificate import (
     read_certificate as read_certificate,
     write_certificate as write_certificate,
 )
-from .chains import Rows as Rows, Vertex as Vertex
+from .chains import Rows as Rows
 from .check import Check as Check, check_proof as check_proof
+from .complete import pose as pose, prove as prove
+from .flat import Flat as Flat, flat_lemma as flat_lemma
+from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
+from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

@@ -70,12 +70,18 @@ class Vertex:
         Shape [N] [rad].
     """
 
+    linear = slice(1, 4)
+    """Rows of closure that are linear to first order; the other one is of second order."""
+    pivots = 3
+
     def __init__(self, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray) -> None:
         n = self.size = len(sectors)
         self.stiffness = np.asarray(stiffness, dtype=float)
         self.rest = np.asarray(rest, dtype=float)
         self.sectors = np.asarray(sectors, dtype=float)
         self.half = (n + 1) // 2
+        azimuth = np.array([math.fsum(sectors[:i]) for i in range(n)])
+        self.creases = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
         # azimuths of the left creases from crease 1 on, of the right ones back from it
         left = [math.fsum(sectors[:i]) for i in range(self.half)]
         right = [-math.fsum(sectors[i:]) for i in range(n - 1, self.half - 1, -1)]
@@ -88,6 +94,9 @@ class Vertex:
         )
         self._pose_triples()
         self._pose_minors()
+        self.minor_count = len(self.fours)
+        self.minor_creases = tuple(map(tuple, self.fours.tolist()))
+        self.twins: tuple[tuple[int, ...], ...] = ()
 
     def _pose_triples(self) -> None:
         """Choose for each triple of creases the middle one and how many creases on each side the others are."""

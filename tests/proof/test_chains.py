@@ -23,7 +23,9 @@ def turn_z(angle):
 
 
 def random_vertex(rng, n):
-    sectors = rng.dirichlet(np.full(n, 4.0)) * 2 * math.pi
+    sectors = np.full(n, 7.0)
+    while sectors.max() > 0.9 * math.pi:
+        sectors = rng.dirichlet(np.full(n, 4.0)) * 2 * math.pi
     return Vertex(sectors, 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n))
 
 
@@ -183,17 +185,25 @@ def closed_state(rng, sectors):
             frame = frame * turn_x(angle) * turn_z(sector)
         return [frame[2, 1] - frame[1, 2], frame[0, 2] - frame[2, 0], frame[1, 0] - frame[0, 1]]
 
+    h = mpf(10) ** -25
     while True:
         first = [mpf(v) for v in rng.uniform(-0.8, 0.8, n - 3)]
-        try:
-            last = mp.findroot(gap, [mpf(v) for v in rng.uniform(-1.5, 1.5, 3)])
-        except (ValueError, ZeroDivisionError):
-            continue
+        last = mp.matrix(rng.uniform(-1.5, 1.5, 3).tolist())
+        for _ in range(12):
+            f = mp.matrix(gap(*last))
+            jacobian = mp.matrix(3, 3)
+            for j in range(3):
+                moved = last.copy()
+                moved[j] += h
+                jacobian[:, j] = (mp.matrix(gap(*moved)) - f) / h
+            if abs(mp.det(jacobian)) < 1e-6 or mp.norm(last) > 100:
+                break
+            last -= mp.lu_solve(jacobian, f)
         angles = [*first, *last]
         frame = mp.eye(3)
         for angle, sector in zip(angles, sectors, strict=True):
             frame = frame * turn_x(angle) * turn_z(sector)
-        if mp.norm(frame - mp.eye(3)) < mpf(10) ** -40 and max(map(abs, last)) < 3:
+        if mp.mnorm(frame - mp.eye(3), "f") < mpf(10) ** -40 and max(map(abs, last)) < 3:
             return angles
 
 

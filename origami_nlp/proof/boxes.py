@@ -1,0 +1,336 @@
+"""Branch and prune: all boxes of fold angles, on all strata, until only small ones are left.
+
+A batch of boxes of any strata is treated at once.  A box goes where a row of closure, or a minor or a twin row of its
+stratum, certainly differs from zero.  Else it is contracted: for *any* matrix Y, what solves c + A xi + e eta = 0 has
+xi = -Y c + (I - Y A) xi - Y e eta, hence |xi_v + (Y c)_v| <= sum_j |I - Y A|_vj + sum_r |Y_vr| e_r.  Two matrices are
+tried: the inverse of A's best columns in the rows of closure, and the least squares of all rows in the metric of
+their errors, Y = (I + A' E^-2 A)^-1 A' E^-2.  Nothing is trusted of how they were computed.  A box that did not
+shrink to half its volume is cut in two at the middle of its widest side; both children keep that double.
+
+Rounding of the contraction: entries of Y A and Y c are sums of at most R products, so they, and the sums over them, are
+off by at most gamma_{R+d+2} sum_r |Y_vr| (|c_r| + sum_j |A_rj| + e_r); four times that is added.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from origami_nlp.proof.affine import UNIT, Affine, variables
+from origami_nlp.proof.chains import Rows
+from origami_nlp.proof.tree import Kind, Recorder
+
+BATCH = 2_000
+"""Boxes treated at once: fewer waste time between array operations, more fall out of the processor's cache."""
+SMALL = 1e-5
+"""Boxes whose sides are all shorter [rad] are candidates, for roots or singular states."""
+WIDER = 1e-9
+"""Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
+KEPT = 0.9
+"""A contraction that leaves more than this share of every side is not carried out."""
+BEYOND = math.nextafter(math.pi, 4.0)
+"""The double above pi: free angles range to it."""
+
+
+class Posed(Protocol):
+    """What is searched: rows over boxes."""
+
+    size: int
+    linear: slice
+    pivots: int
+    minor_count: int
+    minor_creases: tuple[tuple[int, ...], ...]
+    twins: tuple[tuple[int, ...], ...]
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows: ...  # noqa: D102
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """K boxes, each on its stratum.
+
+    Attributes
+    ----------
+    lower, upper
+        Shape [n, K] [rad].
+    pins
+        -1, 0 or +1, shape [n, K].
+    node
+        Number of each in the tree, [K].
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    pins: np.ndarray
+    node: np.ndarray
+
+    def __len__(self) -> int:
+        return self.lower.shape[1]
+
+    def __getitem__(self, which: np.ndarray | slice) -> Boxes:
+        w = which
+        return Boxes(self.lower[:, w], self.upper[:, w], self.pins[:, w], self.node[w])
+
+    @property
+    def widths(self) -> np.ndarray:
+        """Sides of free angles, 0 for pinned ones, [n, K]."""
+        return np.where(self.pins == 0, self.upper - self.lower, 0.0)
+
+
+def joined(parts: list[Boxes]) -> Boxes:
+    """Return boxes as one batch, in order."""
+    return Boxes(
+        *(
+            np.concatenate([getattr(p, name) for p in parts], axis=-1)
+            for name in ("lower", "upper", "pins", "node")
+        )
+    )
+
+
+def strata(n: int) -> Boxes:
+    """Return the whole space: one box for each pin pattern, in the order of itertools.product((0, 1, -1), repeat=n)."""
+    pins = np.array(list(itertools.product((0, 1, -1), repeat=n)), dtype=np.int8).T
+    lower = np.where(pins == 0, -BEYOND, pins * math.pi)
+    upper = np.where(pins == 0, BEYOND, pins * math.pi)
+    return Boxes(lower, upper, pins, np.arange(3**n))
+
+
+@dataclass(frozen=True, eq=False)
+class Left:
+    """What branch and prune leaves.
+
+    Attributes
+    ----------
+    candidates
+        Small boxes, not excluded.
+    open
+        Boxes not treated, because time or the number of boxes was up.
+    boxes
+        How many were treated.
+    flat
+        How many lay within the flat state's radius.
+    """
+
+    candidates: Boxes
+    open: Boxes
+    boxes: int
+    flat: int
+
+
+def prune(
+    posed: Posed,
+    start: Boxes,
+    *,
+    flat: float = 0.0,
+    small: float = SMALL,
+    most: float = math.inf,
+    seconds: float | None = None,
+    recorder: Recorder | None = None,
+) -> Left:
+    """Treat boxes until each is excluded, small, or near the flat state.
+
+    Parameters
+    ----------
+    posed
+        The rows.
+    start
+        The boxes to treat: `strata` for the whole space.
+    flat
+        Boxes within this of the flat state [rad] are left to its lemma; 0.0 where that does not hold.
+    small
+        Boxes narrower than this [rad] are candidates.
+    most
+        Stop after this many boxes.
+    seconds
+        Stop after this time.
+    recorder
+        Where to record the tree, if at all.
+
+    Returns
+    -------
+    Left
+        Candidates and boxes that are open; every other point of `start` is excluded, or near the flat state.
+    """
+    stack, found = [start], []
+    boxes = flats = 0
+    end = math.inf if seconds is None else time.perf_counter() + seconds
+    while stack and boxes < most and time.perf_counter() < end:
+        batch = joined(list(_popped(stack)))
+        boxes += len(batch)
+        done, again = _shrunk(posed, batch, small, recorder)
+        near = _reach(again) <= flat
+        flats += int(near.sum())
+        if recorder:
+            recorder.leaves(again.node[near], Kind.FLAT)
+        found.append(done)
+        if not near.all():
+            stack.append(again[~near])
+    nothing = start[:0]
+    return Left(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
+
+
+def _popped(stack: list[Boxes]) -> Iterator[Boxes]:
+    """Take up to `BATCH` boxes off the end of a stack of batches."""
+    wanted = BATCH
+    while stack and wanted:
+        top = stack.pop()
+        if len(top) > wanted:
+            stack.append(top[: len(top) - wanted])
+            top = top[len(top) - wanted :]
+        wanted -= len(top)
+        yield top
+
+
+def _reach(boxes: Boxes) -> np.ndarray:
+    """Largest |fold angle| in each box, [K]."""
+    return np.maximum(-boxes.lower, boxes.upper).max(axis=0)
+
+
+def _shrunk(
+    posed: Posed, batch: Boxes, small: float, recorder: Recorder | None
+) -> tuple[Boxes, Boxes]:
+    """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
+    rows = posed.rows(batch.lower, batch.upper, batch.pins)
+    closed = rows.closure.nonzero()
+    critical = rows.critical.nonzero() & rows.asked
+    out, no = closed.any(axis=0), critical.any(axis=0)
+    if recorder:
+        _record_rows(posed, batch, closed, critical, recorder)
+    keep = np.flatnonzero(~(out | no))
+    batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
+    if recorder:
+        used = rows.asked[:, keep].any(axis=0)
+        recorder.leaves(batch.node[empty & ~used], Kind.EMPTY)
+        recorder.leaves(batch.node[empty & used], Kind.NONE)
+    share = _shares(batch, lower, upper)
+    carried = ~empty & (share.min(axis=0) < KEPT)
+    node = batch.node.copy()
+    if recorder:
+        which = np.flatnonzero(carried)
+        node[which] = recorder.contract(node[which], used[which], lower[:, which], upper[:, which])
+    lower = np.where(carried, lower, batch.lower)
+    upper = np.where(carried, upper, batch.upper)
+    after = Boxes(lower, upper, batch.pins, node)
+    cut = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
+    done = ~empty & (batch.widths.max(axis=0) < small)
+    cut &= ~done & (after.widths.max(axis=0) >= small)
+    return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut], recorder)])
+
+
+def _shares(batch: Boxes, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Which share of each side is left, [n, K]; 1 for pinned angles."""
+    old = batch.widths
+    return np.where(old > 0, (upper - lower) / np.where(old > 0, old, 1.0), 1.0)
+
+
+def _halves(batch: Boxes, recorder: Recorder | None) -> list[Boxes]:
+    """Cut boxes at the middle of their widest side."""
+    axis = batch.widths.argmax(axis=0)
+    k = np.arange(len(batch))
+    middle = 0.5 * (batch.lower[axis, k] + batch.upper[axis, k])
+    first, second = batch.upper.copy(), batch.lower.copy()
+    first[axis, k] = second[axis, k] = middle
+    nodes = recorder.split(batch.node, axis) if recorder else (batch.node, batch.node)
+    return [
+        Boxes(batch.lower, first, batch.pins, nodes[0]),
+        Boxes(second, batch.upper, batch.pins, nodes[1]),
+    ]
+
+
+def _record_rows(
+    posed: Posed, batch: Boxes, closed: np.ndarray, critical: np.ndarray, recorder: Recorder
+) -> None:
+    """Record which boxes a row excludes, and the first such row."""
+    out = closed.any(axis=0)
+    recorder.leaves(batch.node[out], Kind.CLOSED, closed[:, out].argmax(axis=0))
+    no = ~out & critical.any(axis=0)
+    row = critical[:, no].argmax(axis=0) if no.any() else np.zeros(0, dtype=int)
+    twin = row >= posed.minor_count
+    recorder.leaves(batch.node[no][~twin], Kind.MINOR, row[~twin])
+    recorder.leaves(batch.node[no][twin], Kind.TWIN, row[twin] - posed.minor_count)
+
+
+def _contracted(
+    posed: Posed, batch: Boxes, rows: Rows, keep: np.ndarray
+) -> tuple[Boxes, np.ndarray, np.ndarray, np.ndarray]:
+    """Contract boxes: the batch, new bounds [n, K], and which are empty [K]."""
+    middle, half = variables(batch.lower, batch.upper)
+    a, c, e = _batch_first(rows.closure, keep)
+    low, high = _bounds(a, c, e, _inverse_of_pivots(a, posed))
+    if len(rows.asked):
+        asked = rows.asked[:, keep].T
+        more = _batch_first(rows.critical, keep)
+        a = np.concatenate([a, more[0] * asked[:, :, None]], axis=1)
+        c = np.concatenate([c, more[1] * asked], axis=1)
+        e = np.concatenate([e, np.where(asked, more[2], 1.0)], axis=1)
+    low2, high2 = _bounds(a, c, e, _least_squares(a, e))
+    # a matrix that came out as NaN bounds nothing
+    low = np.fmax(np.fmax(low, low2), -1.0).T
+    high = np.fmin(np.fmin(high, high2), 1.0).T
+    empty = (low > high).any(axis=0)
+    free = batch.pins == 0
+    # by `WIDER`, and at least to the next double: more than what rounding does to the sum
+    lower = np.nextafter(middle + half * (low - WIDER), -np.inf)
+    upper = np.nextafter(middle + half * (high + WIDER), np.inf)
+    lower = np.where(free & (low > -1.0), np.maximum(batch.lower, lower), batch.lower)
+    upper = np.where(free & (high < 1.0), np.minimum(batch.upper, upper), batch.upper)
+    return batch, lower, upper, empty
+
+
+def _batch_first(rows: Affine, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A [K, R, n], c [K, R] and e [K, R] of some boxes."""
+    a = np.ascontiguousarray(rows.slopes[:, :, keep].transpose(2, 0, 1))
+    return a, rows.centre[:, keep].T, rows.error[:, keep].T
+
+
+def _bounds(
+    a: np.ndarray, c: np.ndarray, e: np.ndarray, y: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds [K, n] of xi where c + a xi + e eta = 0, by the matrices y [K, n, R]."""
+    _, count, n = a.shape
+    rest = -(y @ a)
+    i = np.arange(n)
+    rest[:, i, i] += 1.0
+    size = np.abs(y)
+    at = -(y @ c[:, :, None])[:, :, 0]
+    spread = np.abs(rest).sum(axis=2) + (size @ e[:, :, None])[:, :, 0]
+    total = (size @ (np.abs(c) + np.abs(a).sum(axis=2) + e)[:, :, None])[:, :, 0]
+    spread = spread + 4 * (count + n + 8) * UNIT * (1.0 + total)
+    return at - spread, at + spread
+
+
+def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
+    """Matrices [K, n, R]: the inverse of the columns, in the linear rows of closure, that are most independent."""
+    boxes, count, n = a.shape
+    rows = a[:, posed.linear]
+    rest, k = rows, np.arange(boxes)
+    chosen = np.empty((boxes, posed.pivots), dtype=int)
+    for p in range(posed.pivots):
+        chosen[:, p] = best = (rest * rest).sum(axis=1).argmax(axis=1)
+        u = rest[k, :, best]
+        u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), 1e-300)[:, None]
+        rest = rest - u[:, :, None] * (u[:, None, :] @ rest)
+    square = np.take_along_axis(rows, chosen[:, None, :], axis=2)
+    good = np.abs(np.linalg.det(square)) > 1e-250
+    inverse = np.linalg.inv(np.where(good[:, None, None], square, np.eye(posed.pivots)))
+    y = np.zeros((boxes, n, count))
+    part = np.zeros((boxes, n, posed.pivots))
+    np.put_along_axis(part, chosen[:, :, None], np.where(good[:, None, None], inverse, 0.0), axis=1)
+    y[:, :, posed.linear] = part
+    return y
+
+
+def _least_squares(a: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """Matrices [K, n, R] of the least squares of all rows in the metric of their errors."""
+    scaled = a / e[:, :, None]
+    turned = scaled.transpose(0, 2, 1)
+    normal = turned @ scaled
+    i = np.arange(a.shape[2])
+    normal[:, i, i] += 1.0
+    return np.linalg.solve(normal, turned) / e[:, None, :]

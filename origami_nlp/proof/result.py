@@ -1,0 +1,131 @@
+"""What a proof says: critical points, and what is left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from origami_nlp.proof.tree import Tree
+
+
+@dataclass(frozen=True)
+class CriticalPoint:
+    """A critical point that exists, and is the only one in its box.
+
+    Attributes
+    ----------
+    x
+        Variables of the model, [n] [rad]; an approximation in doubles.
+    stratum
+        +1 or -1 for a variable at +-pi, 0 for a free one, [n].
+    moment
+        As many numbers as there are closure equations, stiffness times rad in the scene's units.  Without symmetry
+        m with k_i (x_i - rest_i) = m . c_i on free creases, in the frame of the facet between crease N and crease 1
+        (its crease 1 is e1, e3 up).  With symmetry the multipliers of the model's closure equations g:
+        k_v (x_v - rest_v) = sum_a m_a dg_a/dx_v, k_v summed over the creases of the variable.
+    radius
+        The largest |x_i - true x_i| is no larger [rad].
+    unique_radius
+        There is no other critical point of the stratum within this, with multipliers within `unique_moment`.
+    unique_moment
+        In the largest norm.
+    index
+        Negative eigenvalues of the reduced Hessian on the stratum; None where unclear.
+    pinned_signs
+        Sign of s_i (G_i - m . c_i): -1 where a closed crease pushes against its limit, +1 where it would leave, 0 where
+        unclear; 0 for free ones, [n].
+    energy
+        In the scene's units.
+    is_minimum
+        True: index 0 and all signs -1. False: certainly none. None: not decided.
+    """
+
+    x: tuple[float, ...]
+    stratum: tuple[int, ...]
+    moment: tuple[float, ...]
+    radius: float
+    unique_radius: float
+    unique_moment: float
+    index: int | None
+    pinned_signs: tuple[int, ...]
+    energy: float
+    is_minimum: bool | None
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Boxes of one stratum that were neither excluded nor certified to hold one critical point.
+
+    Attributes
+    ----------
+    lower, upper
+        Their hull, [n] [rad].
+    stratum
+        As of a `CriticalPoint`.
+    reason
+        Why, in words.
+    boxes
+        How many.
+    share
+        Of the stratum's volume.
+    energies
+        Lowest and highest energy that they may have, in the scene's units.
+    """
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+    stratum: tuple[int, ...]
+    reason: str
+    boxes: int
+    share: float
+    energies: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Proof:
+    """All critical points of a scene within fold limits, by what was shown.
+
+    Attributes
+    ----------
+    points
+        Certified, in order of energy.
+    singular
+        States where closure loses rank, each isolated in the cluster's box.
+    undecided
+        Everything else that is left.
+    boxes
+        How many were treated.
+    seconds
+        How long it took.
+    finished
+        Whether no box was left when it ended.
+    flat
+        What is shown of the flat state.
+    flat_radius
+        Within this of the flat state it is the only critical point [rad]; 0.0 where that is not shown.
+    flat_is_minimum
+        False where the flat state is shown to be none; None: not decided here.
+    tree
+        All boxes, if they were recorded.
+    """
+
+    points: tuple[CriticalPoint, ...]
+    singular: tuple[Cluster, ...]
+    undecided: tuple[Cluster, ...]
+    boxes: int
+    seconds: float
+    finished: bool
+    flat: str
+    flat_radius: float
+    flat_is_minimum: bool | None
+    tree: Tree | None
+
+    @property
+    def minima(self) -> tuple[CriticalPoint, ...]:
+        """Critical points that are minima for certain."""
+        return tuple(p for p in self.points if p.is_minimum)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every critical point is known, and of each whether it is a minimum."""
+        decided = all(p.is_minimum is not None for p in self.points)
+        return decided and not self.undecided and not self.singular
