@@ -19,6 +19,7 @@ from .certificate import (
 from .chains import Rows as Rows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose, prove as prove
+from .document import certificate_of as certificate_of
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
 from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

@@ -68,6 +68,8 @@ class Bounds:
         error = np.array([float(f[0].rad()) for f in rows])
         error += BLUNT * np.abs(middle).max(axis=1) + TINY
         square = np.concatenate([middle / error[:, None], np.eye(len(moving))])
+        if not np.isfinite(square).all():
+            return
         suggested = np.linalg.pinv(square)[:, : len(rows)] / error
         y = arb_mat([[arb(v) for v in line] for line in suggested.tolist()])
         slopes = (y * arb_mat([[f[1].get(j, ZERO) for j in moving] for f in rows])).tolist()

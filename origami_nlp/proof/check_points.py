@@ -32,7 +32,7 @@ Balls = list[Any]
 NEWTON, GROWTHS = 30, 8
 """Newton steps at most, and how often the box tried for existence is made four times as large."""
 TINY = 2.0**-100
-"""Newton steps end below this."""
+"""Least size of a box, and of a Newton step that matters."""
 
 
 class Refused(Exception):
@@ -123,8 +123,10 @@ class Stratum:
         for _ in range(NEWTON):
             step = _inverse(self.jacobian(z)) * self.residual(z)
             z = [(a - b).mid() for a, b in zip(z, step.entries(), strict=True)]
-            if all(abs(b.mid()) < TINY for b in step.entries()):
+            if all(b.contains(0) or abs(b) < TINY for b in step.entries()):
                 break
+        else:
+            raise Refused(f"Newton's method does not converge in {NEWTON} steps")
         held = self._held(z)
         angles, m = self.angles(held[:-3]), held[-3:]
         q, axes = self.sheet.folded(angles)
