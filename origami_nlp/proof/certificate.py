@@ -304,11 +304,9 @@ def _numbers(
 ) -> tuple[float, ...]:
     """Read so many numbers; None: at most three."""
     values = data.get(name)
-    fits = isinstance(values, list) and (
-        len(values) <= 3 if length is None else len(values) == length
-    )
-    if not fits:
-        raise CertificateError(f"{where}.{name} of the proof must be {length or '1 to 3'} numbers")
+    lengths = (1, 2, 3) if length is None else (length,)
+    if not isinstance(values, list) or len(values) not in lengths:
+        raise CertificateError(f"{where}.{name} of the proof must be {lengths[-1]} numbers")
     return tuple(_number({name: v}, name, f"{where}.") for v in values)
 
 
@@ -344,8 +342,8 @@ def _left(data: dict[str, Any], where: str, n: int) -> Left:
     reason = data.get("reason")
     if not isinstance(reason, str):
         raise CertificateError(f"{where}.reason of the proof must be text")
-    ends = (_numbers(data, name, where, n) for name in ("lower", "upper"))
-    return Left(*ends, _signs(data, "stratum", where, n), reason)
+    lower, upper = (_numbers(data, name, where, n) for name in ("lower", "upper"))
+    return Left(lower, upper, _signs(data, "stratum", where, n), reason)
 
 
 def _nodes(tree: dict[str, Any], n: int) -> Nodes:

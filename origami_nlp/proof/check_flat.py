@@ -91,7 +91,8 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
     lowest = half.sin() / half
     slope = ((1 + lowest) / 2 + AROUND * ((1 - lowest) / 2)) / 2
     w, zeta, across, up = _fixed(1), _fixed(0), _fixed(0), _fixed(0)
-    axes, torques = [], []
+    axes: list[list[Form]] = []
+    torques: list[Form] = []
     for i in range(n):
         x, y = sheet.flat[i]
         along = add(scaled(across, x), scaled(up, y))  # omega . b

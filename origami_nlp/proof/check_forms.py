@@ -183,9 +183,7 @@ class Sheet:
                 i = (i + 1) % self.count
             if i == last:
                 whole = (total / arb.pi()).unique_fmpz()
-                if whole is None and (total / arb.pi()).contains_integer():
-                    return None
-                if (total / arb.pi()).contains_integer():
+                if whole is not None:
                     return -1 if int(whole) % 2 else 1
         return None
 

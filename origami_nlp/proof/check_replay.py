@@ -318,7 +318,7 @@ class Replay:
         critical: bool = False,
         excluded: Callable[[Box], bool] | None = None,
     ) -> bool:
-        """Show that a box holds no closed state (or no critical one, or none but where `excluded`), by cutting it up."""
+        """Show that a box holds no closed state (no critical one; none but where `excluded`), by cutting it up."""
         free, stack = _free(pins), [box]
         for _ in range(TRIES):
             one = stack.pop()

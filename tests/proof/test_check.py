@@ -14,7 +14,7 @@ import origami_nlp.proof.check as check_module
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.proof import certificate as c, check_proof
 from tests.independent.rotations import project, spin_sign
-from tests.proof.slow_prover import proved
+from tests.proof.slow_prover import proved, proved_slowly
 
 GOOD = proved(4, 3)
 """Two minima, one pinned."""
@@ -87,6 +87,20 @@ def test_a_good_proof_is_confirmed():
     assert sum(found.nodes.values()) == len(GOOD.nodes.kind)
     assert found.lines[0].startswith("checked: complete")
     assert any("python-flint" in line for line in found.trusted)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_second_search_finds_the_same_critical_points(seed):
+    one, other = proved(4, seed), proved_slowly(4, seed)
+    assert not check_proof(other).refused
+    assert len(one.points) == len(other.points)
+    for p in one.points:
+        near = [
+            q for q in other.points if p.stratum == q.stratum and np.allclose(p.x, q.x, atol=1e-9)
+        ]
+        assert len(near) == 1
+        assert (p.index, p.pinned_signs) == (near[0].index, near[0].pinned_signs)
+        assert np.allclose(p.moment, near[0].moment, rtol=1e-7, atol=1e-9)
 
 
 def removed(number, kind, label=0):
