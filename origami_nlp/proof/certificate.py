@@ -247,7 +247,7 @@ def certificate_from_dict(data: Any) -> Certificate:
     for name, values in _exact(scene).items():
         if exact.get(name) != [v.hex() for v in values]:
             raise CertificateError(f"exact.{name} is not what the scene of the proof says")
-    n = max(scene.group.orbit) + 1  # variables: one for each orbit of creases
+    n = len(set(scene.group.orbit))  # variables: one for each orbit of creases
     r0 = _number(data, "r0")
     points = tuple(_point(p, f"points[{i}]", n) for i, p in _objects(data, "points"))
     singular, undecided = (

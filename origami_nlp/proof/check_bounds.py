@@ -19,13 +19,12 @@ from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
     Form,
-    Sheet,
     Terms,
-    critical_rows,
     linear,
     nonzero,
     parts,
 )
+from origami_nlp.proof.check_pieces import Chain
 
 BLUNT = 1e-9
 """Share of its largest slope that a row's error is taken to be at least, for suggestions."""
@@ -116,32 +115,29 @@ class States(Bounds):
 
     Parameters
     ----------
-    sheet, box, pins
-        The vertex, the box, and the sign of each pinned crease (0: free).
+    piece, box, pins
+        The piece of paper, the box, and the sign of each pinned crease (0: free).
     """
 
-    def __init__(self, sheet: Sheet, box: Box, pins: Sequence[int]) -> None:
+    def __init__(self, piece: Chain, box: Box, pins: Sequence[int]) -> None:
         super().__init__([j for j, s in enumerate(pins) if not s])
-        self.sheet, self.box, self.pins = sheet, box, pins
-        terms, radial = sheet.closure(box, pins)
-        masks = list(terms)
-        # rows in a frame at the middle of the box: along q, and tangent to the rotations, i q, j q, k q
-        w, x, y, z = radial
-        frame = [radial, [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]]
-        columns = [terms[mask].entries() for mask in masks]
-        system = arb_mat([[column[r] for column in columns] for r in range(4)])
+        self.piece, self.box, self.pins = piece, box, pins
+        terms, frame = piece.closure(box, pins)
+        self._masks = list(terms)
+        columns = [terms[mask].entries() for mask in self._masks]
+        system = arb_mat([[column[r] for column in columns] for r in range(len(frame))])
         self._local = arb_mat([[arb(v) for v in line] for line in frame]) * system
-        self._masks = masks
-        self._combine(masks.index(0), [masks.index(1 << j) for j in self.known])
+        self._combine([self._masks.index(1 << j) for j in self.known])
 
-    def _combine(self, zero: int, places: Sequence[int]) -> None:
-        """Add the rows by themselves, and what is normal to pairs of columns: it separates best."""
-        entries, width = self._local.entries(), len(self._masks)
+    def _combine(self, places: Sequence[int]) -> None:
+        """Add the rows by themselves, and what is normal to columns: it separates best."""
+        entries, width, zero = self._local.entries(), len(self._masks), self._masks.index(0)
+        spare, count = self.piece.spare, self._local.nrows()
 
         def tangent(p: int) -> list[float]:
-            return [float(entries[r * width + p].mid()) for r in (1, 2, 3)]
+            return [float(entries[r * width + p].mid()) for r in range(spare, count)]
 
-        found = suggestions(tangent(zero), [tangent(p) for p in places])
+        found = suggestions(spare, tangent(zero), [tangent(p) for p in places])
         combined = (arb_mat([[arb(v) for v in y] for y in found]) * self._local).entries()
         for k in range(len(found)):
             row = combined[k * width : (k + 1) * width]
@@ -159,32 +155,42 @@ class States(Bounds):
         """Learn that the states are critical."""
         if self.empty:
             return
+        rows = range(self._local.nrows())
         terms: Terms = {
-            mask: arb_mat([[self._local[r, p]] for r in range(4)])
-            for p, mask in enumerate(self._masks)
+            mask: arb_mat([[self._local[r, p]] for r in rows]) for p, mask in enumerate(self._masks)
         }
-        self.add_rows([*linear(terms), *critical_rows(self.sheet, self.box, self.pins)])
+        self.add_rows([*linear(terms), *self.piece.critical_rows(self.box, self.pins)])
 
 
-def suggestions(centre: Sequence[float], columns: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Suggest combinations of the four rows of closure, along q and tangent to it.
+def suggestions(
+    spare: int, centre: Sequence[float], columns: Sequence[Sequence[float]]
+) -> list[list[float]]:
+    """Suggest combinations of the rows of closure.
 
     Parameters
     ----------
+    spare
+        How many rows, the first ones, are of second order.
     centre, columns
-        Tangent parts of the coefficients of 1 and of each xi.
+        The other rows' coefficients of 1 and of each xi; at most three of each.
 
     Returns
     -------
     list
-        The rows themselves; the part of the centre normal to each column; what is normal to every two columns, the
-        faces of the zonotope that they span.
+        The rows themselves; the part of the centre normal to each column; what is normal to every two columns (to each
+        one where there are two rows), the faces of the zonotope that they span.
     """
-    wanted = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), tuple(centre)]
-    wanted += [_across(a, _across(a, centre)) for a in columns]
-    wanted += [_across(a, b) for a, b in itertools.combinations(columns, 2)]
-    return [[1.0, 0.0, 0.0, 0.0]] + [[0.0, *v] for v in wanted]
+    size = len(centre)
+    wanted = [[float(r == c) for c in range(size)] for r in range(size)]
+    if size == 2:
+        wanted += [[-a[1], a[0]] for a in columns]
+    elif size == 3:
+        wanted += [list(centre)]
+        wanted += [_across(a, _across(a, centre)) for a in columns]
+        wanted += [_across(a, b) for a, b in itertools.combinations(columns, 2)]
+    first = [[float(r == c) for c in range(spare + size)] for r in range(spare)]
+    return first + [[0.0] * spare + v for v in wanted]
 
 
-def _across(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+def _across(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

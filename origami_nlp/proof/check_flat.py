@@ -30,15 +30,15 @@ from origami_nlp.proof.check_forms import (
     SQUARE,
     Box,
     Form,
-    Sheet,
     add,
     cross,
-    determinant,
     dot,
+    minor,
     parts,
     scaled,
     times,
 )
+from origami_nlp.proof.check_pieces import Sheet
 
 MOST_BOXES = 2_000
 """Boxes of u tried."""
@@ -128,7 +128,7 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
         a, b, c, d = (axes[i] for i in four)
         ab, cd = cross(a, b), cross(c, d)
         triples = [dot(b, cd), dot(a, cd), dot(ab, d), dot(ab, c)]
-        found.append(determinant([torques[i] for i in four], triples))
+        found.append(minor([torques[i] for i in four], triples))
     return found
 
 

@@ -26,7 +26,8 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from origami_nlp.proof.check_forms import AROUND, Sheet
+from origami_nlp.proof.check_forms import AROUND
+from origami_nlp.proof.check_pieces import Chain
 
 Balls = list[Any]
 NEWTON, GROWTHS = 30, 8
@@ -70,45 +71,45 @@ class Stratum:
 
     Parameters
     ----------
-    sheet
-        The vertex, made at the precision wanted.
+    piece
+        The sheet, or piece of it, made at the precision wanted.
     pins
         Sign of each pinned crease, 0: free.
     """
 
-    def __init__(self, sheet: Sheet, pins: Sequence[int]) -> None:
-        self.sheet, self.pins = sheet, tuple(pins)
+    def __init__(self, piece: Chain, pins: Sequence[int]) -> None:
+        self.piece, self.pins, self.rank = piece, tuple(pins), piece.rank
         self.free = [i for i, s in enumerate(pins) if not s]
+        self.stiffness = [w * k for w, k in zip(piece.weights, piece.stiffness, strict=True)]
 
     def angles(self, free: Balls) -> Balls:
         """All fold angles, of the free ones."""
         pi, given = arb.pi(), iter(free)
         return [s * pi if s else next(given) for s in self.pins]
 
+    def torque(self, i: int, x: Balls, moment: Balls, columns: list[Balls]) -> Any:
+        """K_i (x_i - rest_i) - m . C_i."""
+        return self.stiffness[i] * (x[i] - self.piece.rest[i]) - _dot(moment, columns[i])
+
     def residual(self, z: Balls) -> Any:
         """F at (x_free, m), as a column."""
-        x = self.angles(z[:-3])
-        q, axes = self.sheet.folded(x)
-        k, rest = self.sheet.stiffness, self.sheet.rest
-        rows = [k[i] * (x[i] - rest[i]) - _dot(z[-3:], axes[i]) for i in self.free]
-        return _column(rows + q[1:])
+        x, m = self.angles(z[: -self.rank]), z[-self.rank :]
+        closure, _, columns, _, _ = self.piece.at(x)
+        return _column([self.torque(i, x, m, columns) for i in self.free] + closure)
 
     def jacobian(self, z: Balls) -> Any:
         """Derivatives of F over a box of (x_free, m)."""
-        moment = z[-3:]
-        (w, *v), axes = self.sheet.folded(self.angles(z[:-3]))
+        moment = z[-self.rank :]
+        _, slopes, columns, bends, _ = self.piece.at(self.angles(z[: -self.rank]))
         rows = []
         for i in self.free:
             row = [
-                self.sheet.stiffness[i] if i == j
-                else -_dot(moment, _cross(axes[j], axes[i])) if j < i
-                else 0
+                (self.stiffness[i] if i == j else arb(0)) - _dot(moment, bends[i][j])
                 for j in self.free
-            ]  # fmt: skip
-            rows.append(row + [-c for c in axes[i]])
-        turned = {j: _cross(axes[j], v) for j in self.free}
-        for r in range(3):
-            rows.append([(w * axes[j][r] + turned[j][r]) / 2 for j in self.free] + [0] * 3)
+            ]
+            rows.append(row + [-c for c in columns[i]])
+        for r in range(self.rank):
+            rows.append([slopes[j][r] for j in self.free] + [arb(0)] * self.rank)
         return arb_mat(rows)
 
     def locate(self, x: Sequence[float], moment: Sequence[float]) -> Located:
@@ -128,26 +129,26 @@ class Stratum:
         else:
             raise Refused(f"Newton's method does not converge in {NEWTON} steps")
         held = self._held(z)
-        angles, m = self.angles(held[:-3]), held[-3:]
-        q, axes = self.sheet.folded(angles)
-        if not q[0] > 0:
+        angles, m = self.angles(held[: -self.rank]), held[-self.rank :]
+        _, slopes, columns, bends, sheet = self.piece.at(angles)
+        if not sheet > 0:
             raise Refused("closes with q = -1")
         if not all(abs(angles[i]) < arb.pi() for i in self.free):
             raise Refused("a free crease is at its limit, or beyond it")
-        springs = list(zip(self.sheet.stiffness, angles, self.sheet.rest, strict=True))
         signs = tuple(
-            _sign(s * (k * (a - rest) - _dot(m, c))) if s else 0
-            for s, (k, a, rest), c in zip(self.pins, springs, axes, strict=True)
+            _sign(s * self.torque(i, angles, m, columns)) if s else 0
+            for i, s in enumerate(self.pins)
         )
-        index = self._index(m, axes)
+        index = self._index(m, slopes, bends)
         unclear = index is None or any(s and not t for s, t in zip(self.pins, signs, strict=True))
         no = bool(index) or 1 in signs
+        springs = zip(self.stiffness, angles, self.piece.rest, strict=True)
         energy = sum((k * (a - rest) ** 2 / 2 for k, a, rest in springs), arb(0))
         return Located(angles, m, index, signs, False if no else None if unclear else True, energy)
 
     def reach(self, point: Located, radius: float) -> Any:
         """Bound the change of energy within `radius` of a point."""
-        springs = zip(self.sheet.stiffness, point.x, self.sheet.rest, strict=True)
+        springs = zip(self.stiffness, point.x, self.piece.rest, strict=True)
         return sum(
             (k * (abs(x - rest) + radius) * radius for k, x, rest in springs), arb(0)
         ).upper()
@@ -183,15 +184,16 @@ class Stratum:
         """
         middle = [arb(x[i]) for i in self.free]
         box = [a + AROUND * arb(radius) for a in middle]
-        _, axes = self.sheet.folded(self.angles(box))
-        columns = arb_mat([axes[i] for i in self.free])
+        of_all = self.piece.at(self.angles(box))[2]
+        columns = arb_mat([of_all[i] for i in self.free])
         c = columns.mid()
         pseudo = (_inverse(c.transpose() * c) * c.transpose()).mid()
-        off = _identity(3) - pseudo * columns
-        sums = [sum((off[r, k].abs_upper() for k in range(3)), arb(0)) for r in range(3)]
+        rank = range(self.rank)
+        off = _identity(self.rank) - pseudo * columns
+        sums = [sum((off[r, k].abs_upper() for k in rank), arb(0)) for r in rank]
         norm = max(sums, key=lambda v: float(v.upper()))
         if not norm < 1:
-            raise Refused(f"the axes may be dependent within {radius:.3g} rad")
+            raise Refused(f"closure may be dependent within {radius:.3g} rad")
         size = len(self.free)
         slopes = self.jacobian(box + moment)
         at = self.residual(middle + moment)
@@ -230,21 +232,20 @@ class Stratum:
         pairs = list(zip(weights.entries(), image, strict=True))
         return all(a > 0 and b < a for a, b in pairs)
 
-    def _index(self, moment: Balls, axes: list[Balls]) -> int | None:
+    def _index(self, moment: Balls, slopes: list[Balls], bends: list[list[Balls]]) -> int | None:
         """Negative eigenvalues of the Hessian on the tangent space of closure."""
-        free = self.free
-        if len(free) == 3:
+        free, rank = self.free, range(self.rank)
+        if len(free) == self.rank:
             return 0
-        spread = {
-            three: abs(_dot(axes[three[0]], _cross(axes[three[1]], axes[three[2]])))
-            for three in itertools.combinations(free, 3)
-        }
-        led = max(spread, key=lambda three: float(spread[three].mid()))
-        if not spread[led] > 0:
+        led = max(
+            itertools.combinations(free, self.rank),
+            key=lambda some: float(abs(arb_mat([slopes[t] for t in some]).det()).mid()),
+        )
+        base = arb_mat([[slopes[t][r] for t in led] for r in rank])
+        if not abs(base.det()) > 0:
             return None
         rest = [i for i in free if i not in led]
-        base = arb_mat([[axes[t][r] for t in led] for r in range(3)])
-        follow = -(base.inv() * arb_mat([[axes[i][r] for i in rest] for r in range(3)]))
+        follow = -(base.inv() * arb_mat([[slopes[i][r] for i in rest] for r in rank]))
         place = {t: r for r, t in enumerate(led)}
         tangent = arb_mat(
             [
@@ -254,9 +255,9 @@ class Stratum:
         )
         hessian = [[arb(0)] * len(free) for _ in free]
         for a, i in enumerate(free):
-            hessian[a][a] = self.sheet.stiffness[i]
-            for b, j in enumerate(free[:a]):
-                hessian[a][b] = hessian[b][a] = -_dot(moment, _cross(axes[j], axes[i])) / 2
+            for b, j in enumerate(free[: a + 1]):
+                bent = -_dot(moment, self.piece.curvature(i, j, bends))
+                hessian[a][b] = hessian[b][a] = bent + (self.stiffness[i] if i == j else 0)
         return negative(tangent.transpose() * arb_mat(hessian) * tangent)
 
 
@@ -312,12 +313,4 @@ def _column(values: Sequence[Any]) -> Any:
 
 
 def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Sequence[Any], b: Sequence[Any]) -> Balls:
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return sum((x * y for x, y in zip(a, b, strict=True)), arb(0))

@@ -31,12 +31,11 @@ from origami_nlp.proof.check_flat import falls, isolated
 from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
-    Sheet,
-    minors,
     nonzero,
-    twin_row,
 )
+from origami_nlp.proof.check_pieces import Sheet
 from origami_nlp.proof.check_points import Located, Refused, Stratum
+from origami_nlp.proof.check_wedges import piece_of
 
 FINE, COARSE = 128, 64
 """Bits for points, and for the many boxes of the tree."""
@@ -86,8 +85,6 @@ class Replay:
             At the first claim that is not confirmed.
         """
         scene = self.certificate.scene
-        if not scene.group.is_trivial:
-            raise Refused(f"symmetry {scene.group.name}: wedges are not checked yet")
         if scene.contact != "fold-limits":
             raise Refused(f'contact = "{scene.contact}": only "fold-limits" is checked')
         if not scene.vertex.flat:
@@ -95,23 +92,19 @@ class Replay:
         with _bits(FINE):
             self._points()
         with _bits(COARSE):
-            self.sheet = self._sheet()
+            self.piece = piece_of(self.certificate.scene)
             self._alone()
             self._tree()
-            self.flat_falls = falls(self.sheet)
+            self.flat_falls = isinstance(self.piece, Sheet) and falls(self.piece)
 
     # ------------------------------------------------------------ points
 
-    def _sheet(self) -> Sheet:
-        scene = self.certificate.scene
-        return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
-
     def _points(self) -> None:
         """Check that each point is there, of its kind, and that no two are one."""
-        sheet = self._sheet()
+        piece = piece_of(self.certificate.scene)
         for number, point in enumerate(self.certificate.points, start=1):
             try:
-                found = self._point(Stratum(sheet, point.stratum), point)
+                found = self._point(Stratum(piece, point.stratum), point)
             except Refused as problem:
                 raise Refused(f"point {number}: {problem}") from None
             for other, (p, one) in enumerate(zip(self.certificate.points, self.found), start=1):  # noqa: B905
@@ -121,8 +114,8 @@ class Replay:
             self.found.append(found)
 
     def _point(self, stratum: Any, point: Point) -> Located:
-        if sum(not s for s in point.stratum) < 3 or len(point.moment) != 3:
-            raise Refused("fewer than three free creases, or no moment of three numbers")
+        if len(stratum.free) < stratum.rank or len(point.moment) != stratum.rank:
+            raise Refused(f"fewer than {stratum.rank} free creases, or numbers of its moment")
         if not 0 <= point.radius <= point.unique_radius <= 1:
             raise Refused("its radii are not 0 <= radius <= unique_radius <= 1")
         found: Located = stratum.locate(point.x, point.moment)
@@ -156,7 +149,7 @@ class Replay:
         for number, (point, one) in enumerate(
             zip(self.certificate.points, self.found, strict=True), start=1
         ):
-            stratum, radius = Stratum(self.sheet, point.stratum), point.unique_radius
+            stratum, radius = Stratum(self.piece, point.stratum), point.unique_radius
             for halving in range(HALVINGS + 1):
                 try:
                     if stratum.alone(point.x, radius, one.moment):
@@ -189,7 +182,7 @@ class Replay:
 
     def _tree(self) -> None:
         """Check the tree: all strata, every split, contraction and leaf."""
-        nodes, n = self.certificate.nodes, self.sheet.count
+        nodes, n = self.certificate.nodes, self.piece.count
         kinds, numbers = nodes.kind.tolist(), nodes.number.tolist()
         boxes = iter(nodes.boxes)
         up = math.nextafter(math.pi, 4)
@@ -228,7 +221,7 @@ class Replay:
         self, box: Box, pins: Sequence[int], ends: list[list[float]], critical: bool
     ) -> Box:
         """Return the smaller box, once what it leaves out is known to hold no closed (or critical) state."""
-        states = States(self.sheet, box, pins)
+        states = States(self.piece, box, pins)
         kept = [(max(low, a), min(high, b)) for (low, high), a, b in zip(box, *ends, strict=True)]
         free = _free(pins)
         for j in free:
@@ -255,34 +248,34 @@ class Replay:
             if not self._absent(box, pins, critical=True):
                 raise Refused("the box may hold a critical state")
         elif kind == MINOR:
-            four = [i for i in range(n) if number >> i & 1]
-            if len(four) != 4 or number >> n or any(pins[i] for i in four):
-                raise Refused("names no four free creases")
-            if not self._absent(box, pins, excluded=lambda b: self._differs(four, b, pins)):
-                raise Refused(f"the minor of creases {_listed(four)} may vanish")
+            some = [i for i in range(n) if number >> i & 1]
+            if len(some) != self.piece.rank + 1 or number >> n or any(pins[i] for i in some):
+                raise Refused(f"names no {self.piece.rank + 1} free creases")
+            if not self._absent(box, pins, excluded=lambda b: self._differs(some, b, pins)):
+                raise Refused(f"the minor of creases {_listed(some)} may vanish")
         elif kind == TWIN:
             a, b = divmod(number, n)
-            sign = None
-            if 0 <= a < n and a != b and not pins[a] and not pins[b]:
-                sign = self.sheet.twin(a, b, pins)
-            if sign is None:
-                raise Refused("names no two free creases that coincide")
-            if not nonzero(twin_row(self.sheet, a, b, sign, box)):
+            row = None
+            if 0 <= a < n and not pins[a] and not pins[b]:
+                row = self.piece.twin_row(a, b, box, pins)
+            if row is None:
+                raise Refused("names no free creases that coincide")
+            if not nonzero(row):
                 raise Refused(f"the torques of creases {_listed((a, b))} may agree")
         elif kind == FLAT:
             self._flat(box, pins)
         else:
             self._within(box, pins, kind, number)
 
-    def _differs(self, four: Sequence[int], box: Box, pins: Sequence[int]) -> bool:
-        return nonzero(next(minors(self.sheet, [four], box, pins)))
+    def _differs(self, some: Sequence[int], box: Box, pins: Sequence[int]) -> bool:
+        return nonzero(next(self.piece.minors([some], box, pins)))
 
     def _flat(self, box: Box, pins: Sequence[int]) -> None:
         r0 = self.certificate.r0
         if any(pins) or not all(-r0 <= low and high <= r0 for low, high in box):
             raise Refused(f"does not lie within {r0:g} rad of the flat state")
         if not self.flat_shown:
-            if isolated(self.sheet, r0) is None:
+            if not isinstance(self.piece, Sheet) or isolated(self.piece, r0) is None:
                 raise Refused(f"nothing shows that no state within {r0:g} rad of flat is critical")
             self.flat_shown = True
 
@@ -323,7 +316,7 @@ class Replay:
         for _ in range(TRIES):
             one = stack.pop()
             if excluded is None or not excluded(one):
-                states = States(self.sheet, one, pins)
+                states = States(self.piece, one, pins)
                 if critical:
                     states.add_critical()
                 if not states.empty:

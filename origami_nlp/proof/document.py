@@ -81,7 +81,7 @@ def _nodes(tree: Tree, near_flat: int | None) -> c.Nodes:
         kind[tree.kind == ours] = theirs
     rows = {
         c.MINOR: [sum(1 << i for i in four) for four in tree.minors],
-        c.TWIN: [pair[0] * size + pair[1] for pair in tree.twins],
+        c.TWIN: [pair[0] * size + pair[-1] for pair in tree.twins],
     }
     for which, values in rows.items():
         own = kind == which
