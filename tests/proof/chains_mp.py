@@ -1,5 +1,7 @@
 """A folded chain in 50 digits, by Rodrigues' rotations: nothing shared with any code under test."""
 
+import itertools
+
 import mpmath
 
 mp = mpmath.mp.clone()
@@ -63,3 +65,26 @@ def quaternion(sectors, angles):
             [w * e + c * f + g for e, f, g in zip(t, v, cross(v, t), strict=True)],
         )
     return w, v
+
+
+def unfolded(scene):
+    """Sectors of the whole vertex, exactly symmetric, and for each of its creases the variable of a scene's piece."""
+    group = scene.group
+    if group.is_trivial:
+        return [mpf(a) for a in scene.vertex.sector_angles], list(range(scene.degree))
+    gaps = [mpf(ray.sector) for ray in group.rays]
+    whole = (1 if group.kind == "D" else 2) * mp.pi / group.order
+    places = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
+    at = [sum(gaps[:r], mpf(0)) for r in places]
+    if group.kind == "D" and places[-1] == len(gaps) - 1:
+        at[-1] = whole
+    found = {}
+    for turn in range(group.order):
+        for variable, azimuth in enumerate(at):
+            for way in (1, -1) if group.kind == "D" else (1,):
+                angle = way * azimuth + 2 * mp.pi * turn / group.order
+                angle -= 2 * mp.pi * mp.floor(angle / (2 * mp.pi) + mpf(10) ** -20)
+                found[int(mp.nint(angle * 10**9))] = angle, variable
+    creases = sorted(found.values())
+    sectors = [b[0] - a[0] for a, b in itertools.pairwise(creases)]
+    return [*sectors, 2 * mp.pi - creases[-1][0] + creases[0][0]], [v for _, v in creases]

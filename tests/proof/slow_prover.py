@@ -15,7 +15,8 @@ from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 from origami_nlp.proof import certificate as c, certificate_of, prove
 from origami_nlp.proof.check_bounds import States
-from origami_nlp.proof.check_forms import Sheet, minors, nonzero, twin_row
+from origami_nlp.proof.check_forms import nonzero
+from origami_nlp.proof.check_pieces import Sheet
 from origami_nlp.proof.check_points import Refused, Stratum
 from tests.proof.balls import scene
 
@@ -82,11 +83,11 @@ class Prover:
 
     def leaf(self, box, pins, free):
         for four in itertools.combinations(free, 4):
-            if nonzero(next(minors(self.sheet, [four], box, pins))):
+            if nonzero(next(self.sheet.minors([four], box, pins))):
                 return c.MINOR, sum(1 << i for i in four)
         for a, b in itertools.combinations(free, 2):
-            sign = self.sheet.twin(a, b, pins)
-            if sign and nonzero(twin_row(self.sheet, a, b, sign, box)):
+            row = self.sheet.twin_row(a, b, box, pins)
+            if row is not None and nonzero(row):
                 return c.TWIN, a * len(box) + b
         if not any(pins) and all(-R0 <= a and b <= R0 for a, b in box):
             return c.FLAT, 0
@@ -120,7 +121,7 @@ class Prover:
     def located(self, x, pins) -> bool:
         try:
             stratum = Stratum(self.fine, pins)
-            _, axes = self.fine.folded(stratum.angles([arb(x[i]) for i in stratum.free]))
+            _, _, axes = self.fine.chain(stratum.angles([arb(x[i]) for i in stratum.free]))
             matrix = np.array([[float(v.mid()) for v in axes[i]] for i in stratum.free])
             k, rest = self.scene.stiffness, self.scene.rest_angles
             torque = [k[i] * (x[i] - rest[i]) for i in stratum.free]

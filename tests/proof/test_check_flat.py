@@ -8,7 +8,8 @@ import pytest
 from flint import arb, ctx
 
 from origami_nlp.proof.check_flat import falls, isolated, rows
-from origami_nlp.proof.check_forms import Sheet, parts
+from origami_nlp.proof.check_forms import parts
+from origami_nlp.proof.check_pieces import Sheet
 from tests.independent.rotations import project
 from tests.proof.balls import at, exactly, scene
 from tests.proof.chains_mp import axes, mp, mpf, quaternion

@@ -9,6 +9,7 @@ from flint import arb, ctx
 
 from origami_nlp.proof import check_bounds, check_forms as f
 from origami_nlp.proof.check_bounds import States
+from origami_nlp.proof.check_pieces import Sheet
 from tests.independent.rotations import project, spin_sign
 from tests.proof.balls import at, exactly, holds, scene
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
@@ -22,8 +23,8 @@ def _bits():
         yield
 
 
-def sheet_of(s) -> f.Sheet:
-    return f.Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
+def sheet_of(s) -> Sheet:
+    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
 
 def random_box(rng, degree):
@@ -155,7 +156,7 @@ def test_minors_hold_what_50_digits_say_of_closed_states(degree):
                         continue
                     seen += 1
                     wanted = mp.det(mp.matrix([[torque[i], *true[i]] for i in four]))
-                    assert holds(at(next(f.minors(sheet, [four], box, pins)), xi), wanted)
+                    assert holds(at(next(sheet.minors([four], box, pins)), xi), wanted)
     assert seen > 20
 
 
@@ -182,7 +183,7 @@ TWINS = [
 @pytest.mark.parametrize("sectors", [t[1] for t in TWINS], ids=[t[0] for t in TWINS])
 def test_twins_are_the_creases_whose_axes_coincide(sectors):
     rng, n = np.random.default_rng(0), len(sectors)
-    sheet = f.Sheet(sectors, (1.0,) * n, (0.0,) * n)
+    sheet = Sheet(sectors, (1.0,) * n, (0.0,) * n)
     found = 0
     for pins in itertools.product((0, 1, -1), repeat=n):
         for a, b in itertools.permutations([i for i in range(n) if not pins[i]], 2):

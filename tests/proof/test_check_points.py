@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
-from origami_nlp.proof.check_forms import Sheet
+from origami_nlp.programme import Model
+from origami_nlp.proof import prove
 from origami_nlp.proof.check_points import Refused, Stratum, negative
+from origami_nlp.proof.check_wedges import piece_of
 from tests.independent.rotations import project
 from tests.proof.balls import holds, scene
-from tests.proof.chains_mp import axes, mp, mpf, quaternion
+from tests.proof.chains_mp import axes, mp, mpf, quaternion, unfolded
 from tests.proof.slow_prover import proved
+from tests.proof.wedges import WEDGES
 
 CASES = [(4, 1), (4, 2), (4, 3), (4, 5)]
 
@@ -22,36 +25,44 @@ def _bits():
         yield
 
 
-def sheet_of(s) -> Sheet:
-    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
-
-
-def closed(sectors, x, led):
-    """Move three creases until the vertex closes, by Newton with exact slopes."""
+def closed(sectors, tied, x, led):
+    """Move some variables until the whole vertex closes, by Gauss and Newton with exact slopes."""
     x = list(x)
     for _ in range(9):
-        _, v = quaternion(sectors, x)
-        if max(map(abs, v)) < mpf(10) ** -46:
+        angles = [x[v] for v in tied]
+        _, v = quaternion(sectors, angles)
+        if max(map(abs, v)) < mpf(10) ** -44:
             return x
-        c = axes(sectors, x)
-        slopes = mp.matrix([[c[i][r] / 2 for i in led] for r in range(3)])
-        for i, d in zip(led, mp.lu_solve(slopes, mp.matrix(v)), strict=True):
-            x[i] -= d
+        c = axes(sectors, angles)
+        slopes = [
+            [sum(c[i][r] / 2 for i, w in enumerate(tied) if w == j) for j in led] for r in range(3)
+        ]
+        for j, d in zip(led, mp.lu_solve(mp.matrix(slopes), mp.matrix(v)), strict=True):
+            x[j] -= d
     raise AssertionError("does not close")
 
 
-def energy(s, x):
-    springs = zip(s.stiffness, x, s.rest_angles, strict=True)
-    return sum(mpf(k) / 2 * (a - mpf(r)) ** 2 for k, a, r in springs)
+def energy(s, tied, x):
+    """Of the whole vertex; springs as the piece states them."""
+    of = {v: c for v, c in enumerate(r.crease for r in s.group.rays if r.crease is not None)}
+    if s.group.is_trivial:
+        of = {i: i for i in range(s.degree)}
+    springs = ((s.stiffness[of[v]], s.rest_angles[of[v]], x[v]) for v in tied)
+    return sum(mpf(k) / 2 * (a - mpf(r)) ** 2 for k, r, a in springs)
 
 
-def led_of(s, x, free):
-    c = axes(s.vertex.sector_angles, x)
+def led_of(sectors, tied, x, free, rank):
+    """The variables whose slopes of closure span most."""
+    c = axes(sectors, [x[v] for v in tied])
 
-    def size(three):
-        return abs(mp.det(mp.matrix([c[i] for i in three])))
+    def size(some):
+        slopes = [
+            [float(sum(c[i][r] for i, w in enumerate(tied) if w == j)) for j in some]
+            for r in range(3)
+        ]
+        return np.linalg.svd(np.array(slopes), compute_uv=False)[-1]
 
-    return max(itertools.combinations(free, 3), key=size)
+    return max(itertools.combinations(free, rank), key=size)
 
 
 def middle(ball):
@@ -63,7 +74,7 @@ def located(s, seed, count, pins):
     rng, n = np.random.default_rng(seed), s.degree
     starts = np.where(pins, np.pi * np.array(pins), rng.uniform(-2, 2, (count, n)))
     near, _ = project(np.array(s.vertex.sector_angles), np.arange(n), starts, held=np.abs(pins))
-    stratum = Stratum(sheet_of(s), pins)
+    stratum = Stratum(piece_of(s), pins)
     for x in near:
         c = np.array([[float(v) for v in axes(s.vertex.sector_angles, x)[i]] for i in stratum.free])
         torque = [s.stiffness[i] * (x[i] - s.rest_angles[i]) for i in stratum.free]
@@ -74,20 +85,21 @@ def located(s, seed, count, pins):
 
 
 def examine(s, stratum, one):
-    """Compare with differences of the energy along closed states; return the index."""
-    sectors = [mpf(a) for a in s.vertex.sector_angles]
+    """Compare with differences of the energy along closed states of the whole vertex; return the index."""
+    sectors, tied = unfolded(s)
     x = [mp.pi * q if q else middle(b) for q, b in zip(stratum.pins, one.x, strict=True)]
-    led = led_of(s, x, stratum.free)
-    x = closed(sectors, x, led)  # this very vertex, of those meant
+    led = led_of(sectors, tied, x, stratum.free, stratum.rank)
+    x = closed(sectors, tied, x, led)  # this very vertex, of those meant
     assert all(holds(b, v) for b, v in zip(one.x, x, strict=True))
     h = mpf(10) ** -15
-    base = energy(s, x)
+    base = energy(s, tied, x)
+    assert abs(base - middle(one.energy)) < 1e-10 * (1 + abs(base))
 
     def moved(*steps):
         y = list(x)
         for i, d in steps:
             y[i] += d
-        return energy(s, closed(sectors, y, led))
+        return energy(s, tied, closed(sectors, tied, y, led))
 
     others = [i for i in stratum.free if i not in led]
     for i in others:  # stationary: sectors are known to 1e-16, and so is the point
@@ -115,7 +127,7 @@ def test_points_signs_and_indices_agree_with_differences_of_the_energy(case):
     s, found = scene(*case), proved(*case).points
     assert len(found) > 3
     for p in found:
-        stratum = Stratum(sheet_of(s), p.stratum)
+        stratum = Stratum(piece_of(s), p.stratum)
         examine(s, stratum, stratum.locate(p.x, p.moment))
 
 
@@ -130,6 +142,22 @@ def test_indices_of_degree_6_agree_with_differences_of_the_energy():
     assert len(set(indices)) > 1
 
 
+@pytest.mark.parametrize("name", WEDGES)
+def test_points_of_wedges_agree_with_differences_of_the_energy_of_the_whole_vertex(name):
+    s, seen = WEDGES[name], set()
+    for p in prove(Model(s)).points:
+        if p.stratum in seen:
+            continue
+        stratum = Stratum(piece_of(s), p.stratum)
+        one = stratum.locate(p.x, p.moment)
+        if 0 not in [t for t, q in zip(one.signs, p.stratum, strict=True) if q]:
+            seen.add(p.stratum)
+            examine(s, stratum, one)
+        if len(seen) == 4:
+            return
+    assert len(seen) > 1
+
+
 def test_no_box_with_two_points_is_said_to_hold_one():
     tried = 0
     for case in CASES:
@@ -140,7 +168,7 @@ def test_no_box_with_two_points_is_said_to_hold_one():
             tried += 1
             between = [0.5 * (a + b) for a, b in zip(p.x, q.x, strict=True)]
             reach = max(abs(a - b) for a, b in zip(p.x, q.x, strict=True)) / 2 + 1e-9
-            stratum = Stratum(sheet_of(scene(*case)), p.stratum)
+            stratum = Stratum(piece_of(scene(*case)), p.stratum)
             for point, radius in ((p.x, 2.01 * reach), (between, reach)):
                 try:
                     assert not stratum.alone(point, radius, [arb(m) for m in p.moment])
@@ -151,7 +179,7 @@ def test_no_box_with_two_points_is_said_to_hold_one():
 
 def test_points_are_alone_near_themselves_and_there_are_none_elsewhere():
     s, p = scene(4, 1), proved(4, 1).points[0]
-    stratum = Stratum(sheet_of(s), p.stratum)
+    stratum = Stratum(piece_of(s), p.stratum)
     assert stratum.alone(p.x, 1e-6, [arb(m) for m in p.moment])
     off = [v if q else v + 0.5 for v, q in zip(p.x, p.stratum, strict=True)]
     try:
@@ -168,7 +196,7 @@ def test_points_are_alone_near_themselves_and_there_are_none_elsewhere():
 
 
 def test_the_moment_is_refused_where_axes_may_be_dependent():
-    stratum = Stratum(sheet_of(scene(4, 1)), (0, 0, 0, 0))
+    stratum = Stratum(piece_of(scene(4, 1)), (0, 0, 0, 0))
     with pytest.raises(Refused, match="dependent"):
         stratum.moments([0.0] * 4, 1e-3, [arb(0)] * 3)
 
@@ -176,7 +204,7 @@ def test_the_moment_is_refused_where_axes_may_be_dependent():
 def test_moments_of_all_points_lie_in_the_bounds():
     for case in CASES:
         for p in proved(*case).points:
-            stratum = Stratum(sheet_of(scene(*case)), p.stratum)
+            stratum = Stratum(piece_of(scene(*case)), p.stratum)
             bounds = stratum.moments(p.x, p.unique_radius, [arb(0.9 * m) for m in p.moment])
             assert all(b.contains(arb(m)) for b, m in zip(bounds, p.moment, strict=True))
 
