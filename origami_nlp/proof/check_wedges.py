@@ -134,20 +134,18 @@ class Wedge(_Piece):
         return self.mixed(self._back(k, box, pins, j), k, self._onward(k, box, pins))
 
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
-        """As of `Chain`; across a mirror where the plate to it is a quarter turn, or three."""
+        """As of `Chain`; across a mirror where the plate to it, mirrored itself, is a quarter turn, or three."""
         r, s = sorted((self.places[a], self.places[b]))
         if a != b:
             angle = self.plate(range(r, s), pins, r)
             whole = None if angle is None else angle.unique_fmpz()
             return None if whole is None else -1 if int(whole) % 2 else 1
         last = len(self.gaps) - 1
-        for near_mirror, far in ((0, r), (r, last)):
-            if 0 < r < last and near_mirror < far:
-                ends = [i for i, p in enumerate(self.places) if p in (near_mirror, far) and i != a]
-                angle = self.plate(range(near_mirror, far), pins, near_mirror)
-                if angle is None or not all(pins[i] for i in ends):
-                    continue
-                if (angle - arb(0.5)).unique_fmpz() is not None:
+        for mirror, first, end in ((0, 0, r), (last, r, last)):
+            # a facet that a mirror runs through stands across it; a crease there, shut, lays its facets into it
+            if mirror not in self.places and first < end:
+                angle = self.plate(range(first, end), pins, first)
+                if angle is not None and (angle - arb(0.5)).unique_fmpz() is not None:
                     return 1
         return None
 
