@@ -1,21 +1,24 @@
 """A proof that a list of minima is complete, checked by a second arithmetic that knows nothing of the first.
 
-The statement.  A vertex without symmetry, within fold limits |x_i| <= pi.  Every local minimum of U = sum k_i/2
-(x_i - rest_i)^2 among the closed states lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where on
-the free creases F. John's condition holds: the vertex closes with q = +1, and every four free creases S have
-det [G_S | C_S] = 0, G_i = k_i (x_i - rest_i), C_i the axis; creases whose axes coincide all over a stratum have torques
-that agree up to the same sign.  No regularity is assumed.
+The statement. A flat vertex within fold limits |x_i| <= pi, as it is, or among the states that keep a symmetry (then
+the angles x are those of its piece). Every local minimum of U = sum k_i/2 (x_i - rest_i)^2 among the closed states
+lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where F. John's condition holds on the free ones:
+the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows of [G | C] vanish, G_i = k_i (x_i -
+rest_i), C_i the slopes of the m closure equations (without symmetry det [G_S | c_S] = 0 for every four creases, c_i
+the axes); creases whose axes coincide all over a stratum have torques that agree up to the same sign. No regularity
+is assumed.
 
-What is checked.  (a) The tree covers all 3^N strata; every box that is dropped, and every part that a contraction
-removes, holds no such state.  (b) Each point claimed exists, is the only one within its radius, and is of the kind
-claimed; leaves that rest on it lie within that radius.  (c) Leaves at the flat state lie where the flat lemma is
-shown anew.  (d) What the proof leaves open is told.  (e) The minima claimed are those of (b).
+What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
+removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
+claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
+anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b).
 
-What is trusted.  This file, its neighbours `check_forms`, `check_points` and `check_flat`, and `certificate`, which
-share no code with the search; the reading of a scene; python-flint and FLINT (`arb`: midpoint and radius, each
-operation rounded outwards); Python, and NumPy where it suggests numbers that are then tested; the machine.  Sectors
-stand for all within two units in the last place that close flat; sums of sectors that are multiples of pi to within
-that are multiples of pi.  Stiffness and rest angles are the doubles of the file.
+What is trusted. This file, `certificate`, and the files `check_*` beside it, which share no code with the search; the
+reading of a scene, with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, each operation rounded
+outwards); Python, and NumPy where it suggests numbers that are then tested; the machine. Sectors stand for all within
+two units in the last place that close flat, symmetrically where a symmetry is kept; sums of sectors that are
+multiples of pi (or pi/2, across a mirror) to within that are such. Stiffness and rest angles are the doubles of the
+file.
 """
 
 from __future__ import annotations

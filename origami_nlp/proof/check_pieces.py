@@ -3,11 +3,11 @@
 Closure without symmetry: the product q of the quaternions (cos x_i/2, b_i sin x_i/2) is +1, stated as q_1..q_h =
 conj(q_N) .. conj(q_h+1), h = ceil(N/2): four polynomials, the first of second order.
 
-Axes: c_i is b_i turned by the creases before it.  Triple products of axes are those of a rigid body, so that in a
+Axes: c_i is b_i turned by the creases before it. Triple products of axes are those of a rigid body, so that in a
 closed state they may be had from any of the three creases, with the angles on two of the three arcs between them.
 
-A local minimum, with the creases that it pins, is stationary with F. John's multipliers on the others: rank [G | C] <= m,
-m the number of closure equations, row i of C the slopes of closure by x_i.  All minors of m + 1 free creases vanish.
+A local minimum, with the creases that it pins, is stationary on the others with F. John's multipliers: rank [G | C]
+<= m, m the number of closure equations, row i of C its slopes by x_i: all minors of m + 1 free creases vanish.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ class Chain:
         return along + across * part.cos_pi() + self._crosses[i] * sine, None
 
     def chain(self, angles: Sequence[Any]) -> tuple[Balls, Any, list[Balls]]:
-        """Return the quaternion [w, x, y, z] of the whole, its rotation, and all axes [n][3], at balls of fold angles."""
+        """Return the whole's quaternion [w, x, y, z] and rotation, and all axes [n][3], at balls of fold angles."""
         q = arb_mat([[1], [0], [0], [0]])
         turn = diagonal(3, 1)
         axes = []
