@@ -57,3 +57,7 @@ class OptionError(OrigamiError):
 
 class SweepError(OrigamiError):
     """A sweep file or the store of a sweep is not what it should be."""
+
+
+class CertificateError(OrigamiError):
+    """A file that should hold a proof cannot be read, or holds none."""

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
+from origami_nlp.cli.check_proof import check_proof
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
@@ -26,7 +27,7 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 
 app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
-app.add(minima, contacts, barriers, critical, space, landscape, transitions)
+app.add(minima, check_proof, contacts, barriers, critical, space, landscape, transitions)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
 app.add(sweep)

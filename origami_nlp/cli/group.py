@@ -75,8 +75,9 @@ class Group(typer.Typer):
         """Add commands under the names of their functions."""
         for one in commands:
             about = (one.__doc__ or "").splitlines()[0]  # whole: typer would cut it
-            self.command(one.__name__, cls=_Command, short_help=about)(one)
-            self.names.append(one.__name__)
+            name = one.__name__.replace("_", "-")
+            self.command(name, cls=_Command, short_help=about)(one)
+            self.names.append(name)
 
     def add_group(self, name: str, group: Group, open: bool = False) -> None:
         """Add a group of commands; open: its commands work without its name too, and no help says so."""

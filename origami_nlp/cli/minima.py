@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,6 +12,9 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Scene, read_fold_scene, read_scene
+
+if TYPE_CHECKING:
+    from origami_nlp.minima import MinimaResult
 
 
 def minima(
@@ -28,6 +31,7 @@ def minima(
         bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
     ] = False,
     prove: o.Prove = None,
+    certificate: o.CertificateFile = None,
     vertex: o.VertexNumber = None,
     frame: Annotated[int | None, typer.Option(help="FOLD file: the frame, from 0.")] = None,
     symmetry: o.FoldSymmetry = None,
@@ -46,7 +50,7 @@ def minima(
         write_mesh,
     )
 
-    out = Output(json=json, figure=figure, fold=fold, mesh=mesh)
+    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, certificate=certificate)
     if mesh:
         check_mesh(mesh)
     stated = _read(
@@ -74,6 +78,19 @@ def minima(
     out.save("figure", draw_minima, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)
+    out.save("certificate", _write_certificate, result)
+
+
+def _write_certificate(result: MinimaResult, file: str) -> None:
+    """Prove again, with the tree of boxes on record, and write it down."""
+    from origami_nlp.proof import certificate_of, prove, write_certificate
+
+    found = result.completeness
+    if found is None or not found.boxes:
+        why = found.reason if found else "it was not asked for (--prove)"
+        raise OptionError(f"--certificate: there is no proof to write: {why}")
+    proof = prove(result.model, record=True, most=found.boxes)
+    write_certificate(certificate_of(result.scene, proof), file)
 
 
 def _read(source: str, **options: Any) -> Scene:

@@ -71,6 +71,7 @@ SweepFile = Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOM
 Candidates = Annotated[
     str, typer.Argument(metavar="FILE", help="Candidates: .json or .csv, or - for JSON on stdin.")
 ]
+ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
 Family = Annotated[str, typer.Argument(metavar="FAMILY", help="degree6 or degree8.")]
 
 # ---------------------------------------------------------------- what goes out
@@ -122,6 +123,10 @@ Prove = Annotated[
         callback=_prove,
         help="Prove that no minimum is missing, in at most SECONDS; without it: where it is cheap. 0: do not try.",
     ),
+]
+CertificateFile = Annotated[
+    str | None,
+    typer.Option(metavar="FILE", help="Write the proof, for check-proof."),
 ]
 Effort = Annotated[
     str,

@@ -9,8 +9,17 @@ from .affine import (
     variables as variables,
 )
 from .boxes import Boxes as Boxes, Left as Left, prune as prune
+from .certificate import (
+    Certificate as Certificate,
+    certificate_from_dict as certificate_from_dict,
+    certificate_to_dict as certificate_to_dict,
+    read_certificate as read_certificate,
+    write_certificate as write_certificate,
+)
 from .chains import Rows as Rows
+from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose, prove as prove
+from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof

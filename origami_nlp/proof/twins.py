@@ -103,6 +103,8 @@ def twins_of_wedge(sectors: np.ndarray, crease: list[int | None], doubt: float) 
     for way in (1, -1):  # from the first mirror on, from the last one back
         order = list(range(rays))[::way]
         run = [float(s) for s in sectors][::way]
+        if crease[order[0]] is not None:
+            continue  # shut, it lays its facets into the mirror, not across it
         for count, _ in _sums(run, doubt, math.pi / 2):
             a = crease[order[count]]
             if a is not None and count < rays - 1:

@@ -1,0 +1,191 @@
+"""A proof that a list of minima is complete, checked by a second arithmetic that knows nothing of the first.
+
+The statement. A flat vertex within fold limits |x_i| <= pi, as it is, or among the states that keep a symmetry (then
+the angles x are those of its piece). Every local minimum of U = sum k_i/2 (x_i - rest_i)^2 among the closed states
+lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where F. John's condition holds on the free ones:
+the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows of [G | C] vanish, G_i = k_i (x_i -
+rest_i), C_i the slopes of the m closure equations (without symmetry det [G_S | c_S] = 0 for every four creases, c_i
+the axes); creases whose axes coincide all over a stratum have torques that agree up to the same sign. No regularity
+is assumed.
+
+What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
+removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
+claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
+anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b).
+
+What is trusted. This file, `certificate`, and the files `check_*` beside it, which share no code with the search; the
+reading of a scene, with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, each operation rounded
+outwards); Python, and NumPy where it suggests numbers that are then tested; the machine. Sectors stand for all within
+two units in the last place that close flat, symmetrically where a symmetry is kept; sums of sectors that are
+multiples of pi (or pi/2, across a mirror) to within that are such. Stiffness and rest angles are the doubles of the
+file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from origami_nlp.errors import OptionError
+from origami_nlp.proof.certificate import KINDS, Certificate, read_certificate
+
+if TYPE_CHECKING:
+    from origami_nlp.proof.check_points import Located
+
+
+@dataclass(frozen=True)
+class Check:
+    """What came of a check.
+
+    Attributes
+    ----------
+    refused
+        The first claim that was not confirmed, with its place; empty: all were.
+    minima
+        Numbers (from 1) of the points that are minima.
+    points
+        Fold angles of all points, shape [P, N].
+    indices
+        How many points have each index; None: unclear.
+    open
+        What the proof leaves open, a line each; empty: the list of minima is complete.
+    nodes
+        How many nodes of each kind were checked.
+    trusted
+        What this rests on, a line each.
+    """
+
+    refused: str
+    minima: tuple[int, ...]
+    points: tuple[tuple[float, ...], ...]
+    indices: dict[int | None, int]
+    open: tuple[str, ...]
+    nodes: dict[str, int]
+    trusted: tuple[str, ...]
+
+    @property
+    def lines(self) -> list[str]:
+        """All of it, as the command prints it."""
+        if self.refused:
+            return [f"refused: {self.refused}"]
+        count = f"{len(self.minima)} {'minimum' if len(self.minima) == 1 else 'minima'}"
+        boxes = f"{len(self.points)} critical points, {sum(self.nodes.values()):,} nodes"
+        head = "checked: complete" if not self.open else "checked, but not all is decided"
+        about = [f"{head} - {count}, {boxes}"]
+        kinds = sorted(self.indices.items(), key=lambda item: (item[0] is None, item[0]))
+        about.append(
+            "critical points by index: "
+            + (", ".join(f"{'unclear' if i is None else i}: {c}" for i, c in kinds) or "none")
+        )
+        about += [f"minimum: point {p}, {degrees(self.points[p - 1])}" for p in self.minima]
+        about += [f"open: {line}" for line in self.open]
+        return about + [f"trusted: {line}" for line in self.trusted]
+
+    def to_dict(self) -> dict[str, object]:
+        """Return all of it as plain data, for JSON."""
+        return {
+            "schema": "origami-nlp/proof-check/1",
+            "checked": not self.refused,
+            "refused": self.refused or None,
+            "complete": not (self.refused or self.open),
+            "minima": [list(self.points[p - 1]) for p in self.minima],
+            "critical_points": {
+                "unclear" if i is None else str(i): c for i, c in self.indices.items()
+            },
+            "open": list(self.open),
+            "nodes": self.nodes,
+            "trusted": list(self.trusted),
+        }
+
+
+def check_proof(
+    proof: str | Path | Certificate, progress: Callable[[int, int], object] | None = None
+) -> Check:
+    """Check a proof from its file: every claim, by ball arithmetic of its own.
+
+    Parameters
+    ----------
+    proof
+        The file, ``"-"`` for standard input, or a certificate that was read.
+    progress
+        Called with the nodes that are checked and their number.
+
+    Returns
+    -------
+    Check
+        What was confirmed, or the first claim that was not.
+
+    Raises
+    ------
+    CertificateError
+        If the file cannot be read or is no proof.
+    OptionError
+        If python-flint is not there.
+    """
+    certificate = proof if isinstance(proof, Certificate) else read_certificate(proof)
+    try:
+        import flint
+    except ImportError:
+        raise OptionError(
+            'checking a proof needs python-flint: pip install "origami_nlp[proof]"'
+        ) from None
+    from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
+
+    replay = Replay(certificate, progress or (lambda done, total: None))
+    refused = ""
+    try:
+        replay.run()
+    except Refused as problem:
+        refused = str(problem)
+    trusted = (
+        f"python-flint {flint.__version__} ({COARSE} bits for boxes, {FINE} for points), Python, NumPy for suggestions",
+        "sector angles: all vertices within 2 units in the last place of these, that close flat; "
+        "sums that are multiples of pi to that precision are taken as such",
+        "the statement: a minimum closes with q = +1, and its torques are those of one moment (det [G | C] = 0)",
+    )
+    found = replay.found
+    return Check(
+        refused,
+        tuple(i for i, one in enumerate(found, start=1) if one.is_minimum),
+        tuple(p.x for p in certificate.points),
+        dict(Counter(one.index for one in found)),
+        tuple(_open(certificate, found, replay.flat_falls)) if not refused else (),
+        {KINDS[k]: c for k, c in sorted(replay.counts.items())},
+        trusted,
+    )
+
+
+def degrees(angles: Sequence[float]) -> str:
+    """Fold angles in degrees, as text.
+
+    Parameters
+    ----------
+    angles
+        Fold angles [rad].
+
+    Returns
+    -------
+    str
+        Such as ``(12.3, -180) deg``.
+    """
+    return "(" + ", ".join(f"{math.degrees(a):.6g}" for a in angles) + ") deg"
+
+
+def _open(certificate: Certificate, found: Sequence[Located], flat_falls: bool) -> Iterator[str]:
+    """Say what the proof leaves open."""
+    for name in ("singular", "undecided"):
+        for number, left in enumerate(getattr(certificate, name), start=1):
+            middle = [0.5 * (a + b) for a, b in zip(left.lower, left.upper, strict=True)]
+            size = max(b - a for a, b in zip(left.lower, left.upper, strict=True))
+            yield f"{name} box {number}, {size:.2g} rad wide around {degrees(middle)}: {left.reason}"
+    for number, (point, one) in enumerate(zip(certificate.points, found, strict=True), start=1):
+        if one.is_minimum is None:
+            yield f"point {number}, {degrees(point.x)}: whether it is a minimum"
+        elif one.is_minimum and point.is_minimum is None:
+            yield f"point {number}, {degrees(point.x)}: a minimum, which the proof does not say"
+    if not flat_falls:
+        yield "the flat state: whether it is a minimum"

@@ -1,0 +1,37 @@
+"""Balls and scenes that several tests of the check use."""
+
+import math
+
+import numpy as np
+from flint import arb, ctx
+
+from origami_nlp.pattern import Scene, Vertex
+from tests.proof.chains_mp import mp
+
+
+def scene(degree: int, seed: int) -> Scene:
+    rng = np.random.default_rng(seed)
+    sectors = rng.uniform(0.5, 1.5, degree)
+    sectors *= 2 * math.pi / sectors.sum()
+    k, rest = 10 ** rng.uniform(-1, 1, degree), rng.uniform(-3, 3, degree)
+    vertex = Vertex(tuple(sectors.tolist()))
+    return Scene(
+        vertex, tuple(k.tolist()), tuple(rest.tolist()), symmetry="none", contact="fold-limits"
+    )
+
+
+def exactly(value):
+    """A number of 50 digits as a ball of 200 bits."""
+    with ctx.workprec(200):
+        return arb(mp.nstr(value, 55), 1e-45)
+
+
+def holds(ball, value) -> bool:
+    """Whether a ball holds a number of 50 digits, to 45 of them."""
+    with ctx.workprec(200):
+        return ball.overlaps(exactly(value))
+
+
+def at(form, xi):
+    """A form at given xi in [-1, 1]."""
+    return sum((v * arb(xi[j]) for j, v in form[1].items()), form[0])
