@@ -1,16 +1,17 @@
-"""Affine forms with proved rounding: x = centre + sum_j slopes_j xi_j + error eta, every |xi_j|, |eta| <= 1, in batches.
+"""Affine forms with proved rounding: x = centre + sum_j slopes_j xi_j + error eta, every |xi_j|, |eta| <= 1, in
+batches.
 
 The xi_j are the box: variable j is mid_j + radius_j xi_j.  So a form keeps how it depends on the variables, to first
 order, and only what is of second order goes to `error`.  The last axis of every array is the batch of K boxes; the
 axis before it, of `slopes`, the d variables of the form.
 
-Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n u), a
-product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result (centre,
-slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding does to all of
-them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient of x y takes each
-pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| + sum |slopes| + error.
-`padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and of the sum; it enlarges
-the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
+Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n
+u), a product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result
+(centre, slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding
+does to all of them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient
+of x y takes each pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| +
+sum |slopes| + error. `padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and
+of the sum; it enlarges the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
 
 What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 absolute.
 """

@@ -43,12 +43,18 @@ BEYOND = math.nextafter(math.pi, 4.0)
 class Posed(Protocol):
     """What is searched: rows over boxes."""
 
-    size: int
-    linear: slice
-    pivots: int
-    minor_count: int
-    minor_creases: tuple[tuple[int, ...], ...]
-    twins: tuple[tuple[int, ...], ...]
+    @property
+    def size(self) -> int: ...  # noqa: D102
+    @property
+    def linear(self) -> slice: ...  # noqa: D102
+    @property
+    def pivots(self) -> int: ...  # noqa: D102
+    @property
+    def minor_count(self) -> int: ...  # noqa: D102
+    @property
+    def minor_creases(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
+    @property
+    def twins(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows: ...  # noqa: D102
 

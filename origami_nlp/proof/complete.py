@@ -94,7 +94,9 @@ def prove(
     points = tuple(_point(model, roots, int(i)) for i in order)
     position = np.full(len(roots), -1)
     position[order] = np.arange(len(order))
-    singular, undecided, leaves = [], [], []
+    singular: list[Cluster] = []
+    undecided: list[Cluster] = []
+    leaves: list[tuple[np.ndarray, Kind, int]] = []
     for i in ends:
         group = held[number == i]
         leaves.append((group.node, Kind.SINGULAR, len(singular)))
@@ -110,10 +112,10 @@ def prove(
         recorder.leaves(held.node, Kind.ROOT, position[number])
         for nodes, kind, place in leaves:
             recorder.leaves(nodes, kind, place)
-    for group in _by_stratum(left.open):
+    for group in [left.open[g] for g in _by_stratum(left.open)]:
         if recorder:
-            recorder.leaves(left.open.node[group], Kind.UNDECIDED, len(undecided))
-        undecided.append(_cluster(model, left.open[group], "time was up"))
+            recorder.leaves(group.node, Kind.UNDECIDED, len(undecided))
+        undecided.append(_cluster(model, group, "time was up"))
     if left.flat and not flat.radius:
         undecided.append(_near_flat(model, near))
     return Proof(

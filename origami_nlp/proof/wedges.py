@@ -3,12 +3,11 @@
 Torques per crease, G_i = k_i (phi_i - rest_i), stand beside the axes as without symmetry: a crease on a mirror counts
 half in the energy of a piece, and moves it half.
 
-D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e2 = e2).  On closed states the slopes of closure are
-a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an alternating sum of
-G_i (n_1, c_j, c_k); the triple product is the same with N.
-D_n, n > 1: n_1 . N = -cos(pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
-C_n: the scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from
-crease i on, and G_a t_b = G_b t_a.
+D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e2 = e2).  On closed states the slopes
+of closure are a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an
+alternating sum of G_i (n_1, c_j, c_k); the triple product is the same with N. D_n, n > 1: n_1 . N = -cos(pi / n), with
+slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases. C_n: the scalar of T = prod Q(e1, phi_i)
+Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from crease i on, and G_a t_b = G_b t_a.
 
 All of it is triple products seen from the crease in the middle, as without symmetry, or products of two half chains.
 Backwards, the wedge is read in a mirror (y to -y).
@@ -109,7 +108,7 @@ class Wedge:
         return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
 
     def seen_first(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> np.ndarray:
-        """Return the first mirror's normal, seen from the middle ray before its fold, at the middle of boxes, [3, K]."""
+        """Return the first mirror's normal as the middle ray sees it before its fold, at the middle of boxes, [3, K]."""
         back = _Views(self, self.turns(middle, half, pins), -1)
         return _mirrored(back.after[self.middle_ray][:, 0]).centre
 
