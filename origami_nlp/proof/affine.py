@@ -19,6 +19,7 @@ What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -50,14 +51,22 @@ class Affine:
     slopes: np.ndarray
     error: np.ndarray
 
+    @cached_property
+    def _spread(self) -> np.ndarray:
+        return np.abs(self.slopes).sum(axis=-2)
+
+    @cached_property
+    def _magnitude(self) -> np.ndarray:
+        d = self.slopes.shape[-2]
+        return (np.abs(self.centre) + self._spread + self.error) * (1 + 4 * (d + 4) * UNIT)
+
     def spread(self) -> np.ndarray:
         """Return sum |slopes|, [..., K], as computed."""
-        return np.abs(self.slopes).sum(axis=-2)
+        return self._spread
 
     def magnitude(self) -> np.ndarray:
         """Return an upper bound of |x| over the box, [..., K]."""
-        d = self.slopes.shape[-2]
-        return (np.abs(self.centre) + self.spread() + self.error) * (1 + 4 * (d + 4) * UNIT)
+        return self._magnitude
 
     def radius(self) -> np.ndarray:
         """Return an upper bound of |x - centre| over the box, [..., K]."""

@@ -14,6 +14,7 @@ from origami_nlp.programme import Model
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
+from origami_nlp.proof.periods import Period
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import (
     Roots,
@@ -25,7 +26,7 @@ from origami_nlp.proof.roots import (
 )
 from origami_nlp.proof.system import System
 from origami_nlp.proof.tree import Kind, Recorder
-from origami_nlp.proof.wedges import Period, Wedge
+from origami_nlp.proof.wedges import Wedge
 
 TOGETHER = 20 * SMALL
 """Boxes of a stratum that are no further apart [rad] are one cluster."""
