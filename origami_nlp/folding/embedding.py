@@ -12,13 +12,13 @@ Written with NumPy from the fold angles alone, independent of the CasADi model.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.folding.crossings import pair_depths
 from origami_nlp.folding.layers import layer_problem
 from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
 from origami_nlp.pattern import Vertex
@@ -136,26 +136,6 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     )
     # all of one sign: the ends alternate around a common point (mixed signs: they miss, or meet antipodally)
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
-
-
-def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
-    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
-
-    Parameters
-    ----------
-    rays
-        Unit vectors, shape [..., R, 3].
-    pairs
-        Positions of the facets, shape [P, 2].
-
-    Returns
-    -------
-    numpy.ndarray
-        Sines, shape [..., P].
-    """
-    arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
-    first, second = np.asarray(pairs).T % rays.shape[-2]
-    return crossing_depth(arcs[..., first, :, :], arcs[..., second, :, :])
 
 
 def _check_elements(elements: object) -> None:

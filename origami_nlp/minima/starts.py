@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.pinches import TouchStarts, model_rows, touch_starts
+from origami_nlp.minima.crossings import model_rows
 from origami_nlp.minima.samples import Samples, joined
+from origami_nlp.minima.touch_draws import TouchStarts, touch_starts
 from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)

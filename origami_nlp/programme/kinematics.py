@@ -80,11 +80,7 @@ class Kinematics:
         has = np.tile(s.has_crease, periods)
         self._flat = np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=1)
         self._flat[0] = (1.0, 0.0, 0.0)
-        self._has = has
-        # q b for the quaternion q of what comes before and the unit crease b = (x, y, 0)
-        self._right = np.zeros((rays, 4, 4))
-        for matrix, (bx, by, _) in zip(self._right, self._flat, strict=True):
-            matrix[:] = [[0, -bx, -by, 0], [bx, 0, 0, -by], [by, 0, 0, bx], [0, by, -bx, 0]]
+        self._right = from_the_right(self._flat)
         self._period = count
         self.ray_of_crease = np.flatnonzero(has)
         on_mirror = np.isin(self.ray_of_crease, (0, rays - 1)) & (not self._cyclic)
@@ -130,18 +126,10 @@ class Kinematics:
 
     def fold(self, x: np.ndarray) -> Folded:
         """Fold states x [K, n] [rad]."""
-        half = (0.5 * self._factor[:, None]) * x.T[self._variable]
-        cosine, sine = np.cos(half), np.sin(half)
         count = len(self._flat)
-        before = np.empty((count + 1, 4, len(x)))  # product of the folds before each ray
-        before[0] = np.array(quat.IDENTITY, dtype=float)[:, None]
-        e = 0
-        for r, b in enumerate(self._right):
-            if self._has[r]:
-                before[r + 1] = cosine[e] * before[r] + sine[e] * (b @ before[r])
-                e += 1
-            else:
-                before[r + 1] = before[r]
+        turns = np.zeros((count, len(x)))
+        turns[self.ray_of_crease] = self._factor[:, None] * x.T[self._variable]
+        before = products(self._right, turns)
         end = np.array(quat.multiply([*before[self._period]], self._onward))
         rays = np.empty((3, count + 4, len(x)))
         rays[:, :count] = quat.rotate([*before[:-1].swapaxes(0, 1)], [*self._flat.T[..., None]])
@@ -246,6 +234,24 @@ class Kinematics:
         if per_crease.shape[-1] == self.size:
             return per_crease
         return per_crease.reshape(*per_crease.shape[:-1], -1, self.size).sum(axis=-2)
+
+
+def from_the_right(axes: np.ndarray) -> np.ndarray:
+    """Return q -> q b for unit axes b = (x, y, 0), shape [R, 3], as matrices [R, 4, 4]."""
+    out = np.zeros((len(axes), 4, 4))
+    for matrix, (bx, by, _) in zip(out, axes, strict=True):
+        matrix[:] = [[0, -bx, -by, 0], [bx, 0, 0, -by], [by, 0, 0, bx], [0, by, -bx, 0]]
+    return out
+
+
+def products(right: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Multiply turns [R, K] [rad] about axes (`from_the_right`): the product before each, and of all, [R + 1, 4, K]."""
+    cosine, sine = np.cos(0.5 * turns), np.sin(0.5 * turns)
+    before = np.empty((len(right) + 1, 4, turns.shape[1]))
+    before[0] = np.array(quat.IDENTITY, dtype=float)[:, None]
+    for r, b in enumerate(right):
+        before[r + 1] = cosine[r] * before[r] + sine[r] * (b @ before[r])
+    return before
 
 
 _PERMUTATIONS = (
