@@ -153,10 +153,14 @@ def judge(model: Programme, answer: Answer) -> None:
 
 def listed(model: Programme, x: np.ndarray) -> Answer:
     """Return an exact state that was listed as an answer, judged."""
-    closure = float(np.abs(model.closure(x)[0]).max())
-    answer = Answer(Polished(x, (), closure, math.nan, True), listed=True)
+    answer = Answer(exact_state(model, x), listed=True)
     judge(model, answer)
     return answer
+
+
+def exact_state(model: Programme, x: np.ndarray) -> Polished:
+    """Return a state that is known to rounding, as if Newton had ended there."""
+    return Polished(x, (), float(np.abs(model.closure(x)[0]).max()), math.nan, True)
 
 
 def _is_same(one: Polished, other: Polished) -> bool:
