@@ -265,9 +265,13 @@ def _of_an_image(state: State) -> Classification | None:
 
 
 def _keep(state: State, what: Classification) -> None:
-    """Keep what was said of a state that is no minimum, where it names no creases: it is as true of its images."""
-    if what.verdict != "minimum" and not ("crease" in what.reason or "facet" in what.reason):
-        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(what, descent=None)
+    """Keep what was said of a state that is no minimum: it is as true of its images, under their names."""
+    if what.verdict != "minimum":
+        names = "crease" in what.reason or "facet" in what.reason
+        reason = f"an image under a symmetry of the scene: {what.reason}" if names else what.reason
+        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(
+            what, reason=reason, descent=None
+        )
 
 
 def of_image(state: State, what: Classification) -> Classification:

@@ -53,7 +53,7 @@ class Search:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model)
-        self._ends: list[np.ndarray] = []  # as descents left them
+        self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
         self._workers, self._found = workers, found
         self._pool: ProcessPoolExecutor | None = None
@@ -153,8 +153,9 @@ class Search:
     def _answer_at(self, s: Samples, k: int) -> tuple[Answer, bool]:
         """Return the answer that an end is, and whether it is new."""
         x = s.x[k]
-        if self._ends:
-            apart = np.abs(np.array(self._ends) - x).max(axis=1)
+        known = len(self._answer_of)
+        if known:
+            apart = np.abs(self._ends[:known] - x).max(axis=1)
             nearest = int(apart.argmin())
             if apart[nearest] <= ALIKE:
                 return self._answer_of[nearest], False
@@ -165,7 +166,9 @@ class Search:
             if answer.is_minimum:
                 close_orbit(self.model, self.record, answer)
                 self._found()
-        self._ends.append(x)
+        if known == len(self._ends):
+            self._ends = np.concatenate([self._ends, np.empty_like(self._ends)])
+        self._ends[known] = x
         self._answer_of.append(answer)
         return answer, new
 
