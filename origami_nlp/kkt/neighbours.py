@@ -17,7 +17,7 @@ from origami_nlp.programme import Contact
 RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
 SAMPLES, TOGETHER = 60, 20
-"""Directions tried at each radius, and those of them that are projected at once."""
+"""Directions tried at each radius, and those of them that are projected at once, with those of the other radii."""
 MOST_STRATA = 120
 """Sets of contacts that are held closed in turn."""
 
@@ -126,29 +126,31 @@ def _neighbours(
         if closes and not model.refuses(y):
             still = tuple(row for row in limits if row.index not in (v, w))
             yield y, still, radius
-    for held, radius in itertools.product(strata, radii):
-        samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
+    samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
+    for held in strata:
         for _ in range(0, samples, TOGETHER):
-            yield from ((y, held, radius) for y in _sphere(state, limits, held, radius, rng))
+            yield from ((y, held, radius) for y, radius in _sphere(state, limits, held, radii, rng))
 
 
 def _sphere(
     state: State,
     limits: list[Contact],
     contacts: tuple[Contact, ...],
-    radius: float,
+    radii: tuple[float, ...],
     rng: np.random.Generator,
-) -> Iterator[np.ndarray]:
-    """Yield admissible states about `radius` from x on one stratum, of `TOGETHER` random directions."""
+) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield admissible states about each radius from x on one stratum, of `TOGETHER` random directions each."""
     model, x = state.programme, state.x
-    d = rng.normal(size=(TOGETHER, model.size))
+    d = rng.normal(size=(TOGETHER * len(radii), model.size))
+    radius = np.repeat(radii, TOGETHER)
     for row in limits:  # step into the fold limits, not out of them
         d[:, row.index] = 0.0 if row in contacts else -row.side * np.abs(d[:, row.index])
-    d = d[d.any(axis=1)]
+    some = d.any(axis=1)
+    d, radius = d[some], radius[some]
     y, residual = project(
-        model, x + radius * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
+        model, x + radius[:, None] * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
     )
     distance = np.linalg.norm(y - x, axis=1)
     good = (residual <= FOLLOWED) & (distance > 0.05 * radius) & (distance < 3 * radius)
     good[good] = model.admissible(y[good])
-    yield from (y[k] for k in np.flatnonzero(good) if not model.refuses(y[k]))
+    yield from ((y[k], float(radius[k])) for k in np.flatnonzero(good) if not model.refuses(y[k]))
