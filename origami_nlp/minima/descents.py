@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.closing import Closing, Point, balance
+from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
-from origami_nlp.numerics import EPS, FOLLOWED
+from origami_nlp.numerics import EPS
 from origami_nlp.programme import OPEN, Model
 
 FLAT_SLOPE = 1e-10
@@ -245,7 +245,7 @@ class Descents:
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
-        good = np.abs(value).max(axis=1) <= FOLLOWED
+        good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + EPS).all(axis=1) & (at.sheet > 0)
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.model.parameters.energy(trial.x), before.energy

@@ -203,7 +203,7 @@ class _Job:
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
             if guesses:
-                search.run(search.closed(np.array(guesses)), count=False)
+                search.run(search.closed(np.array(guesses)))
             self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
 
     def _rounds(self, search: Search, rounds: Rounds) -> None:
@@ -217,8 +217,13 @@ class _Job:
             if self.record.starts >= self.most:
                 break
             if self.record.starts >= self.fewest and self._enough(quiet):
-                self.stopped_by = "rule"
-                break
+                found = len(self.record.minima)
+                search.run()
+                if len(self.record.minima) == found:
+                    self.stopped_by = "rule"
+                    break
+                quiet = 0
+        search.run()
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:

@@ -22,6 +22,8 @@ CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
 """Sources of starts."""
 DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
+GIVEN = 5
+"""States that are given, guesses and either side of saddles: not counted."""
 SOURCES = ("corners", "interior", "near corners", "strata", "touches")
 """Their names, in the order of their numbers."""
 
