@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -63,8 +64,8 @@ def find_crossings(
         Depth as `pair_depths`, and a row of each pair.
     """
     n = rays.shape[1]
-    table = pair_rows(pairs, n)
-    v = _off_planes(rays, table)
+    ends = _ends(_pairs(pairs), n)
+    table, v = ends[0], _off_planes(rays, *ends)
     a_row = _is_row(table, n) if real is None else real
     nearest = np.where(a_row, np.abs(v), np.inf).argmin(axis=-1)  # [K, P]
     at = np.arange(len(table))
@@ -88,20 +89,35 @@ def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray)
     numpy.ndarray
         Sines, shape [..., P].
     """
-    return _depth(_off_planes(rays, pair_rows(pairs, rays.shape[-2])))
+    return _depth(_off_planes(rays, *_ends(_pairs(pairs), rays.shape[-2])))
 
 
 _SIGNS = np.array([1.0, -1.0, -1.0, 1.0])
 
 
-def _off_planes(rays: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """Sines of the ends of pairs (`pair_rows`) off the other facet, [..., P, 4]: of one sign where they cross."""
+Pairs = tuple[tuple[int, int], ...]
+
+
+def _pairs(pairs: Sequence[tuple[int, int]] | np.ndarray) -> Pairs:
+    return pairs if isinstance(pairs, tuple) else tuple((int(i), int(j)) for i, j in pairs)
+
+
+@lru_cache(maxsize=256)
+def _ends(pairs: Pairs, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return `pair_rows` [P, 4, 2], the facets that they are on, and which of these each end is on [P, 4]."""
+    table = pair_rows(pairs, count)
     facets, on = np.unique(table[:, :, 1], return_inverse=True)
+    return table, facets, on.reshape(table.shape[:2])
+
+
+def _off_planes(
+    rays: np.ndarray, table: np.ndarray, facets: np.ndarray, on: np.ndarray
+) -> np.ndarray:
+    """Sines of the ends of pairs (`_ends`) off the other facet, [..., P, 4]: of one sign where they cross."""
     normals = cross(rays[..., facets, :], rays[..., (facets + 1) % rays.shape[-2], :])
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
     heights = normals @ rays.swapaxes(-1, -2)  # [..., facet, ray]
-    values = heights[..., on.reshape(table.shape[:2]), table[:, :, 0]]
-    return np.asarray(values * _SIGNS)
+    return np.asarray(heights[..., on, table[:, :, 0]] * _SIGNS)
 
 
 def _depth(v: np.ndarray) -> np.ndarray:

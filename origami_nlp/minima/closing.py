@@ -12,7 +12,7 @@ from origami_nlp.numerics import EPS, RANK, ROUNDED
 from origami_nlp.programme import OPEN, Folded, Kinematics, Model
 
 EXPLORED = 1e-11
-"""Closure and held gaps of states on their way; ends are polished."""
+"""Closure and held gaps of states on their way."""
 QUADRATIC, SETTLING = 1e-6, 0.1
 """A step of Gauss-Newton this short [rad] is the last one; after one this short what is beyond a fold limit is held."""
 STEPS = 5
@@ -94,13 +94,13 @@ class Closing:
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
         return np.eye(s.x.shape[1]) - curved / np.outer(self.root, self.root)
 
-    def close(self, s: Samples, steps: int = STEPS) -> Samples:
-        """Close samples on their strata; those that leave the fold limits on the way are held there."""
+    def close(self, s: Samples, steps: int = STEPS, to: float = EXPLORED) -> Samples:
+        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
         x, shut, todo = s.x.copy(), s.shut.copy(), np.arange(len(s))
         for _ in range(steps):
             part = replace(s[todo], x=x[todo], shut=shut[todo])
             _, value, rows = self.rows(part)
-            far = np.abs(value).max(axis=1) > EXPLORED
+            far = np.abs(value).max(axis=1) > to
             todo, value = todo[far], value[far]
             if not len(todo):
                 break

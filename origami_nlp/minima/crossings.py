@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.folding import find_crossings, pair_rows, stack_depths, stack_rule
+from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
 from origami_nlp.minima.touches import Row
 from origami_nlp.numerics import OUTSIDE, TOUCHES, cross
 from origami_nlp.programme import OPEN, Folded, Model
@@ -62,7 +62,7 @@ class Crossings:
 
     def __init__(self, model: Model) -> None:
         gaps, pairs = model.structure.gaps, model.structure.pairs
-        self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
+        self._pairs = tuple(pairs)
         self._walls = np.array(model.walls, dtype=int)
         of_wall = [gaps[i].rays for i in self._walls]
         self._ray = np.array([r for r, _ in of_wall], dtype=int)
@@ -104,14 +104,17 @@ class Crossings:
         return gap, side
 
     def _of_pairs(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
-        found = find_crossings(at.rays[:, :-4], self._pairs, self._real)
-        which, rows = found.depth.argmax(axis=1), np.arange(len(gap))
-        worst = found.depth[rows, which]
-        bad = np.flatnonzero(worst > depth)
-        ray, facet = found.row[bad, which[bad]].T
+        rays = at.rays[:, :-4]
+        deep = pair_depths(rays, self._pairs).max(axis=1)
+        bad = np.flatnonzero(deep > depth)
+        if not len(bad):
+            return
+        found = find_crossings(rays[bad], self._pairs, self._real)
+        which, rows = found.depth.argmax(axis=1), np.arange(len(bad))
+        ray, facet = found.row[rows, which].T
         gap[bad] = np.where(ray < 0, NAMELESS, self._gap[ray, facet])
-        side[bad] = -np.sign(found.value[bad, which[bad]]).astype(int)
-        depth[bad] = worst[bad]
+        side[bad] = -np.sign(found.value[rows, which]).astype(int)
+        depth[bad] = deep[bad]
 
     def _of_walls(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
         normal = cross(at.rays[:, -1], at.rays[:, -2])

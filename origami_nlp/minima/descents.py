@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
-from origami_nlp.numerics import EPS
+from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.programme import OPEN, Model
 
 FLAT_SLOPE = 1e-10
@@ -117,7 +117,7 @@ class Descents:
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(settled & ~converged)
         put(s, back, kept[back])
-        return Ends(s, converged, settled)
+        return Ends(self.closing.close(s, to=ROUNDED), converged, settled)
 
     def _step(
         self, s: Samples, reach: np.ndarray, escapes: np.ndarray

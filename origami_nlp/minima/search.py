@@ -13,7 +13,7 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
 from origami_nlp.minima.samples import Ends, Samples, joined
 from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
-from origami_nlp.numerics import SAME
+from origami_nlp.numerics import ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
@@ -128,7 +128,7 @@ class Search:
         """Return free samples at states [K, n] of the scene, closed; those that do not close are dropped."""
         x = np.array([self._under(state) for state in x]).reshape(x.shape)
         x = np.clip(x, -self.model.bound, self.model.bound)
-        s = self._descents.closing.close(Samples.on(x, source=GIVEN), 12)
+        s = self._descents.closing.close(Samples.on(x, source=GIVEN), 12, ROUNDED)
         value, _ = self._descents.closing.kinematics.closure(
             self._descents.closing.kinematics.fold(s.x)
         )
