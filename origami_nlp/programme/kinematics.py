@@ -183,7 +183,7 @@ class Kinematics:
 
     def _levers(self, at: Folded) -> np.ndarray:
         """Scalar and vector of e conj(q) for the entries e of q that closure takes: <e, p q> = (e conj(q)) . p."""
-        return np.asarray((at.end @ self._lever_of).reshape(len(at.end), -1, 4))
+        return np.asarray((at.end @ self._lever_of).reshape(len(at.end), self.equations, 4))
 
     def gaps(self, at: Folded, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return gaps [K, S] of the positions in `Structure.gaps` that `slots` [K, S] names, and gradients [K, S, n].
