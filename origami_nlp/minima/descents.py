@@ -42,6 +42,8 @@ STALLED = 6
 """Steps without progress after which a descent stops."""
 MOST_STEPS = 45
 """Steps of a descent."""
+APART = 128
+"""So many samples without gaps, and with gaps, are worth steps of their own."""
 LONG, FEW = 20, 32
 """After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
@@ -101,9 +103,8 @@ class Descents:
             if not len(live) or (step >= LONG and len(live) * FEW <= k):
                 break
             slotted = s.slots[live].max(axis=1) != OPEN
-            for who in (live[~slotted], live[slotted]):  # fewer rows: faster
-                if not len(who):
-                    continue
+            apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
+            for who in (live[~slotted], live[slotted]) if apart else (live,):
                 before = s[who]
                 new, now = self._step(before, reach[who], escapes[who])
                 left = before.hold & ~new.hold
