@@ -11,8 +11,10 @@ Written with NumPy from the fold angles alone, independent of the CasADi model.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -148,6 +150,13 @@ def _check_elements(elements: object) -> None:
         )
 
 
+@lru_cache(maxsize=64)
+def _not_adjacent(count: int) -> tuple[tuple[int, int], ...]:
+    """List the pairs of facets that share no crease."""
+    every = itertools.combinations(range(count), 2)
+    return tuple((i, j) for i, j in every if 2 <= j - i <= count - 2)
+
+
 def examine(
     vertex: Vertex,
     fold_angles: np.ndarray,
@@ -210,13 +219,12 @@ def examine(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
     n = len(phi)
-    i, j = np.triu_indices(n, 2)
-    apart = ~((i == 0) & (j == n - 1))
-    i, j = i[apart], j[apart]
-    depth = pair_depths(creases, np.stack([i, j], axis=-1))
-    if depth.size and depth.max() > tolerance:
+    pairs = _not_adjacent(n)
+    depth = pair_depths(creases, pairs)
+    if depth.max(initial=0.0) > tolerance:
         m = int(depth.argmax())
-        return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")
+        i, j = pairs[m]
+        return bad(f"facets {i + 1} and {j + 1} cross, {depth[m]:.1e} deep")
     problem = layer_problem(creases, phi, tolerance)
     if problem is None:
         return Embedding(True, "", residual, False)
