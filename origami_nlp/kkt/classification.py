@@ -353,7 +353,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(state, rows)
     noise = LEVEL * max(state.energy, model.scale)
-    where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.admissible} admissible states"
+    where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.tried} closed states"
     if found.state is not None and found.lowest < -noise:
         return Classification(
             "not stationary",
@@ -364,7 +364,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     if found.state is None:
         reason = "no certificate; no admissible neighbour found on small spheres"
     else:
-        reason = f"no certificate; {where}, none lower"
+        reason = f"no certificate; {where}, none admissible and lower"
     return Classification("undecided", None, reason, found.dimension)
 
 
