@@ -121,11 +121,10 @@ class Rounds:
         return joined(*parts)
 
     def _touching(self, count: int) -> Samples:
-        """States on strata with touches, every second one with its contacts held until it has converged."""
+        """States on strata with touches, their contacts held until they have converged."""
         self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
         sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
-        hold = np.arange(len(new)) % 2 == 0
-        source = np.full(len(new), TOUCH)
+        hold, source = np.ones(len(new), dtype=bool), np.full(len(new), TOUCH)
         return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source)
 
     def _near_corners(self, count: int) -> Samples:

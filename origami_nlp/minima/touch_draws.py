@@ -23,6 +23,9 @@ from origami_nlp.programme import Model
 
 DRAWS = 8
 """States drawn on a stratum at a time."""
+SHARES = ((8, 2, 1), (4, 2, 1))
+"""How often strata with one touch and with two, with no, one and more closed creases have their turn: few contacts lead
+to many minima, and minima with two touches are hardly ever reached from elsewhere."""
 PASSES = 12
 """Rounds over strata after which fewer starts than asked are returned."""
 
@@ -79,7 +82,7 @@ def model_strata(model: Model) -> TouchStrata:
 def touch_starts(
     model: Model, rng: np.random.Generator, count: int, before: TouchStarts | None = None
 ) -> TouchStarts:
-    """Draw states on strata with touches, all strata equally often.
+    """Draw states on strata with touches, those with few contacts more often (`SHARES`).
 
     Parameters
     ----------
@@ -107,11 +110,12 @@ def touch_starts(
     tried, started = (
         (zero, zero.copy()) if before is None else (before.tried.copy(), before.started.copy())
     )
+    share = np.array(SHARES)[strata.touches - 1, np.minimum(strata.closed, 2)]
     found: list[tuple[np.ndarray, ...]] = []
     have = 0
     for _ in range(PASSES if len(strata) else 0):
         # those that gave nothing at first are probably empty
-        due = np.where((started == 0) & (tried >= 4 * DRAWS), 4 * tried, tried)
+        due = np.where((started == 0) & (tried >= 4 * DRAWS), 4 * tried, tried) // share
         turn = _in_turn(strata, due, rng)[: max(2 * (count - have), 16)]
         tried[turn] += DRAWS
         x, act, touches, number = draw(model, strata, np.repeat(turn, DRAWS), rng)
@@ -120,7 +124,7 @@ def touch_starts(
         place[turn] = np.arange(len(turn))
         again = _rank(rng.random(len(x)), (number,))
         keep = np.lexsort((place[number], again))[: count - have]
-        keep = keep[again[keep] < max(1, 2 * count // len(strata))]
+        keep = keep[again[keep] < share[number[keep]] * max(1, 2 * count // len(strata))]
         np.add.at(started, number[keep], 1)
         found.append((x[keep], act[keep], touches[keep], number[keep]))
         have += len(keep)
