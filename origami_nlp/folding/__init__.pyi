@@ -1,7 +1,8 @@
 from .crossings import (
-    Crossings as Crossings,
+    CrossedPairs as CrossedPairs,
     StackRule as StackRule,
     find_crossings as find_crossings,
+    pair_depths as pair_depths,
     pair_rows as pair_rows,
     row_values as row_values,
     stack_depths as stack_depths,
@@ -13,7 +14,6 @@ from .embedding import (
     crossing_depth as crossing_depth,
     examine as examine,
     fold_vertex as fold_vertex,
-    pair_depths as pair_depths,
 )
 from .flat_fold import folds_flat as folds_flat
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered

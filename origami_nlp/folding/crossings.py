@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,8 +24,8 @@ from origami_nlp.numerics import TOUCHES, cross
 
 
 @dataclass(frozen=True, eq=False)
-class Crossings:
-    """Crossings of facet pairs at K states.
+class CrossedPairs:
+    """CrossedPairs of facet pairs at K states.
 
     Attributes
     ----------
@@ -45,7 +46,7 @@ def find_crossings(
     rays: np.ndarray,
     pairs: Sequence[tuple[int, int]] | np.ndarray,
     real: np.ndarray | None = None,
-) -> Crossings:
+) -> CrossedPairs:
     """Tell which pairs of facets cross at many states, how deep, and by which row each is undone.
 
     Parameters
@@ -59,25 +60,68 @@ def find_crossings(
 
     Returns
     -------
-    Crossings
+    CrossedPairs
         Depth as `pair_depths`, and a row of each pair.
     """
     n = rays.shape[1]
-    table = pair_rows(pairs, n)
-    on = table[:, :, 1]
-    following = np.roll(rays, -1, axis=1)
-    normals = cross(rays, following)
-    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
-    heights = normals @ rays.transpose(0, 2, 1)  # [K, facet, ray]
-    values = heights[:, on, table[:, :, 0]]  # [K, P, 4]
-    v = values * np.array([1.0, -1.0, -1.0, 1.0])
-    depth = np.maximum(np.maximum(v.min(axis=-1), (-v).min(axis=-1)), 0.0)
+    ends = _ends(_pairs(pairs), n)
+    table, v = ends[0], _off_planes(rays, *ends)
     a_row = _is_row(table, n) if real is None else real
     nearest = np.where(a_row, np.abs(v), np.inf).argmin(axis=-1)  # [K, P]
     at = np.arange(len(table))
     row = np.where(a_row.any(axis=-1, keepdims=True), table[at, nearest], -1)
-    value = np.take_along_axis(values, nearest[..., None], axis=-1)[..., 0]
-    return Crossings(depth, row, value)
+    value = _SIGNS[nearest] * np.take_along_axis(v, nearest[..., None], axis=-1)[..., 0]
+    return CrossedPairs(_depth(v), row, value)
+
+
+def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
+    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
+
+    Parameters
+    ----------
+    rays
+        Unit vectors, shape [..., R, 3].
+    pairs
+        Positions of the facets, shape [P, 2].
+
+    Returns
+    -------
+    numpy.ndarray
+        Sines, shape [..., P].
+    """
+    return _depth(_off_planes(rays, *_ends(_pairs(pairs), rays.shape[-2])))
+
+
+_SIGNS = np.array([1.0, -1.0, -1.0, 1.0])
+
+
+Pairs = tuple[tuple[int, int], ...]
+
+
+def _pairs(pairs: Sequence[tuple[int, int]] | np.ndarray) -> Pairs:
+    return pairs if isinstance(pairs, tuple) else tuple((int(i), int(j)) for i, j in pairs)
+
+
+@lru_cache(maxsize=256)
+def _ends(pairs: Pairs, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return `pair_rows` [P, 4, 2], the facets that they are on, and which of these each end is on [P, 4]."""
+    table = pair_rows(pairs, count)
+    facets, on = np.unique(table[:, :, 1], return_inverse=True)
+    return table, facets, on.reshape(table.shape[:2])
+
+
+def _off_planes(
+    rays: np.ndarray, table: np.ndarray, facets: np.ndarray, on: np.ndarray
+) -> np.ndarray:
+    """Sines of the ends of pairs (`_ends`) off the other facet, [..., P, 4]: of one sign where they cross."""
+    normals = cross(rays[..., facets, :], rays[..., (facets + 1) % rays.shape[-2], :])
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
+    heights = normals @ rays.swapaxes(-1, -2)  # [..., facet, ray]
+    return np.asarray(heights[..., on, table[:, :, 0]] * _SIGNS)
+
+
+def _depth(v: np.ndarray) -> np.ndarray:
+    return np.asarray(np.maximum(np.maximum(v.min(axis=-1), (-v).min(axis=-1)), 0.0))
 
 
 def pair_rows(pairs: Sequence[tuple[int, int]] | np.ndarray, count: int) -> np.ndarray:

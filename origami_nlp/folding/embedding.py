@@ -11,14 +11,16 @@ Written with NumPy from the fold angles alone, independent of the CasADi model.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.folding.crossings import pair_depths
 from origami_nlp.folding.layers import layer_problem
 from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
 from origami_nlp.pattern import Vertex
@@ -138,26 +140,6 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
-def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
-    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
-
-    Parameters
-    ----------
-    rays
-        Unit vectors, shape [..., R, 3].
-    pairs
-        Positions of the facets, shape [P, 2].
-
-    Returns
-    -------
-    numpy.ndarray
-        Sines, shape [..., P].
-    """
-    arcs = np.stack([rays, np.roll(rays, -1, axis=-2)], axis=-2)
-    first, second = np.asarray(pairs).T % rays.shape[-2]
-    return crossing_depth(arcs[..., first, :, :], arcs[..., second, :, :])
-
-
 def _check_elements(elements: object) -> None:
     if not isinstance(elements, tuple | list) or not all(
         isinstance(e, tuple) and len(e) == 2 and isinstance(e[0], int) and isinstance(e[1], bool)
@@ -166,6 +148,13 @@ def _check_elements(elements: object) -> None:
         raise OptionError(
             f"elements = {shown(elements)} must be pairs (shift, mirrored) such as scene.group.elements"
         )
+
+
+@lru_cache(maxsize=64)
+def _not_adjacent(count: int) -> tuple[tuple[int, int], ...]:
+    """List the pairs of facets that share no crease."""
+    every = itertools.combinations(range(count), 2)
+    return tuple((i, j) for i, j in every if 2 <= j - i <= count - 2)
 
 
 def examine(
@@ -230,13 +219,12 @@ def examine(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
     n = len(phi)
-    i, j = np.triu_indices(n, 2)
-    apart = ~((i == 0) & (j == n - 1))
-    i, j = i[apart], j[apart]
-    depth = pair_depths(creases, np.stack([i, j], axis=-1))
-    if depth.size and depth.max() > tolerance:
+    pairs = _not_adjacent(n)
+    depth = pair_depths(creases, pairs)
+    if depth.max(initial=0.0) > tolerance:
         m = int(depth.argmax())
-        return bad(f"facets {i[m] + 1} and {j[m] + 1} cross, {depth[m]:.1e} deep")
+        i, j = pairs[m]
+        return bad(f"facets {i + 1} and {j + 1} cross, {depth[m]:.1e} deep")
     problem = layer_problem(creases, phi, tolerance)
     if problem is None:
         return Embedding(True, "", residual, False)

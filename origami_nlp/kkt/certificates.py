@@ -162,17 +162,16 @@ def cone(
         return 0, None, names
     if r == 0:
         return t, np.ones(t) / np.sqrt(t), ()
-    interior, free = np.zeros(t), []
-    for i in range(r):
-        if i in free:
-            continue
-        y = nearest_in_cone(rows[i], rows)
-        opens = float(np.linalg.norm(y))  # how fast row i can open, at unit speed
-        if opens > INDEPENDENT:
-            y /= opens
-            interior += y
-            free += [k for k in range(r) if rows[k] @ y > INDEPENDENT and k not in free]
-    held = [i for i in range(r) if i not in free]
+    interior, closed = np.zeros(t), np.ones(r, dtype=bool)
+    while closed.any():
+        y = nearest_in_cone(rows[closed].sum(axis=0), rows)
+        fastest = float(np.linalg.norm(y))  # how fast they open together, at unit speed
+        opens = closed & (rows @ y > INDEPENDENT * fastest)
+        if fastest <= INDEPENDENT or not opens.any():
+            break  # none opens more than another closes, and none may close: they are held
+        interior += y / fastest
+        closed &= ~opens
+    held = np.flatnonzero(closed).tolist()
     space = null_space(rows[held]) if held else np.eye(t)
     if space.shape[1] == 0:
         return 0, None, tuple(names[i] for i in held)

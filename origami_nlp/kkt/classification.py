@@ -265,9 +265,13 @@ def _of_an_image(state: State) -> Classification | None:
 
 
 def _keep(state: State, what: Classification) -> None:
-    """Keep what was said of a state that is no minimum, where it names no creases: it is as true of its images."""
-    if what.verdict != "minimum" and not ("crease" in what.reason or "facet" in what.reason):
-        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(what, descent=None)
+    """Keep what was said of a state that is no minimum: it is as true of its images, under their names."""
+    if what.verdict != "minimum":
+        names = "crease" in what.reason or "facet" in what.reason
+        reason = f"an image under a symmetry of the scene: {what.reason}" if names else what.reason
+        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(
+            what, reason=reason, descent=None
+        )
 
 
 def of_image(state: State, what: Classification) -> Classification:
@@ -349,7 +353,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(state, rows)
     noise = LEVEL * max(state.energy, model.scale)
-    where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.admissible} admissible states"
+    where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.tried} closed states"
     if found.state is not None and found.lowest < -noise:
         return Classification(
             "not stationary",
@@ -360,7 +364,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     if found.state is None:
         reason = "no certificate; no admissible neighbour found on small spheres"
     else:
-        reason = f"no certificate; {where}, none lower"
+        reason = f"no certificate; {where}, none admissible and lower"
     return Classification("undecided", None, reason, found.dimension)
 
 

@@ -18,10 +18,10 @@ from origami_nlp.numerics import (
     ROUNDED,
     STATIONARY,
     extremes,
-    has_ray,
     nearest,
     nonnegative_least_squares,
     refined,
+    unbounded,
 )
 
 
@@ -65,7 +65,7 @@ class Multipliers:
         r = len(self.found)
         if self._equations is None:
             return np.full(r, self.unique)
-        return np.array([not has_ray(self._equations[1], i) for i in range(r)])
+        return ~unbounded(self._equations[1])
 
     @cached_property
     def _corners(self) -> np.ndarray:

@@ -17,7 +17,7 @@ from origami_nlp.programme import Contact
 RADII = (1e-3, 3e-3, 1e-2)
 """Radii [rad] at which small spheres are searched: a lower state far away would prove nothing."""
 SAMPLES, TOGETHER = 60, 20
-"""Directions tried at each radius, and those of them that are projected at once."""
+"""Directions tried at each radius, and those of them that are projected at once, with those of the other radii."""
 MOST_STRATA = 120
 """Sets of contacts that are held closed in turn."""
 
@@ -42,16 +42,15 @@ def leads_somewhere(state: State, tangent: np.ndarray, held: tuple[Contact, ...]
 class Search:
     """Outcome of a search on small spheres.
 
-    lowest: lowest energy change found, in the scene's units.  state: where, or None where no
-    admissible neighbour was found.  admissible: how many neighbours were admissible.  radius:
-    smallest radius with any.
-    dimension: largest dimension of the strata on which they lie.
+    lowest: lowest energy change found at an admissible neighbour, in the scene's units.  state: where, or None where no
+    admissible neighbour was found.  tried: closed neighbours at which no facets cross; whether layers have an
+    order was asked of those that are lower, and of those on each stratum until one is admissible.
+    dimension: largest dimension of the strata on which these lie.
     """
 
     lowest: float
     state: np.ndarray | None
-    admissible: int
-    radius: float
+    tried: int
     dimension: int
 
 
@@ -69,12 +68,13 @@ def search_spheres(
     model, x = at.programme, at.x
     energy = model.energy(x)
     noise = LEVEL * max(energy, model.scale)
-    lowest, state, count, smallest, dimension = math.inf, None, 0, math.inf, 0
+    lowest, state, tried, dimension = math.inf, None, 0, 0
     seen: set[tuple[Contact, ...]] = set()
-    for y, held, radius in _neighbours(at, rows, np.random.default_rng(seed), radii):
-        count += 1
-        smallest = min(smallest, radius)
+    for y, held in _neighbours(at, rows, np.random.default_rng(seed), radii):
+        tried += 1
         change = model.energy_change(x, y)
+        if (held in seen and change >= -noise) or model.refuses(y):
+            continue
         if change < lowest:
             lowest, state = change, y
         if held not in seen:
@@ -82,7 +82,7 @@ def search_spheres(
             dimension = max(dimension, at.at(y).on(held).dimension)
         if lowest < -noise:  # one lower neighbour settles it
             break
-    return Search(lowest, state, count, smallest, dimension)
+    return Search(lowest, state, tried, dimension)
 
 
 def dimension_nearby(state: State, rows: tuple[Contact, ...], seed: int = 0) -> int:
@@ -91,8 +91,9 @@ def dimension_nearby(state: State, rows: tuple[Contact, ...], seed: int = 0) -> 
     Needed where closure loses rank at x, so that its kernel there is larger than the set; strata
     are tried from the largest down.  0 if no neighbour is found.
     """
-    for y, held, _ in _neighbours(state, rows, np.random.default_rng(seed)):
-        return state.at(y).on(held).dimension
+    for y, held in _neighbours(state, rows, np.random.default_rng(seed)):
+        if not state.programme.refuses(y):
+            return state.at(y).on(held).dimension
     return 0
 
 
@@ -101,8 +102,8 @@ def _neighbours(
     rows: tuple[Contact, ...],
     rng: np.random.Generator,
     radii: tuple[float, ...] = RADII,
-) -> Iterator[tuple[np.ndarray, tuple[Contact, ...], float]]:
-    """Yield admissible states near x with the contacts held closed and the radius tried."""
+) -> Iterator[tuple[np.ndarray, tuple[Contact, ...]]]:
+    """Yield closed states near x at which no facets cross, with the contacts held closed; their layers may not do."""
     model, x = state.programme, state.x
     limits = [row for row in rows if row.is_limit]
     # a gap is held at zero whatever its side; two creases that lie on each other may turn as one hinge
@@ -124,31 +125,32 @@ def _neighbours(
         y[[v, w]] += radius * np.array(signs)
         closes = np.abs(model.closure(y)[0]).max() <= FOLLOWED
         if closes and not model.refuses(y):
-            still = tuple(row for row in limits if row.index not in (v, w))
-            yield y, still, radius
-    for held, radius in itertools.product(strata, radii):
-        samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
+            yield y, tuple(row for row in limits if row.index not in (v, w))
+    samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
+    for held in strata:
         for _ in range(0, samples, TOGETHER):
-            yield from ((y, held, radius) for y in _sphere(state, limits, held, radius, rng))
+            yield from ((y, held) for y in _sphere(state, limits, held, radii, rng))
 
 
 def _sphere(
     state: State,
     limits: list[Contact],
     contacts: tuple[Contact, ...],
-    radius: float,
+    radii: tuple[float, ...],
     rng: np.random.Generator,
-) -> Iterator[np.ndarray]:
-    """Yield admissible states about `radius` from x on one stratum, of `TOGETHER` random directions."""
+) -> np.ndarray:
+    """Return states about each radius from x on one stratum, of `TOGETHER` random directions each."""
     model, x = state.programme, state.x
-    d = rng.normal(size=(TOGETHER, model.size))
+    d = rng.normal(size=(TOGETHER * len(radii), model.size))
+    radius = np.repeat(radii, TOGETHER)
     for row in limits:  # step into the fold limits, not out of them
         d[:, row.index] = 0.0 if row in contacts else -row.side * np.abs(d[:, row.index])
-    d = d[d.any(axis=1)]
+    some = d.any(axis=1)
+    d, radius = d[some], radius[some]
     y, residual = project(
-        model, x + radius * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
+        model, x + radius[:, None] * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
     )
     distance = np.linalg.norm(y - x, axis=1)
     good = (residual <= FOLLOWED) & (distance > 0.05 * radius) & (distance < 3 * radius)
     good[good] = model.admissible(y[good])
-    yield from (y[k] for k in np.flatnonzero(good) if not model.refuses(y[k]))
+    return y[good]

@@ -9,6 +9,7 @@ from . import (
 )
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
+from .crossings import model_rows as model_rows
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
@@ -35,13 +36,7 @@ from .multistart import (
     solve_without_crossing as solve_without_crossing,
 )
 from .one_freedom import Traced as Traced, trace as trace
-from .pinches import (
-    TouchStarts as TouchStarts,
-    close_pinched as close_pinched,
-    model_rows as model_rows,
-    model_strata as model_strata,
-    touch_starts as touch_starts,
-)
+from .pinches import close_pinched as close_pinched
 from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
@@ -54,4 +49,9 @@ from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words
+from .touch_draws import (
+    TouchStarts as TouchStarts,
+    model_strata as model_strata,
+    touch_starts as touch_starts,
+)
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata

@@ -11,10 +11,12 @@ from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, RANK, ROUNDED
 from origami_nlp.programme import OPEN, Folded, Kinematics, Model
 
-QUADRATIC = 1e-8
-"""A step of Gauss-Newton this short [rad] is the last one."""
-STEPS, LIMIT_PASSES = 12, 3
-"""Steps of Gauss-Newton, and how often what leaves the fold limits is held there and closed again."""
+EXPLORED = 1e-11
+"""Closure and held gaps of states on their way."""
+QUADRATIC, SETTLING = 1e-6, 0.1
+"""A step of Gauss-Newton this short [rad] is the last one; after one this short what is beyond a fold limit is held."""
+STEPS = 5
+"""Steps of Gauss-Newton."""
 POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
 
@@ -92,41 +94,33 @@ class Closing:
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
         return np.eye(s.x.shape[1]) - curved / np.outer(self.root, self.root)
 
-    def close(self, s: Samples, steps: int = STEPS) -> Samples:
-        """Close samples on their strata; those that leave the fold limits are held there."""
-        x, shut = s.x.copy(), s.shut.copy()
-        todo = np.arange(len(s))
-        for _ in range(LIMIT_PASSES):
-            x[todo] = self._closed(replace(s[todo], x=x[todo], shut=shut[todo]), steps)
-            if not self.model.has_limits:
-                break
-            over = (np.abs(x[todo]) > math.pi) & (shut[todo] == 0)
-            out = over.any(axis=1)
-            todo, over = todo[out], over[out]
-            if not len(todo):
-                break
-            sign = np.sign(x[todo])
-            x[todo] = np.where(over, sign * math.pi, x[todo])
-            shut[todo] = np.where(over, sign, shut[todo])
-        return replace(s, x=x, shut=shut)
-
-    def _closed(self, s: Samples, steps: int) -> np.ndarray:
-        x, todo = s.x.copy(), np.arange(len(s))
+    def close(self, s: Samples, steps: int = STEPS, to: float = EXPLORED) -> Samples:
+        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
+        x, shut, todo = s.x.copy(), s.shut.copy(), np.arange(len(s))
         for _ in range(steps):
-            part = replace(s[todo], x=x[todo])
+            part = replace(s[todo], x=x[todo], shut=shut[todo])
             _, value, rows = self.rows(part)
-            far = np.abs(value).max(axis=1) > ROUNDED
-            if not far.any():
-                break
+            far = np.abs(value).max(axis=1) > to
             todo, value = todo[far], value[far]
-            rows = rows[far] * (part.shut[far] == 0)[:, None]
-            move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
-            length = np.abs(move).max(axis=1, keepdims=True)
-            x[todo] -= move / np.maximum(1.0, length)
-            todo = todo[length[:, 0] > QUADRATIC]  # the next residual is the square of this
             if not len(todo):
                 break
-        return x
+            rows = rows[far] * (shut[todo] == 0)[:, None]
+            move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
+            length = np.abs(move).max(axis=1)
+            x[todo] -= move / np.maximum(1.0, length)[:, None]
+            left = length > QUADRATIC  # the next residual is the square of this
+            if self.model.has_limits:
+                over = (np.abs(x[todo]) > math.pi) & (shut[todo] == 0)
+                over &= (length <= SETTLING)[:, None]
+                k, v = todo[over.any(axis=1)], over.any(axis=1)
+                side = np.sign(x[k])
+                x[k] = np.where(over[v], side * math.pi, x[k])
+                shut[k] = np.where(over[v], side, shut[k])
+                left |= v
+            todo = todo[left]
+            if not len(todo):
+                break
+        return replace(s, x=x, shut=shut)
 
 
 def balance(s: Samples, at: Folded, rows: np.ndarray, torque: np.ndarray) -> Point:

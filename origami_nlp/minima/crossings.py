@@ -4,12 +4,46 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.folding import find_crossings, pair_rows, stack_depths, stack_rule
+from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
+from origami_nlp.minima.touches import Row
 from origami_nlp.numerics import OUTSIDE, TOUCHES, cross
 from origami_nlp.programme import OPEN, Folded, Model
 
 NAMELESS = -2
 """Something crosses, but no gap of the model undoes it."""
+
+
+def model_rows(model: Model) -> dict[Row, int]:
+    """Return the rows (k, j) of a model, ray k on facet j, with the first of `Structure.gaps` that each is.
+
+    Parameters
+    ----------
+    model
+        Of any scene.
+
+    Returns
+    -------
+    dict
+        Empty where contact is not full.  Rows next to their facet are left out: they are fold limits, or rays
+        without a fold.
+    """
+    rays, gaps = _rays(model), model.structure.gaps
+    rows: dict[Row, int] = {}
+    for contact in model.gaps:
+        if gaps[contact.index].pair is not None:
+            k, j = gaps[contact.index].rays
+            if not (
+                k - j in (-1, 2)
+                or (model.structure.kind == "C" and (k - j) % rays in (2, rays - 1))
+            ):
+                rows[k, j] = contact.index
+    return rows
+
+
+def _rays(model: Model) -> int:
+    """Count the rays of the modelled piece, for C_n those of its images as well."""
+    s = model.structure
+    return len(s.has_crease) * (s.order if s.kind == "C" else 1)
 
 
 class Crossings:
@@ -28,21 +62,16 @@ class Crossings:
 
     def __init__(self, model: Model) -> None:
         gaps, pairs = model.structure.gaps, model.structure.pairs
-        self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
+        self._pairs = tuple(pairs)
         self._walls = np.array(model.walls, dtype=int)
         of_wall = [gaps[i].rays for i in self._walls]
         self._ray = np.array([r for r, _ in of_wall], dtype=int)
         self._last = np.array([side == 1 for _, side in of_wall], dtype=bool)
         self.any = bool(len(self._walls) or len(self._pairs))
-        cyclic = model.structure.kind == "C"
-        rays = len(model.structure.has_crease) * (model.structure.order if cyclic else 1)
+        rays = _rays(model)
         self._gap = np.full((rays, rays), NAMELESS)
-        for contact in model.gaps:
-            if gaps[contact.index].pair is not None:
-                k, j = gaps[contact.index].rays
-                # next to facet j it is a fold limit, or a crease that has no fold at all
-                if not (k - j in (-1, 2) or (cyclic and (k - j) % rays in (2, rays - 1))):
-                    self._gap[k, j] = contact.index
+        for (k, j), index in model_rows(model).items():
+            self._gap[k, j] = index
         self._real = np.ones((0, 4), dtype=bool)
         if len(self._pairs):
             table = pair_rows(self._pairs, rays)
@@ -75,14 +104,17 @@ class Crossings:
         return gap, side
 
     def _of_pairs(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
-        found = find_crossings(at.rays[:, :-4], self._pairs, self._real)
-        which, rows = found.depth.argmax(axis=1), np.arange(len(gap))
-        worst = found.depth[rows, which]
-        bad = np.flatnonzero(worst > depth)
-        ray, facet = found.row[bad, which[bad]].T
+        rays = at.rays[:, :-4]
+        deep = pair_depths(rays, self._pairs).max(axis=1)
+        bad = np.flatnonzero(deep > depth)
+        if not len(bad):
+            return
+        found = find_crossings(rays[bad], self._pairs, self._real)
+        which, rows = found.depth.argmax(axis=1), np.arange(len(bad))
+        ray, facet = found.row[rows, which].T
         gap[bad] = np.where(ray < 0, NAMELESS, self._gap[ray, facet])
-        side[bad] = -np.sign(found.value[bad, which[bad]]).astype(int)
-        depth[bad] = worst[bad]
+        side[bad] = -np.sign(found.value[rows, which]).astype(int)
+        depth[bad] = deep[bad]
 
     def _of_walls(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
         normal = cross(at.rays[:, -1], at.rays[:, -2])

@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.closing import Closing, Point, balance
+from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
-from origami_nlp.numerics import EPS, FOLLOWED
+from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.programme import OPEN, Model
 
 FLAT_SLOPE = 1e-10
@@ -42,6 +42,8 @@ STALLED = 6
 """Steps without progress after which a descent stops."""
 MOST_STEPS = 45
 """Steps of a descent."""
+APART = 128
+"""So many samples without gaps, and with gaps, are worth steps of their own."""
 LONG, FEW = 20, 32
 """After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
@@ -101,9 +103,8 @@ class Descents:
             if not len(live) or (step >= LONG and len(live) * FEW <= k):
                 break
             slotted = s.slots[live].max(axis=1) != OPEN
-            for who in (live[~slotted], live[slotted]):  # fewer rows: faster
-                if not len(who):
-                    continue
+            apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
+            for who in (live[~slotted], live[slotted]) if apart else (live,):
                 before = s[who]
                 new, now = self._step(before, reach[who], escapes[who])
                 left = before.hold & ~new.hold
@@ -117,7 +118,7 @@ class Descents:
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(settled & ~converged)
         put(s, back, kept[back])
-        return Ends(s, converged, settled)
+        return Ends(self.closing.close(s, to=ROUNDED), converged, settled)
 
     def _step(
         self, s: Samples, reach: np.ndarray, escapes: np.ndarray
@@ -214,7 +215,8 @@ class Descents:
         """Try a step; returns the samples (where it failed, as they were), whether it was taken, the next reach."""
         dx = d / self._root
         longest = np.abs(dx).max(axis=1)
-        trial, share = self._move(s, dx, np.minimum(1.0, reach / np.maximum(longest, 1e-300)))
+        trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, 1e-300)))
+        trial = self.closing.close(trial)
         energy = self.model.parameters.energy(s.x)
         before = _Before(s.x, energy, np.einsum("ki,ki->k", down, d) * share, escaped)
         good, gap, side = self._try(trial, before)
@@ -226,10 +228,10 @@ class Descents:
         reach = np.where(good, np.minimum(REACH, GROWTH * np.maximum(reach, step)), CUT * step)
         return out, good, reach
 
-    def _move(self, s: Samples, dx: np.ndarray, share: np.ndarray) -> tuple[Samples, np.ndarray]:
-        """Step by a share of dx, to the first fold limit at most, which is held then, and close again."""
+    def _moved(self, s: Samples, dx: np.ndarray, share: np.ndarray) -> tuple[Samples, np.ndarray]:
+        """Step by a share of dx, to the first fold limit at most, which is held then; not closed."""
         if not self.model.has_limits:
-            return self.closing.close(replace(s, x=s.x + share[:, None] * dx)), share
+            return replace(s, x=s.x + share[:, None] * dx), share
         shut = s.shut.copy()
         room = np.where(dx > 0, math.pi - s.x, math.pi + s.x)
         to = np.where((shut == 0) & (dx != 0), room / np.maximum(np.abs(dx), 1e-300), math.inf)
@@ -240,12 +242,12 @@ class Descents:
         x = s.x + share[:, None] * dx
         side = np.sign(dx[hit, first[hit]])
         shut[hit, first[hit]], x[hit, first[hit]] = side, side * math.pi
-        return self.closing.close(replace(s, x=x, shut=shut)), share
+        return replace(s, x=x, shut=shut), share
 
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
-        good = np.abs(value).max(axis=1) <= FOLLOWED
+        good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + EPS).all(axis=1) & (at.sheet > 0)
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.model.parameters.energy(trial.x), before.energy
@@ -266,24 +268,26 @@ class Descents:
         good, gap, side = found
         todo = np.flatnonzero(gap >= 0)
         s, gap, side = s[todo], gap[todo], side[todo]
-        kinematics = self.closing.kinematics
-        was, is_now = (
-            side * kinematics.gaps(kinematics.fold(x), gap[:, None])[0][:, 0]
-            for x in (s.x, trial.x[todo])
-        )
+        k, kinematics = len(todo), self.closing.kinematics
+        both = kinematics.fold(np.concatenate([s.x, trial.x[todo]]))
+        values = np.tile(side, 2) * kinematics.gaps(both, np.tile(gap, 2)[:, None])[0][:, 0]
+        was, is_now = values[:k], values[k:]
         share = np.clip(was / np.maximum(was - is_now, 1e-300), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way
         share = np.where((was > 0) & (is_now < 0), share, 0.5)
-        shorter, _ = self._move(s, dx[todo], share)
+        shorter, _ = self._moved(s, dx[todo], share)
         held, room = shorter.holding(gap, side)
-        held = self.closing.close(held, 6)
-        level = replace(before[todo], slope=np.zeros(len(todo)))
-        ok = self._try(held, level)[0] & room & (np.abs(held.x - shorter.x).max(axis=1) < NEAR)
-        plain = self._try(shorter, level)[0] & ~ok
+        first = shorter.x
+        # the contact held, and as far as there without it, together: a batch costs by the call
+        ends = self.closing.close(joined(held, shorter))
+        level = replace(before[np.tile(todo, 2)], slope=np.zeros(2 * k))
+        ok = self._try(ends, level)[0]
+        ok[:k] &= room & (np.abs(ends.x[:k] - first).max(axis=1) < NEAR)
+        ok[k:] &= ~ok[:k]
         out, good = joined(trial), good.copy()
-        for taken, state in ((ok, held), (plain, shorter)):
-            put(out, todo[taken], state[taken])
-            good[todo[taken]] = True
+        for which in (np.flatnonzero(ok[:k]), np.flatnonzero(ok[k:]) + k):
+            put(out, todo[which % k], ends[which])
+            good[todo[which % k]] = True
         return out, good
 
 

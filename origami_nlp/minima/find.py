@@ -37,13 +37,13 @@ from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.one_freedom import trace
-from origami_nlp.minima.record import Answer, Record, close_orbit, judge, listed
+from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
 from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of
 from origami_nlp.minima.stopping import chao1
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, SAME
 from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
 from origami_nlp.programme import Model
 
@@ -210,7 +210,7 @@ class _Job:
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
             if guesses:
-                search.run(search.closed(np.array(guesses)), count=False)
+                search.run(search.closed(np.array(guesses)))
             self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
 
     def _rounds(self, search: Search, rounds: Rounds) -> None:
@@ -224,8 +224,13 @@ class _Job:
             if self.record.starts >= self.most:
                 break
             if self.record.starts >= self.fewest and self._enough(quiet):
-                self.stopped_by = "rule"
-                break
+                found = len(self.record.minima)
+                search.run()
+                if len(self.record.minima) == found:
+                    self.stopped_by = "rule"
+                    break
+                quiet = 0
+        search.run()
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:
@@ -234,9 +239,14 @@ class _Job:
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
         traced = trace(self.model)
-        for x, contacts in zip(traced.states, traced.contacts, strict=True):
+        exact = np.isin(traced.origins, EXACT)
+        for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
             end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
-            answer, new = self.record.file(self.model, polish(self.model, end, contacts))
+            state = polish(self.model, end, contacts)
+            if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
+                # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
+                state = exact_state(self.model, x)
+            answer, new = self.record.file(self.model, state)
             answer.listed = True
             if new:
                 judge(self.model, answer)

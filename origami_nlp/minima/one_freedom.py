@@ -26,6 +26,8 @@ from origami_nlp.programme import Contact, Model, fold_limit, vertices
 
 MOST_VERTICES = 10_000
 """More candidates than a model with one freedom has."""
+EXACT = ("limit", "crossing")
+"""Origins of candidates that are closed to rounding as they are found."""
 BATCH = 256
 """States that the compiled functions take at once."""
 

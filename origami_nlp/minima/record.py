@@ -95,8 +95,8 @@ class Record:
 
     def known(self, x: np.ndarray) -> Answer | None:
         """Return the answer that a polished state is, if there is one."""
-        near = (a for a in self.answers if np.abs(a.polished.x - x).max() <= SAME)
-        return next(near, None)
+        near = np.flatnonzero(self._apart(x) <= SAME)
+        return self.answers[near[0]] if len(near) else None
 
     def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
@@ -105,7 +105,9 @@ class Record:
         """
         if not polished.converged:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
-        for known in self.answers:
+        widest = max((a.polished.uncertainty for a in self.answers), default=0.0)
+        may = self._apart(polished.x) <= max(BESIDE, polished.uncertainty + widest)
+        for known in (self.answers[k] for k in np.flatnonzero(may)):
             if _is_same(known.polished, polished):
                 better = polished.converged and not known.polished.converged
                 if better:
@@ -117,9 +119,17 @@ class Record:
 
     def _exact_beside(self, state: Polished) -> Polished | None:
         """Return the nearest exact state on record within `BESIDE` of a state, or None."""
-        exact = [a.polished for a in self.answers if a.polished.converged]
-        near = [float(np.abs(known.x - state.x).max()) for known in exact]
-        return exact[int(np.argmin(near))] if near and min(near) <= BESIDE else None
+        if not self.answers:
+            return None
+        exact = np.array([a.polished.converged for a in self.answers])
+        apart = np.where(exact, self._apart(state.x), math.inf)
+        nearest = int(apart.argmin())
+        return self.answers[nearest].polished if apart[nearest] <= BESIDE else None
+
+    def _apart(self, x: np.ndarray) -> np.ndarray:
+        """Largest difference of a fold angle between each answer and a state [n]."""
+        states = np.array([a.polished.x for a in self.answers]).reshape(-1, len(x))
+        return np.asarray(np.abs(states - x).max(axis=1, initial=0.0))
 
 
 def close_orbit(model: Programme, record: Record, answer: Answer) -> None:
@@ -153,10 +163,14 @@ def judge(model: Programme, answer: Answer) -> None:
 
 def listed(model: Programme, x: np.ndarray) -> Answer:
     """Return an exact state that was listed as an answer, judged."""
-    closure = float(np.abs(model.closure(x)[0]).max())
-    answer = Answer(Polished(x, (), closure, math.nan, True), listed=True)
+    answer = Answer(exact_state(model, x), listed=True)
     judge(model, answer)
     return answer
+
+
+def exact_state(model: Programme, x: np.ndarray) -> Polished:
+    """Return a state that is known to rounding, as if Newton had ended there."""
+    return Polished(x, (), float(np.abs(model.closure(x)[0]).max()), math.nan, True)
 
 
 def _is_same(one: Polished, other: Polished) -> bool:

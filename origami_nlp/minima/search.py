@@ -11,16 +11,16 @@ import numpy as np
 from origami_nlp.kkt import Solve, State, polish
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.minima.samples import Ends, Samples
-from origami_nlp.minima.starts import DRAWN, SOURCES
-from origami_nlp.numerics import SAME
+from origami_nlp.minima.samples import Ends, Samples, joined
+from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
+from origami_nlp.numerics import ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
 
-BATCHES = (256, 2048)
-"""Descents made at once: first, for early answers (where nothing can cross: each step of a few costs little there),
-and from then on."""
+FIRST_BATCH, BATCH = 256, 4096
+"""Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little there),
+and at most from then on."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
 DOWN = 0.05
@@ -53,8 +53,9 @@ class Search:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model)
-        self._ends: list[np.ndarray] = []  # as descents left them
+        self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
+        self._below: list[np.ndarray] = []  # starts either side of saddles, for the next batch
         self._workers, self._found = workers, found
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
@@ -66,23 +67,29 @@ class Search:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def run(self, starts: Samples, *, count: bool = True) -> None:
-        """Descend from starts (those that cross are dropped), and judge what is new among the ends."""
+    def run(self, starts: Samples | None = None) -> None:
+        """Descend from starts (those that cross are dropped), and judge what is new among the ends.
+
+        Starts either side of the saddles found before go with them: a batch costs by the call more than by the sample.
+        Without starts, all that is below saddles is looked at.
+        """
         record = self.record
-        feasible = self._feasible(starts)
-        if count:
-            record.starts += len(starts)
-            record.feasible_starts += int(feasible.sum())
+        while starts is not None or self._below:
+            below = self.closed(np.array(self._below).reshape(-1, self.model.size))
+            some = below if starts is None else joined(starts, below)
+            self._below = []
+            feasible, counted = self._feasible(some), some.source != GIVEN
+            record.starts += int(counted.sum())
+            record.feasible_starts += int((feasible & counted).sum())
             for source, name in enumerate(SOURCES):
-                record.by_source[name] += int((starts.source == source).sum())
-        below: list[np.ndarray] = []
-        for ends in self._descended(starts[feasible]):
-            good = ends.converged | ends.settled
-            record.stalled += int((~good).sum()) if count else 0
-            below += self._file(ends, np.flatnonzero(good), count)
-            record.drawn += int(np.isin(ends.samples.source, DRAWN).sum()) if count else 0
-        if below:
-            self.run(self.closed(np.array(below)), count=False)
+                record.by_source[name] += int((some.source == source).sum())
+            for ends in self._descended(some[feasible]):
+                good = ends.converged | ends.settled
+                record.stalled += int((~good & (ends.samples.source != GIVEN)).sum())
+                self._file(ends, np.flatnonzero(good))
+                record.drawn += int(np.isin(ends.samples.source, DRAWN).sum())
+            if starts is not None:
+                break
 
     def minima_on_touches(self) -> list[tuple[list[tuple[int, int]], list[int]]]:
         """Return rows (crease on facet) and closed creases of the minima where facets touch, as descents label them."""
@@ -98,12 +105,10 @@ class Search:
 
     def _descended(self, starts: Samples) -> Iterator[Ends]:
         """Descend in batches whose sizes do not depend on who makes them, small ones first: early answers."""
-        sizes = iter(BATCHES[self._descents.crossings.any :])
-        parts, at = [], 0
-        while at < len(starts):
-            size = next(sizes, BATCHES[-1])
-            parts.append(starts[np.arange(at, min(at + size, len(starts)))])
-            at += size
+        early = self._answer_of or self._descents.crossings.any
+        first, rest = np.split(np.arange(len(starts)), [0 if early else FIRST_BATCH])
+        split = [first, *np.array_split(rest, -(-len(rest) // BATCH) or 1)]
+        parts = [starts[part] for part in split if len(part)]
         if self._workers == 1 or len(parts) == 1:
             yield from map(self._descents.run, parts)
         else:
@@ -121,40 +126,38 @@ class Search:
 
     def closed(self, x: np.ndarray) -> Samples:
         """Return free samples at states [K, n] of the scene, closed; those that do not close are dropped."""
-        x = np.array([self._under(state) for state in x])
-        s = self._descents.closing.close(
-            Samples.on(np.clip(x, -self.model.bound, self.model.bound))
-        )
+        x = np.array([self._under(state) for state in x]).reshape(x.shape)
+        x = np.clip(x, -self.model.bound, self.model.bound)
+        s = self._descents.closing.close(Samples.on(x, source=GIVEN), 12, ROUNDED)
         value, _ = self._descents.closing.kinematics.closure(
             self._descents.closing.kinematics.fold(s.x)
         )
         return s[np.abs(value).max(axis=1) <= SAME]
 
-    def _file(self, ends: Ends, which: np.ndarray, count: bool) -> list[np.ndarray]:
-        """File ends under the answers that they are; returns starts below new saddles."""
-        below: list[np.ndarray] = []
-        x, drawn = ends.samples.x, np.isin(ends.samples.source, DRAWN)
+    def _file(self, ends: Ends, which: np.ndarray) -> None:
+        """File ends under the answers that they are, and note starts below new saddles."""
+        x, source = ends.samples.x, ends.samples.source
+        drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
         while len(which):
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))
-            if count:
-                answer.hits += len(hit)
-                answer.in_rounds += int(drawn[hit].sum())
-                if answer.first == 0 and drawn[hit].any():
-                    answer.first = int(number[hit][drawn[hit]].min())
+            answer.hits += int(counted[hit].sum())
+            answer.in_rounds += int(drawn[hit].sum())
+            if answer.first == 0 and drawn[hit].any():
+                answer.first = int(number[hit][drawn[hit]].min())
             if new and answer.what is not None and answer.what.descent is not None:
                 d = DOWN * answer.what.descent
                 at = answer.polished.x
-                below += [at + d, at - d]
-        return below
+                self._below += [at + d, at - d]
 
     def _answer_at(self, s: Samples, k: int) -> tuple[Answer, bool]:
         """Return the answer that an end is, and whether it is new."""
         x = s.x[k]
-        if self._ends:
-            apart = np.abs(np.array(self._ends) - x).max(axis=1)
+        known = len(self._answer_of)
+        if known:
+            apart = np.abs(self._ends[:known] - x).max(axis=1)
             nearest = int(apart.argmin())
             if apart[nearest] <= ALIKE:
                 return self._answer_of[nearest], False
@@ -165,7 +168,9 @@ class Search:
             if answer.is_minimum:
                 close_orbit(self.model, self.record, answer)
                 self._found()
-        self._ends.append(x)
+        if known == len(self._ends):
+            self._ends = np.concatenate([self._ends, np.empty_like(self._ends)])
+        self._ends[known] = x
         self._answer_of.append(answer)
         return answer, new
 

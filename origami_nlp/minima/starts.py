@@ -13,14 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.pinches import TouchStarts, model_rows, touch_starts
+from origami_nlp.minima.crossings import model_rows
 from origami_nlp.minima.samples import Samples, joined
+from origami_nlp.minima.touch_draws import TouchStarts, touch_starts
 from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
 """Sources of starts."""
 DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
+GIVEN = 5
+"""States that are given, guesses and either side of saddles: not counted."""
 SOURCES = ("corners", "interior", "near corners", "strata", "touches")
 """Their names, in the order of their numbers."""
 
@@ -118,11 +121,10 @@ class Rounds:
         return joined(*parts)
 
     def _touching(self, count: int) -> Samples:
-        """States on strata with touches, every second one with its contacts held until it has converged."""
+        """States on strata with touches, their contacts held until they have converged."""
         self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
         sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
-        hold = np.arange(len(new)) % 2 == 0
-        source = np.full(len(new), TOUCH)
+        hold, source = np.ones(len(new), dtype=bool), np.full(len(new), TOUCH)
         return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source)
 
     def _near_corners(self, count: int) -> Samples:

@@ -1,12 +1,12 @@
 from . import quaternion as quaternion
 from .linear import (
     extremes as extremes,
-    has_ray as has_ray,
     nearest as nearest,
     nearest_in_cone as nearest_in_cone,
     nonnegative_least_squares as nonnegative_least_squares,
     null_space as null_space,
     refined as refined,
+    unbounded as unbounded,
 )
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .tolerances import (

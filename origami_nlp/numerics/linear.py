@@ -88,11 +88,26 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
     return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=1e-12)[0]
 
 
-def has_ray(b: np.ndarray, i: int) -> bool:
-    """Tell whether some d >= 0 has B d = 0 and d_i > 0: whether {mu >= 0: B mu = c} is unbounded along i."""
-    others = np.delete(b, i, axis=1)
-    left = others @ nonnegative_least_squares(others, -b[:, i]) + b[:, i]
-    return bool(np.abs(left).max(initial=0.0) <= INDEPENDENT)
+def unbounded(b: np.ndarray) -> np.ndarray:
+    """Tell for which i some d >= 0 has B d = 0 and d_i > 0, [r]: along which {mu >= 0: B mu = c} is unbounded.
+
+    Where there is such a d it settles all of its positive entries; where there is none, what the other columns leave
+    of column i, left, has left . B >= 0, and settles all entries where that is positive (Farkas).
+    """
+    r = b.shape[1]
+    out, unknown = np.zeros(r, dtype=bool), np.ones(r, dtype=bool)
+    while unknown.any():
+        i = int(unknown.argmax())
+        others = np.delete(np.arange(r), i)
+        d = np.zeros(r)
+        d[others], d[i] = nonnegative_least_squares(b[:, others], -b[:, i]), 1.0
+        left = b @ d
+        along = bool(np.abs(left).max(initial=0.0) <= INDEPENDENT)
+        settled = (d if along else left @ b) > INDEPENDENT
+        settled[i] = True
+        out |= settled & unknown & along
+        unknown &= ~settled
+    return out
 
 
 def extremes(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> list[np.ndarray]:

@@ -22,6 +22,7 @@ import numpy as np
 
 from origami_nlp.numerics import EPS, OUTSIDE, ROUNDED, quaternion as quat
 from origami_nlp.programme.closure import exact_cosine, exact_sine
+from origami_nlp.programme.kinematics import from_the_right, products
 from origami_nlp.programme.posed import Posed
 
 E2 = np.array([[0.0], [1.0], [0.0]])
@@ -134,6 +135,7 @@ class Piece:
                 rays[-1] = exact_cosine(s.order), exact_sine(s.order), 0.0
         crease = np.array(s.has_crease)
         self.rays, self.share = rays[crease], share[crease]
+        self._right = from_the_right(self.rays)
         whole = math.pi if s.kind == "D" else 2 * math.pi
         gap = 0.0 if s.flat_sheet else float(sectors.sum()) - whole / s.order
         self.tail = (math.cos(gap / 2), 0.0, 0.0, math.sin(gap / 2))
@@ -144,13 +146,9 @@ class Piece:
 
     def fold(self, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Carry the creases and the end of the piece by turns [K, n]: axes [n, 3, K], quaternion [4, K]."""
-        cos, sin = np.cos(turns / 2).T, np.sin(turns / 2).T
-        q: Any = (np.ones(len(turns)), *np.zeros((3, len(turns))))
-        axes = []
-        for c, s, ray in zip(cos, sin, self.rays, strict=True):
-            axes.append(quat.rotate(q, ray))
-            q = quat.multiply(q, quat.fold(c, s, ray))
-        return np.array(axes), np.array(quat.multiply(q, self.tail))
+        before = products(self._right, turns.T)
+        axes = np.array(quat.rotate([*before[:-1].swapaxes(0, 1)], [*self.rays.T[..., None]]))
+        return axes.swapaxes(0, 1), np.array(quat.multiply([*before[-1]], self.tail))
 
     def axes(self, x: np.ndarray, solve: np.ndarray) -> tuple[list[Any], Any]:
         """Fold with the creases solve [K, m] flat: their axes, m times [3, K], and the end of the piece [4, K]."""

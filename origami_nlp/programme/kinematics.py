@@ -80,11 +80,7 @@ class Kinematics:
         has = np.tile(s.has_crease, periods)
         self._flat = np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=1)
         self._flat[0] = (1.0, 0.0, 0.0)
-        self._has = has
-        # q b for the quaternion q of what comes before and the unit crease b = (x, y, 0)
-        self._right = np.zeros((rays, 4, 4))
-        for matrix, (bx, by, _) in zip(self._right, self._flat, strict=True):
-            matrix[:] = [[0, -bx, -by, 0], [bx, 0, 0, -by], [by, 0, 0, bx], [0, by, -bx, 0]]
+        self._right = from_the_right(self._flat)
         self._period = count
         self.ray_of_crease = np.flatnonzero(has)
         on_mirror = np.isin(self.ray_of_crease, (0, rays - 1)) & (not self._cyclic)
@@ -111,6 +107,9 @@ class Kinematics:
         rows = {("C", 1): (1, 2, 3), ("D", 1): (1, 3), ("C", 2): (0,)}
         kind = "C" if self._cyclic else "D"
         self._entries = rows.get((kind, min(order, 2)))  # of q; None: a vector that q carries
+        self._lever_of = np.hstack(
+            [_CONJUGATED[e] for e in self._entries or ()] or [np.zeros((4, 0))]
+        )
 
     def _pose_gaps(self, model: Posed, sectors: np.ndarray, rays: int) -> None:
         """Each gap as a triple product of three rays over a sine."""
@@ -127,26 +126,29 @@ class Kinematics:
                 r, side = gap.rays
                 self._three[index] = *(carried if side else fixed), r
                 self._over[index] = 1.0
+        # in the order in which creases carry them along: p, q and r
+        order = np.argsort(self._before[self._three], axis=1, kind="stable")
+        even = (order[:, 1] - order[:, 0]) % 3 == 1
+        self._three = np.take_along_axis(self._three, order, axis=1)
+        self._over *= np.where(even, 1.0, -1.0)
+        p, q, r = self._before[self._three].T[..., None]
+        e = np.arange(len(self._variable))
+        self._spans = np.stack([(p <= e) & (e < q), (q <= e) & (e < r)], axis=1).astype(float)
 
     def fold(self, x: np.ndarray) -> Folded:
         """Fold states x [K, n] [rad]."""
-        half = (0.5 * self._factor[:, None]) * x.T[self._variable]
-        cosine, sine = np.cos(half), np.sin(half)
         count = len(self._flat)
-        before = np.empty((count + 1, 4, len(x)))  # product of the folds before each ray
-        before[0] = np.array(quat.IDENTITY, dtype=float)[:, None]
-        e = 0
-        for r, b in enumerate(self._right):
-            if self._has[r]:
-                before[r + 1] = cosine[e] * before[r] + sine[e] * (b @ before[r])
-                e += 1
-            else:
-                before[r + 1] = before[r]
+        turns = np.zeros((count, len(x)))
+        turns[self.ray_of_crease] = self._factor[:, None] * x.T[self._variable]
+        before = products(self._right, turns)
         end = np.array(quat.multiply([*before[self._period]], self._onward))
         rays = np.empty((3, count + 4, len(x)))
-        rays[:, :count] = quat.rotate([*before[:-1].swapaxes(0, 1)], [*self._flat.T[..., None]])
+        turn_in_plane(before[:-1], self._flat, rays[:, :count])
         rays[:, count : count + 2] = np.eye(3)[:, (2, 0), None]
-        rays[:, count + 2 :] = quat.rotate([*end[:, None]], [*self._mirror.T[..., None]])
+        if self._cyclic and self._order == 1:  # no mirror, no wall: nothing asks for these
+            rays[:, count + 2 :] = 0.0
+        else:
+            rays[:, count + 2 :] = quat.rotate([*end[:, None]], [*self._mirror.T[..., None]])
         rays = np.ascontiguousarray(rays.T)
         sheet = end[0] if self._cyclic and self._order == 1 else np.ones(len(x))
         return Folded(rays, rays[:, self.ray_of_crease], end.T, sheet)
@@ -162,8 +164,7 @@ class Kinematics:
         value = at.end[:, self._entries]
         if self._cyclic and self._order > 1:
             value = value - self._level
-        levers = np.stack([_lever(at.end, row)[1] for row in self._entries], axis=1)
-        return value, 0.5 * levers @ c.transpose(0, 2, 1)
+        return value, 0.5 * self._levers(at)[..., 1:] @ c.transpose(0, 2, 1)
 
     def closure_hessian(self, at: Folded, weights: np.ndarray) -> np.ndarray:
         """Return the Hessian of weights . equations, weights [K, m], shape [K, n, n]."""
@@ -175,71 +176,62 @@ class Kinematics:
             arm[..., 0], arm[..., 2] = c[..., 2], -c[..., 0]  # e2 x c_i
             h = weights[:, :, None] * (arm @ cross(c, normal[:, None]).transpose(0, 2, 1))
         else:
-            levers = [_lever(at.end, row) for row in self._entries]
-            a = sum(weights[:, k] * scalar for k, (scalar, _) in enumerate(levers))
-            b = sum(weights[:, k, None] * vector for k, (_, vector) in enumerate(levers))
             # <weights, c_i c_j q> = (-c_i . c_j, c_i x c_j) . (a, b), and (c_i x c_j) . b = c_j . (b x c_i)
-            h = 0.25 * (
-                cross(b[:, None], c) @ c.transpose(0, 2, 1)
-                - a[:, None, None] * (c @ c.transpose(0, 2, 1))
-            )
-        upper = np.triu(h)
-        return upper + np.triu(h, 1).transpose(0, 2, 1)
+            lever = weights[:, None] @ self._levers(at)
+            h = 0.25 * (cross(lever[..., 1:], c) - lever[..., :1] * c) @ c.transpose(0, 2, 1)
+        return _symmetric(h)
+
+    def _levers(self, at: Folded) -> np.ndarray:
+        """Scalar and vector of e conj(q) for the entries e of q that closure takes: <e, p q> = (e conj(q)) . p."""
+        return np.asarray((at.end @ self._lever_of).reshape(len(at.end), self.equations, 4))
 
     def gaps(self, at: Folded, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return gaps [K, S] of the positions in `Structure.gaps` that `slots` [K, S] names, and gradients [K, S, n].
 
         Facet pairs are without sign; an empty slot (`OPEN`) is zero.
         """
-        three, before, over = self._rays_of(at, slots)
-        levers = np.stack(_levers(three), axis=2)  # [K, S, 3 rays, 3]
-        moves = before[..., None] > np.arange(len(self._variable))  # [K, S, 3 rays, E]
-        arm = np.einsum("ksre,ksrx->ksex", moves.astype(float), levers)
-        per_crease = np.einsum("ksex,kex->kse", arm, at.axes * self._factor[:, None])
-        value = np.einsum("ksx,ksx->ks", three[:, :, 0], cross(three[:, :, 1], three[:, :, 2]))
-        return over * value, over[..., None] * self._by_variable(per_crease)
+        p, q, r = np.moveaxis(
+            at.rays[np.arange(len(slots))[:, None, None], self._three[slots]], 2, 0
+        )
+        pq, qr, pr = ((u * v).sum(axis=-1, keepdims=True) for u, v in ((p, q), (q, r), (p, r)))
+        over = self._over[slots]
+        # turning q and r on is turning p back: -p x (q x r); turning r on: r x (p x q)
+        levers = over[..., None, None] * np.stack([pq * r - pr * q, qr * p - pr * q], axis=2)
+        c = (at.axes * self._factor[:, None]).transpose(0, 2, 1)
+        per_crease = ((levers @ c[:, None]) * self._spans[slots]).sum(axis=2)
+        value = over * (p * cross(q, r)).sum(axis=-1)
+        return value, self._by_variable(per_crease)
 
     def gaps_hessian(self, at: Folded, slots: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Return the Hessian [K, n, n] of the sum of weights [K, S] times the gaps in `slots` [K, S]."""
-        creases = len(self._variable)
-        total = np.zeros((len(slots), creases, creases))
-        c = at.axes * self._factor[:, None]
-        e = np.arange(creases)
-        for s in range(slots.shape[1]):
-            used = np.flatnonzero((slots[:, s] != OPEN) & (weights[:, s] != 0))
-            if not len(used):
-                continue
-            three, before, over = self._rays_of(at, slots, used, s)
-            ck, scale = c[used], over * weights[used, s]
-            # ray `one` turns with the later crease j, ray `two` stays behind the earlier one i, `three` whatever
-            for one, two, rest, sign in _PERMUTATIONS:
-                mask = (before[:, one, None] > e)[:, None, :] & (before[:, two, None] <= e)[
-                    :, :, None
-                ]
-                if not mask.any():
-                    continue
-                p, o, t = three[:, one], three[:, two], three[:, rest]
-                # ((c_j x p), (c_i x o), t) = (c_j.(p x o)) (c_i.t) - p.(c_i x c_j) (o.t)
-                first = (ck @ t[..., None]) * (ck @ cross(p, o)[..., None]).transpose(0, 2, 1)
-                second = cross(p[:, None], ck) @ ck.transpose(0, 2, 1)
-                term = first - np.einsum("kx,kx->k", o, t)[:, None, None] * second
-                total[used] -= sign * scale[:, None, None] * np.where(mask, term, 0.0)
-        upper = np.triu(total)
-        full = upper + np.triu(total, 1).transpose(0, 2, 1)
-        if creases == self.size:
+        total = np.zeros((len(slots), len(self._variable), len(self._variable)))
+        k, slot = np.nonzero((slots != OPEN) & (weights != 0))
+        if len(k):
+            gap = slots[k, slot]
+            p, q, r = np.moveaxis(at.rays[k[:, None], self._three[gap]], 1, 0)
+            c = at.axes[k] * self._factor[:, None]
+            pm, qm, rm = (
+                (c @ ray[..., None]).swapaxes(1, 2) for ray in (p, q, r)
+            )  # c_m . p, ..., [K, 1, E]
+            pq, qr = (
+                (c @ cross(u, v)[..., None]) for u, v in ((p, q), (q, r))
+            )  # c_l . (p x q), ..., [K, E, 1]
+            volume = (p * cross(q, r)).sum(axis=-1)[:, None, None]
+            across = cross(c, p[:, None])
+            inner = volume * (c @ c.swapaxes(1, 2))
+            one, two = self._spans[gap, 0], self._spans[gap, 1]
+            # det(c_m x (c_l x p), q, r), det(p, q, c_l x (c_m x r)) and -det(c_l x p, q, c_m x r), l before m
+            h = (qr * pm - inner) * (one[:, :, None] * one[:, None])
+            h += (pq.swapaxes(1, 2) * rm.swapaxes(1, 2) - inner) * (two[:, :, None] * two[:, None])
+            mixed = (across @ r[..., None]) * qm
+            mixed -= (q * r).sum(axis=-1)[:, None, None] * (across @ c.swapaxes(1, 2))
+            h += mixed * (one[:, :, None] * two[:, None])
+            np.add.at(total, k, (weights[k, slot] * self._over[gap])[:, None, None] * h)
+        full = _symmetric(total)
+        if full.shape[1] == self.size:
             return full
         images = np.eye(self.size)[self._variable]
-        return images.T @ full @ images
-
-    def _rays_of(
-        self, at: Folded, slots: np.ndarray, used: np.ndarray | None = None, slot: int = 0
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the three rays of each gap, how many creases come before each, and 1 / sine."""
-        index = slots if used is None else slots[used, slot]
-        rows = np.arange(len(slots)) if used is None else used
-        which = self._three[index]
-        rays = at.rays[rows.reshape(-1, *([1] * (which.ndim - 1))), which]
-        return rays, self._before[which], self._over[index]
+        return np.asarray(images.T @ full @ images)
 
     def _by_variable(self, per_crease: np.ndarray) -> np.ndarray:
         """Sum what belongs to creases [..., E] over the images of each variable, [..., n]."""
@@ -248,26 +240,45 @@ class Kinematics:
         return per_crease.reshape(*per_crease.shape[:-1], -1, self.size).sum(axis=-2)
 
 
-_PERMUTATIONS = (
-    (0, 1, 2, 1),
-    (1, 2, 0, 1),
-    (2, 0, 1, 1),
-    (1, 0, 2, -1),
-    (2, 1, 0, -1),
-    (0, 2, 1, -1),
-)
+def from_the_right(axes: np.ndarray) -> np.ndarray:
+    """Return q -> q b for unit axes b = (x, y, 0), shape [R, 3], as matrices [R, 4, 4]."""
+    out = np.zeros((len(axes), 4, 4))
+    for matrix, (bx, by, _) in zip(out, axes, strict=True):
+        matrix[:] = [[0, -bx, -by, 0], [bx, 0, 0, -by], [by, 0, 0, bx], [0, by, -bx, 0]]
+    return out
 
 
-def _lever(q: np.ndarray, entry: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return scalar and vector of e conj(q), e the unit quaternion of an entry: <e, p q> = (e conj(q)) . p."""
-    w, x, y, z = q.T
-    scalar, *vector = {0: (w, -x, -y, -z), 1: (x, w, z, -y), 2: (y, -z, w, x), 3: (z, y, -x, w)}[
-        entry
-    ]
-    return scalar, np.stack(vector, axis=-1)
+def products(right: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Multiply turns [R, K] [rad] about axes (`from_the_right`): the product before each, and of all, [R + 1, 4, K]."""
+    cosine, sine = np.cos(0.5 * turns), np.sin(0.5 * turns)
+    before = np.empty((len(right) + 1, 4, turns.shape[1]))
+    before[0] = np.array(quat.IDENTITY, dtype=float)[:, None]
+    for r, b in enumerate(right):
+        before[r + 1] = cosine[r] * before[r] + sine[r] * (b @ before[r])
+    return before
 
 
-def _levers(three: np.ndarray) -> list[np.ndarray]:
-    """Return p x (r x s) for each ray p of a triple product, r and s the other two in cyclic order."""
-    p, q, r = three[..., 0, :], three[..., 1, :], three[..., 2, :]
-    return [cross(p, cross(q, r)), cross(q, cross(r, p)), cross(r, cross(p, q))]
+def turn_in_plane(q: np.ndarray, flat: np.ndarray, out: np.ndarray) -> None:
+    """Write vectors (x, y, 0), [R, 3], turned by quaternions q [R, 4, K], into out [3, R, K]."""
+    w, a, b, c = q.swapaxes(0, 1)
+    x, y = flat[:, 0, None], flat[:, 1, None]
+    # twice the cross product, as `quaternion.rotate`
+    tx, ty, tz = (-2 * y) * c, (2 * x) * c, (2 * y) * a - (2 * x) * b
+    out[0] = x + w * tx + b * tz - c * ty
+    out[1] = y + w * ty + c * tx - a * tz
+    out[2] = w * tz + a * ty - b * tx
+
+
+_CONJUGATED = np.zeros((4, 4, 4))
+"""For each unit quaternion e the matrix [4, 4] that takes q to e conj(q), from the right."""
+for _e, _signs in enumerate(((1, -1, -1, -1), (1, 1, 1, -1), (1, -1, 1, 1), (1, 1, -1, 1))):
+    for _to, (_from, _sign) in enumerate(zip(np.arange(4) ^ _e, _signs, strict=True)):
+        _CONJUGATED[_e, _from, _to] = _sign
+
+
+def _symmetric(h: np.ndarray) -> np.ndarray:
+    """Return the symmetric matrices with the upper triangles of h [K, n, n]."""
+    n = h.shape[-1]
+    return np.asarray(
+        h * np.triu(np.ones((n, n))) + (h * np.triu(np.ones((n, n)), 1)).swapaxes(1, 2)
+    )

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
+from scipy.optimize import linprog
 
 from origami_nlp.kkt import find_multipliers
+from origami_nlp.kkt.certificates import cone
 from origami_nlp.kkt.multipliers import smallest_norm
-from origami_nlp.numerics import nearest, nearest_in_cone, nonnegative_least_squares
+from origami_nlp.numerics import nearest, nearest_in_cone, nonnegative_least_squares, unbounded
 
 # the set at a flat folding of a vertex with sectors pi/13 (5, 5, 5, 1, 5, 5): HiGHS cycled on it for ever
 _PAIR = np.array(
@@ -135,3 +137,34 @@ def test_one_contact_described_many_times_shares_its_moment_equally(count):
     assert found.smallest == pytest.approx(np.full(count, 3.0 / count), abs=1e-14)
     assert found.lower == pytest.approx(0.0, abs=1e-10)
     assert found.upper == pytest.approx(3.0, rel=1e-10)
+
+
+def rows_with_held_ones(seed, n, r, held):
+    """Integers, so that cones are thin or wide and never nearly so; `held` rows stand with their opposites."""
+    rng = np.random.default_rng(seed)
+    rows = rng.integers(-2, 3, (r, n)).astype(float)
+    return np.vstack([rows, -rows[:held]])
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5), r=st.integers(1, 8), held=st.integers(0, 3)
+)
+def test_cones_and_unbounded_multipliers_are_those_of_linear_programmes(seed, n, r, held):
+    rows = rows_with_held_ones(seed, n, r, held)
+    count = len(rows)
+    opens = [-linprog(-row, -rows, np.zeros(count), bounds=(-1, 1)).fun > 1e-7 for row in rows]
+    names = tuple(range(count))
+    dimension, inside, kept = cone(rows, names)
+    assert set(kept) == {k for k in names if not opens[k]}
+    rank = np.linalg.matrix_rank(rows[list(kept)]) if kept else 0
+    assert dimension == n - rank
+    if inside is not None:
+        assert all((rows @ inside)[opens] > 1e-9)
+        assert np.abs(rows[list(kept)] @ inside).max(initial=0) < 1e-9
+    b = rows.T
+    grows = [
+        -linprog(-np.eye(count)[k], None, None, b, np.zeros(n), bounds=(0, 1)).fun > 1e-7
+        for k in names
+    ]
+    assert unbounded(b).tolist() == grows

@@ -104,7 +104,8 @@ def test_canonical_labels_are_the_same_for_all_labels():
 def test_workers_change_nothing(monkeypatch):
     from origami_nlp.minima import search
 
-    monkeypatch.setattr(search, "BATCHES", (50, 100))
+    monkeypatch.setattr(search, "FIRST_BATCH", 50)
+    monkeypatch.setattr(search, "BATCH", 100)
     scene = vertex(6, 6, "fold-limits")
     alone, shared = (find_minima(scene, workers=w, effort="quick") for w in (1, 2))
     assert [(m.fold_angles, m.hits) for m in alone.minima] == [

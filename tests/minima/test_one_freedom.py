@@ -249,3 +249,25 @@ def test_one_freedom_is_counted_in_a_fifth_of_a_second():
 def test_more_freedom_is_refused():
     with pytest.raises(OptionError, match="2 freedoms"):
         trace(Model(examples.degree6("pi/3", 1.0)))
+
+
+def test_isolated_states_are_judged_where_they_are_found():
+    """Where one facet reaches around by itself: Newton cannot resolve what is isolated, and nothing moves."""
+    sectors = (1.2, 0.6, 0.2, 2.0)
+    scene = Scene(
+        Vertex(sectors, flat=False), (1, 2, 3, 4), (0.3, -0.4, 0.5, 0.6), "none", contact="none"
+    )
+    model = Model(scene)
+    traced = trace(model)
+    alone = traced.states[[origin == "crossing" for origin in traced.origins]]
+    assert len(alone) == 18
+    polished = [
+        polish(model, Solve(x, "traced", 0, 0.0, np.zeros(4), None), ()).converged for x in alone
+    ]
+    assert not any(polished)
+    result = find_minima(scene)
+    others = (*result.search.undecided, *result.search.rejected)
+    states = np.array([s.fold_angles for s in (*result.minima, *others)])
+    assert all(nearest(x, states) == 0 for x in alone)
+    assert not any("not polished" in s.reason for s in others)
+    assert result.search.stopped_by == "complete" and len(result.minima) >= 12

@@ -97,7 +97,11 @@ def test_nearly_all_starts_are_admissible(drawn):
     good = np.array([examine(model.scene.vertex, x).admissible for x in starts.x])
     assert good.mean() > 0.8
     flat = np.array([bool(starts.strata.find(int(r))[0].pinched[0].flat) for r in starts.stratum])
-    assert good[~flat].all()  # only stacks of more layers than the tests see are refused
+    shut = starts.act != 0
+    deep = (shut & np.roll(shut, 1, axis=1)).any(
+        axis=1
+    )  # closed creases in a row: three layers at least
+    assert good[~flat & ~deep].all()  # only stacks of more layers than the tests see are refused
     if model.scene.vertex.flat:
         own = admissible(np.array(model.scene.vertex.sector_angles), starts.x)
         assert (own == good).all()
