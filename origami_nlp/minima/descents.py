@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.closing import Closing, Point, balance
+from origami_nlp.minima.closing import STEPS, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
@@ -45,6 +45,8 @@ MOST_STEPS = 45
 """Steps of a descent."""
 LONG_CHAIN, MOST_ONE_BY_ONE = 12, 24
 """Creases from which Newton's directions are swept; and up to which fold limits are met, and left, one by one."""
+FEW_CLOSING = 6
+"""Steps of Gauss-Newton for long chains: a step that needs more is made shorter instead."""
 LONG, FEW = 20, 32
 """After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
@@ -250,7 +252,8 @@ class Descents:
     def _move(self, s: Samples, dx: np.ndarray, share: np.ndarray) -> tuple[Samples, np.ndarray]:
         """Step by a share of dx, to the first fold limit at most, which is held then, and close again."""
         if not self.model.has_limits or self._many:
-            return self.closing.close(replace(s, x=s.x + share[:, None] * dx)), share
+            steps = FEW_CLOSING if self._many else STEPS
+            return self.closing.close(replace(s, x=s.x + share[:, None] * dx), steps), share
         shut = s.shut.copy()
         room = np.where(dx > 0, math.pi - s.x, math.pi + s.x)
         to = np.where((shut == 0) & (dx != 0), room / np.maximum(np.abs(dx), 1e-300), math.inf)
