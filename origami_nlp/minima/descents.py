@@ -43,7 +43,7 @@ STALLED = 6
 """Steps without progress after which a descent stops."""
 MOST_STEPS = 45
 """Steps of a descent."""
-LONG_CHAIN, MOST_ONE_BY_ONE = 12, 24
+LONG_CHAIN, MOST_ONE_BY_ONE = 9, 24
 """Creases from which Newton's directions are swept; and up to which fold limits are met, and left, one by one."""
 FEW_CLOSING = 6
 """Steps of Gauss-Newton for long chains: a step that needs more is made shorter instead."""

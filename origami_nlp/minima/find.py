@@ -26,6 +26,7 @@ from origami_nlp.kkt import (
     Solve,
     State,
     flat_foldings,
+    passing_moment,
     polish,
     rest_state,
     rigid_states,
@@ -328,12 +329,16 @@ def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejecte
     return minima, others, dict(outcomes)
 
 
-def _minimum(model: Model, answer: Answer, what: Classification, solver: Confirmation | None) -> Minimum:
+def _minimum(
+    model: Model, answer: Answer, what: Classification, solver: Confirmation | None
+) -> Minimum:
     p = answer.polished
     assert what.kind is not None
+    phi = model.expand(p.x)
+    passing = passing_moment(model.scene, phi)
     return Minimum(
         model.energy(p.x),
-        tuple(model.expand(p.x).tolist()),
+        tuple(phi.tolist()),
         what.kind,
         what.local_dimension,
         p.closure_residual,
@@ -344,11 +349,13 @@ def _minimum(model: Model, answer: Answer, what: Classification, solver: Confirm
         what.reason,
         what.eigenvalues,
         solver=solver,
+        moment=passing.vector if passing else None,
+        moment_residual=passing.residual if passing else math.nan,
     )
 
 
 def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | None:
-    """Let IPOPT solve from a minimum, with the contacts that are closed there; None where there are too many creases."""
+    """Let IPOPT solve from a minimum, with the contacts that are closed there; None with too many creases."""
     if model.size > MOST_CONFIRMED:
         return None
     state = State(model, answer.polished.x)

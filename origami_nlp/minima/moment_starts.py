@@ -3,8 +3,9 @@
 Stationary states of all strata are zeros of `programme.MomentMap`, which is smooth but for corners where creases reach
 their limits (Newton is semismooth there: L. Qi and J. Sun, Math. Programming 58, 1993).  Moments are drawn with random
 directions and lengths uniform in their logarithm, from what turns all creases together a little to what shuts the
-stiffest: low states have short moments, states with many creases shut long ones.  Newton is damped until the miss falls.
-Where it finds no zero, the folds of its last moment are near balance on their stratum; closed there they are a start.
+stiffest: low states have short moments, states with many creases shut long ones.  Newton is damped until the miss
+falls.  Where it finds no zero, the folds of its last moment are near balance on their stratum; closed there they are a
+start.
 """
 
 from __future__ import annotations

@@ -28,6 +28,8 @@ SOURCES = ("corners", "interior", "near corners", "strata", "touches", "moments"
 
 MOST_WITH_CORNERS = 24
 """Creases up to which corners are started from: with more there are too many that nothing holds."""
+FEWEST_FOR_MOMENTS = 10
+"""Creases from which moments are started from as well."""
 OTHERS = 8
 """With more creases, one start in so many is no moment."""
 
@@ -99,7 +101,9 @@ class Rounds:
         self.touches: TouchStarts | None = None
         share = 0.6 if self._touch else 1.0  # touches are a third kind of start
         self._moments = MomentStarts(model, self._rng) if is_chain(model) else None
-        self._a_round = round(share * effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
+        self._a_round = round(
+            share * effort.a_round * min(2.5 ** min(max(model.freedom - 1, 0), 9), 64)
+        )
         if self._long:  # a descent takes longer
             self._a_round = 1 + self._a_round * MOST_WITH_CORNERS // model.size
 
@@ -137,6 +141,8 @@ class Rounds:
             parts.append(self._near_corners(count))
         if self._touch:
             parts.append(self._touching(count))
+        if self._moments is not None and self._model.size >= FEWEST_FOR_MOMENTS:
+            parts.append(self._moments.samples(count, MOMENT))
         return joined(*parts)
 
     def _balanced(self, moments: MomentStarts, count: int) -> Samples:

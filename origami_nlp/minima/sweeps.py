@@ -7,9 +7,10 @@ theta_j = sum over i < j of a_i d_i, three numbers.  So the step is a problem of
     min  sum d_j^2 / 2 - d_j lam . (theta_j x a_j) / 4 + R_j d_j,    theta_(j+1) = theta_j + a_j d_j,    theta_end = 0,
 
 solved by the backward recursion of Riccati (J. C. Dunn and D. P. Bertsekas, "Efficient dynamic programming
-implementations of Newton's method", 1989) for the value as a quadratic form of theta and of the multipliers of
-theta_end = 0.  Its pivots are those of an L D L' decomposition: where all are positive the Hessian is so on the stratum;
-one that is not is made so, which adds to the diagonal of H, and shows a direction of negative curvature.
+implementations of Newton's method", J. Optim. Theory Appl. 63, 1989) for the value as a quadratic form of theta and of
+the multipliers of theta_end = 0.  Its pivots are those of an L D L' decomposition: where all are positive the Hessian is
+so on the stratum; one that is not is made so, which adds to the diagonal of H, and shows a direction of negative
+curvature.
 """
 
 from __future__ import annotations

@@ -161,7 +161,7 @@ class Kinematics:
         return before
 
     def _products(self, cosine: np.ndarray, sine: np.ndarray) -> np.ndarray:
-        """Return the same by products of 1, 2, 4, ... neighbours (W. D. Hillis and G. L. Steele, Comm. ACM 29, 1986)."""
+        """Return the same by products of 1, 2, 4, ... neighbours (Hillis and Steele, Comm. ACM 29, 1986)."""
         before = np.zeros((4, len(self._flat) + 1, cosine.shape[1]))
         before[0] = 1.0
         at = 1 + self.ray_of_crease

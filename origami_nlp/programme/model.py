@@ -28,7 +28,7 @@ from origami_nlp.programme.touching import (
 )
 
 MOST_COMPILED = 24
-"""Creases up to which the functions of a vertex without symmetry and gaps are compiled; above, they are closed forms."""
+"""Creases up to which the functions of a vertex without symmetry and gaps are compiled; above, closed forms do."""
 
 
 @dataclass(frozen=True, eq=False)

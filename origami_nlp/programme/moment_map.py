@@ -1,18 +1,18 @@
 """All critical points of a vertex within fold limits as zeros of a map of one vector: the moment that passes round.
 
 Where U = 1/2 sum k_i (phi_i - phi0_i)^2 - load . phi is stationary among closed states with some creases at +-pi, each
-free crease balances k_i (phi_i - phi0_i) - load_i = m . c_i with one vector m: d(vec q)/dphi_i = c_i / 2 where q = 1, so
-m is half of the multipliers of vec q.  The deformed crease c_i depends on the folds before it only, and
+free crease balances k_i (phi_i - phi0_i) - load_i = m . c_i with one vector m: d(vec q)/dphi_i = c_i / 2 where q = 1,
+so m is half of the multipliers of vec q.  The deformed crease c_i depends on the folds before it only, and
 
     phi_i = clip(phi0_i + (load_i + m . c_i) / k_i, -pi, pi)
 
-is a recursion.  It also gives the sign that a fold limit needs: at +pi the springs want to go on.  So m -> folds at all
-creases in turn -> how far the vertex misses closing, three numbers, whatever N is; its zeros are the stationary states of
-all strata.  The chain is folded from both ends of the fixed facet and shot at its middle: errors of m grow over half of
-the creases only.
+is a recursion.  It also gives the sign that a fold limit needs: at +pi the springs want to go on.  So m gives all folds,
+one after the other, and these how far the vertex misses closing: three numbers, whatever N is, whose zeros are the
+stationary states of all strata.  The chain is folded from both ends of the fixed facet and shot at its middle: errors of
+m grow over half of the creases only.
 
-With c_i moved by the turns theta before it, d(m . c_i) = (c_i + Theta_i' (c_i x m)) . dm, where Theta_i = sum over j < i
-of c_j (dphi_j/dm)' is the turn of what follows.  A free crease adds to Theta, a shut one does not.
+With c_i moved by the turns before it, d(m . c_i) = (c_i + Theta_i' (c_i x m)) . dm, where Theta_i = sum over j < i of
+c_j (dphi_j/dm)' is the turn of what follows.  A free crease adds to Theta, a shut one does not.
 """
 
 from __future__ import annotations
@@ -136,9 +136,7 @@ class MomentMap:
         growth = np.abs(theta).max(axis=(0, 1, 2))
         return Shot(x, miss.T, (right - carried).transpose(2, 0, 1), growth)
 
-    def _fold(
-        self, m: np.ndarray, slope: bool
-    ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    def _fold(self, m: np.ndarray, slope: bool) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Fold both halves: ends [4, 2, K], turns by moments [3, 3, 2, K], fold angles [K, n]."""
         count = m.shape[1]
         m = m[:, None]
@@ -147,7 +145,9 @@ class MomentMap:
         q = np.broadcast_to(self._start, (4, 2, count))
         for i, (rest, soft) in enumerate(zip(self._rest, self._soft, strict=True)):
             w, a, b, c = q
-            crease = np.stack([w * w + a * a - b * b - c * c, 2 * (a * b + w * c), 2 * (a * c - w * b)])
+            crease = np.stack(
+                [w * w + a * a - b * b - c * c, 2 * (a * b + w * c), 2 * (a * c - w * b)]
+            )
             free = rest + soft * (crease * m).sum(axis=0)
             phi = np.clip(free, -self._bound, self._bound)
             if theta is not None:
