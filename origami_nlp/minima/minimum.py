@@ -48,8 +48,9 @@ class Minimum:
     solver
         What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it.
     moment
-        The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the frame
-        of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not determine it.
+        The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
+        frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
+        determine it.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
 

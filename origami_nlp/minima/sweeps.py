@@ -8,8 +8,8 @@ theta_j = sum over i < j of a_i d_i, three numbers.  So the step is a problem of
 
 solved by the backward recursion of Riccati (J. C. Dunn and D. P. Bertsekas, "Efficient dynamic programming
 implementations of Newton's method", J. Optim. Theory Appl. 63, 1989) for the value as a quadratic form of theta and of
-the multipliers of theta_end = 0.  Its pivots are those of an L D L' decomposition: where all are positive the Hessian is
-so on the stratum; one that is not is made so, which adds to the diagonal of H, and shows a direction of negative
+the multipliers of theta_end = 0.  Its pivots are those of an L D L' decomposition: where all are positive the Hessian
+is so on the stratum; one that is not is made so, which adds to the diagonal of H, and shows a direction of negative
 curvature.
 """
 

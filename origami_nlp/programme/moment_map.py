@@ -6,10 +6,10 @@ so m is half of the multipliers of vec q.  The deformed crease c_i depends on th
 
     phi_i = clip(phi0_i + (load_i + m . c_i) / k_i, -pi, pi)
 
-is a recursion.  It also gives the sign that a fold limit needs: at +pi the springs want to go on.  So m gives all folds,
-one after the other, and these how far the vertex misses closing: three numbers, whatever N is, whose zeros are the
-stationary states of all strata.  The chain is folded from both ends of the fixed facet and shot at its middle: errors of
-m grow over half of the creases only.
+is a recursion.  It also gives the sign that a fold limit needs: at +pi the springs want to go on.  So m gives all
+folds, one after the other, and these how far the vertex misses closing: three numbers, whatever N is, whose zeros are
+the stationary states of all strata.  The chain is folded from both ends of the fixed facet and shot at its middle:
+errors of m grow over half of the creases only.
 
 With c_i moved by the turns before it, d(m . c_i) = (c_i + Theta_i' (c_i x m)) . dm, where Theta_i = sum over j < i of
 c_j (dphi_j/dm)' is the turn of what follows.  A free crease adds to Theta, a shut one does not.
@@ -66,7 +66,7 @@ class MomentMap:
     >>> import numpy as np
     >>> from origami_nlp import Model, Scene, Vertex
     >>> from origami_nlp.programme import MomentMap
-    >>> scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.0,) * 6, contact="fold-limits")
+    >>> scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
     >>> shot = MomentMap(Model(scene)).shoot(np.zeros((1, 3)))
     >>> shot.x.tolist(), bool((abs(shot.miss) < 1e-15).all())
     ([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]], True)

@@ -1,19 +1,16 @@
-"""Newton's directions by sweeps against dense matrices, and descents and judgements of long vertices."""
+"""Newton's directions by sweeps against dense matrices."""
 
 import math
 
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex
-from origami_nlp.kkt import Solve, classify, polish, polishing
-from origami_nlp.kkt.certificates import cone
+from origami_nlp import Model, Scene, Vertex
 from origami_nlp.minima import descents as descents_module
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.moment_starts import MomentStarts
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.sweeps import sweep
-from origami_nlp.programme import fold_limit, random_strata
+from origami_nlp.programme import random_strata
 
 
 def draw(n, seed=0, contact="fold-limits"):
@@ -72,46 +69,3 @@ def test_swept_descents_reach_the_minima_that_dense_ones_reach(monkeypatch):
     for these, those in (ends, ends[::-1]):
         far = np.array([np.abs(those - x).max(axis=1).min() for x in these])
         assert (far < 1e-5).mean() > 0.95
-
-
-@pytest.mark.parametrize("n", [30, 60])
-def test_long_vertices_are_polished_and_judged_as_short_ones_are(n, monkeypatch):
-    model = Model(draw(n, seed=1))
-    starts = MomentStarts(model, np.random.default_rng(0)).samples(60, 0)
-    ends = Descents(model).run(starts)
-    shut_many = False
-    for k in np.flatnonzero(ends.converged)[:6]:
-        x, shut = ends.samples.x[k], ends.samples.shut[k]
-        rows = tuple(fold_limit(int(v), shut[v]) for v in np.flatnonzero(shut))
-        end = Solve(x + 1e-6, "", 0, math.nan, np.abs(shut + 0.0), None)
-        found = []
-        for many in (polishing.MANY, 1000):
-            monkeypatch.setattr(polishing, "MANY", many)
-            found.append(polish(model, end, rows))
-        monkeypatch.undo()
-        short, dense = found
-        assert short.converged
-        assert dense.converged
-        assert np.abs(short.x - dense.x).max() < 1e-11
-        assert short.rows == dense.rows
-        assert classify(State(model, short.x)).verdict == "minimum"
-        shut_many |= len(rows) > 12
-    assert shut_many
-
-
-def test_independent_contacts_all_open_at_once(monkeypatch):
-    from origami_nlp.kkt import certificates
-
-    rng = np.random.default_rng(0)
-    for r, t in ((14, 20), (20, 20)):
-        rows = rng.normal(size=(r, t))
-        names = tuple(fold_limit(v, 1.0) for v in range(r))
-        fast = cone(rows, names)
-        monkeypatch.setattr(certificates, "MANY_ROWS", 99)
-        slow = cone(rows, names)
-        monkeypatch.undo()
-        assert fast[0] == slow[0] == t
-        assert fast[2] == slow[2] == ()
-        assert (rows @ fast[1] > 0).all()
-    rows[-1] = -rows[0]  # these two cannot open
-    assert cone(rows, names)[2] == (names[0], names[-1])
