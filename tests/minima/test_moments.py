@@ -103,7 +103,7 @@ def verify(result):
         assert (np.sign(x[~free]) * left[~free] <= 1e-9).all()
         move = 1e-3 * rng.normal(size=(12, len(x))) / math.sqrt(len(x))
         opens = rng.random(move.shape) < 0.5
-        inward = -np.sign(x) * (np.abs(move) + 3e-5) * opens
+        inward = -np.sign(x) * (np.abs(move) + 3e-4) * opens
         y = x + np.where(free, move, inward)
         y, residual = project(model, y, frozen=np.abs(y) == math.pi, steps=6)
         good = (residual < 1e-12) & (np.abs(y) <= math.pi).all(axis=1)
