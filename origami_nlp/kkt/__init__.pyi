@@ -8,6 +8,7 @@ from .classification import (
     of_image as of_image,
 )
 from .descent import Followed as Followed, follow as follow
+from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
 from .neighbours import search_spheres as search_spheres
 from .polishing import (

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import FOLLOWED, LEVEL
+from origami_nlp.numerics import FOLLOWED, LEVEL, RANK
 from origami_nlp.programme import Contact
 
 RADII = (1e-3, 3e-3, 1e-2)
@@ -117,7 +117,7 @@ def _neighbours(
     strata = list(dict.fromkeys(strata))[:MOST_STRATA]
     # two creases on one line can turn together as one hinge, all others still
     for (v, w), signs, radius in itertools.product(
-        itertools.combinations(range(model.size), 2),
+        _on_one_line(state.local.closure_jacobian),
         itertools.product((1.0, -1.0), repeat=2),
         radii,
     ):
@@ -130,6 +130,16 @@ def _neighbours(
     for held in strata:
         for _ in range(0, samples, TOGETHER):
             yield from ((y, held) for y in _sphere(state, limits, held, radii, rng))
+
+
+def _on_one_line(jacobian: np.ndarray) -> list[tuple[int, int]]:
+    """Return the pairs of variables whose turns, in one sense or the other, leave closure still to first order."""
+    found = []
+    for v in range(jacobian.shape[1] - 1):
+        own, others = jacobian[:, v : v + 1], jacobian[:, v + 1 :]
+        least = np.minimum(np.abs(own - others).max(axis=0), np.abs(own + others).max(axis=0))
+        found += [(v, v + 1 + int(w)) for w in np.flatnonzero(least <= RANK)]
+    return found
 
 
 def _sphere(

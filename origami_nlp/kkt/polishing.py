@@ -28,9 +28,11 @@ from origami_nlp.numerics import (
     SUMMED,
     UNPOLISHED,
 )
-from origami_nlp.programme import Contact, Programme, fold_limit, held
+from origami_nlp.programme import Contact, Local, Programme, fold_limit, held
 
 MOST_STEPS = 12
+MANY = 24
+"""Variables above which those at their limits are left out of the KKT system."""
 MOST_REPAIRS = 8
 RESOLVED = 0.1
 """A state is told from a singular one at a distance of which its uncertainty is at most this share."""
@@ -183,32 +185,29 @@ def newton(
     Returns the state, or None if the steps leave the neighbourhood, and the multipliers of `rows`.
     """
     x = held(start, rows)
+    many = model.size > MANY and all(c.is_limit for c in rows)
+    rounded = max(ROUNDED, model.size * EPS)
     best: tuple[float, Polished, np.ndarray] | None = None
     for _ in range(MOST_STEPS):
         local = model.local(x)
         values, gradients = local.openings(rows)
-        jacobian = np.vstack([local.closure_jacobian, gradients])
-        multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=DEPENDENT)[0]
+        system = (_limits_out if many else _with_rows)(model, local, rows, gradients)
+        multipliers, stationarity = system.multipliers, system.stationarity
         m = len(local.closure)
-        stationarity = local.gradient - jacobian.T @ multipliers
         # relative to the size of the terms that cancel
         size = 1.0 + np.abs(local.gradient).max()
         kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
         closure = float(np.abs(local.closure).max())
-        hessian = model.lagrangian_hessian(x, multipliers, rows)
-        count = len(jacobian)
-        system = np.block([[hessian, -jacobian.T], [jacobian, np.zeros((count, count))]])
-        right = -np.concatenate([stationarity, local.closure, values])
-        step = np.linalg.lstsq(system, right, rcond=ROUNDED)[0][: model.size]
+        step = system.step(np.append(local.closure, values))
         length = float(np.linalg.norm(step))
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
         # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
-        reached = kkt <= STATIONARY and closure <= ROUNDED and length <= model.step_noise
+        reached = kkt <= STATIONARY and closure <= rounded and length <= model.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
-            u = _uncertainty(hessian, jacobian, multipliers) if reached else math.inf
-            resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(jacobian)
+            u = _uncertainty(system) if reached else math.inf
+            resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system.jacobian)
             state = Polished(_closed_exactly(x), rows, closure, float(kkt), resolved, u)
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
@@ -223,7 +222,57 @@ def newton(
     return state, row_multipliers
 
 
-def _uncertainty(hessian: np.ndarray, jacobian: np.ndarray, multipliers: np.ndarray) -> float:
+@dataclass(frozen=True, eq=False)
+class _System:
+    """The KKT system of a state: multipliers [m + r], what they leave [n], and matrices over the variables `free`."""
+
+    multipliers: np.ndarray
+    stationarity: np.ndarray
+    hessian: np.ndarray
+    jacobian: np.ndarray
+    free: np.ndarray | None = None
+
+    def step(self, values: np.ndarray) -> np.ndarray:
+        """Return Newton's step [n] for values [m + r] of closure and rows."""
+        count, n = self.jacobian.shape
+        corner = np.zeros((count, count))
+        system = np.block([[self.hessian, -self.jacobian.T], [self.jacobian, corner]])
+        left = self.stationarity if self.free is None else self.stationarity[self.free]
+        right = -np.concatenate([left, values[:count]])
+        if self.free is None:
+            return np.linalg.lstsq(system, right, rcond=ROUNDED)[0][:n]
+        step = np.zeros(len(self.free))
+        try:
+            step[self.free] = np.linalg.solve(system, right)[:n]
+        except np.linalg.LinAlgError:
+            step[self.free] = np.linalg.lstsq(system, right, rcond=ROUNDED)[0][:n]
+        return step
+
+
+def _with_rows(
+    model: Programme, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
+) -> _System:
+    jacobian = np.vstack([local.closure_jacobian, gradients])
+    multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=DEPENDENT)[0]
+    hessian = model.lagrangian_hessian(local.x, multipliers, rows)
+    return _System(multipliers, local.gradient - jacobian.T @ multipliers, hessian, jacobian)
+
+
+def _limits_out(
+    model: Programme, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
+) -> _System:
+    """Leave out the creases at their limits: they do not move, and take what torque is left."""
+    free = np.ones(len(local.x), dtype=bool)
+    free[[c.index for c in rows]] = False
+    jacobian = local.closure_jacobian[:, free]
+    lam = np.linalg.lstsq(jacobian.T, local.gradient[free], rcond=DEPENDENT)[0]
+    left = local.gradient - local.closure_jacobian.T @ lam
+    multipliers = np.concatenate([lam, gradients @ left])  # gradients are unit rows, -1 or 1
+    hessian = model.lagrangian_hessian(local.x, multipliers, rows)[np.ix_(free, free)]
+    return _System(multipliers, np.where(free, left, 0.0), hessian, jacobian, free)
+
+
+def _uncertainty(system: _System) -> float:
     """Bound how far [rad] the exact KKT point lies, given rounding of sector angles and torques.
 
     Special relations of the sector angles hold to `SUMMED`, and so does closure.  Beside a singular state, at
@@ -231,6 +280,7 @@ def _uncertainty(hessian: np.ndarray, jacobian: np.ndarray, multipliers: np.ndar
     set to r / s, which turns the tangent by r / s^2, and the balance along the set is known to |torque| r / s^2
     only.
     """
+    hessian, jacobian, multipliers = system.hessian, system.jacobian, system.multipliers
     _, singular, vt = np.linalg.svd(jacobian)
     rank = int((singular > DEPENDENT).sum())
     across = vt[:rank].T / singular[:rank]  # moves by one unit of each independent constraint

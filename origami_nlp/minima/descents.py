@@ -19,6 +19,7 @@ import numpy as np
 from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
+from origami_nlp.minima.sweeps import sweep
 from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.programme import OPEN, Model
 
@@ -44,6 +45,8 @@ MOST_STEPS = 45
 """Steps of a descent."""
 APART = 128
 """So many samples without gaps, and with gaps, are worth steps of their own."""
+LONG_CHAIN, MOST_ONE_BY_ONE = 9, 24
+"""Creases from which Newton's directions are swept; and up to which fold limits are met, and left, one by one."""
 LONG, FEW = 20, 32
 """After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
@@ -88,6 +91,9 @@ class Descents:
     def __init__(self, model: Model) -> None:
         self.model, self.closing, self.crossings = model, Closing(model), Crossings(model)
         self._root, self._m = self.closing.root, model.equation_count
+        plain = model.equation_count == 3 and not model.structure.gaps
+        self._chain = plain and model.size >= LONG_CHAIN
+        self._many = plain and model.size > MOST_ONE_BY_ONE
 
     def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
@@ -129,13 +135,15 @@ class Descents:
         s, p, released, opens = self._release(s, p, slope, size)
         free = s.shut == 0
         down = np.where(free, p.left, 0.0)
-        h = self._on_stratum(s, p)
-        d = _direction(h, down)
+        swept = sweep(s, p, self._root) if self._chain else None
+        h = np.zeros((len(s), 0, 0)) if swept else self._on_stratum(s, p)
+        d = swept.direction if swept else _direction(h, down)
         # a contact that is let go must open: the steepest way down does that
         wrong = released & (np.einsum("ki,ki->k", opens, d) <= 0)
         d[wrong] = -down[wrong]
         converged = (slope <= FLAT_SLOPE) & ~released
-        escaped = self._leave_saddles(h, down, d, converged, escapes)
+        known = (swept.curvature, swept.bent) if swept else None
+        escaped = self._leave_saddles(h, down, d, converged, escapes, known)
         go = np.flatnonzero(~converged)
         moved, reach = np.ones(len(s), dtype=bool), reach.copy()
         if len(go):
@@ -163,15 +171,23 @@ class Descents:
         d: np.ndarray,
         converged: np.ndarray,
         escapes: np.ndarray,
+        known: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> np.ndarray:
-        """Set the direction `d` of saddles downhill (in place; they have not converged); tells which they are."""
+        """Set the direction `d` of saddles downhill (in place; they have not converged); tells which they are.
+
+        known: lowest curvatures [K] and their directions [K, n], where they are.
+        """
         escaped = np.zeros(len(h), dtype=bool)
         where = np.flatnonzero(converged)
         if not len(where):
             return escaped
-        value, vector = np.linalg.eigh(h[where])
-        unstable = (value[:, 0] < SADDLE) & (escapes[where] < ESCAPES)
-        where, v = where[unstable], vector[unstable, :, 0]
+        if known is None:
+            values, vectors = np.linalg.eigh(h[where])
+            value, vector = values[:, 0], vectors[:, :, 0]
+        else:
+            value, vector = known[0][where], known[1][where]
+        unstable = (value < SADDLE) & (escapes[where] < ESCAPES)
+        where, v = where[unstable], vector[unstable]
         # either side is as good: the one of more torque, the largest entry up where there is none
         side = np.sign(np.einsum("ki,ki->k", v, -down[where]))
         lead = v[np.arange(len(v)), np.abs(v).argmax(axis=1)]
@@ -196,8 +212,13 @@ class Descents:
         r = np.flatnonzero(released)
         limit, gap = r[worst[r] < n], r[worst[r] >= n]
         shut, slots, rows = s.shut.copy(), s.slots.copy(), p.rows.copy()
-        opens[limit, worst[limit]] = -shut[limit, worst[limit]]
-        shut[limit, worst[limit]] = 0
+        let_go = np.zeros_like(shut, dtype=bool)
+        let_go[limit, worst[limit]] = True
+        if self._many:  # what closing finds beyond its limit is shut again
+            most = pull[np.arange(len(s)), worst]
+            let_go |= released[:, None] & (pull[:, :n] > np.maximum(EARLY * most, early)[:, None])
+        opens[let_go] = -shut[let_go]
+        shut[let_go] = 0
         opens[gap] = rows[gap, self._m + worst[gap] - n]
         rows[gap, self._m + worst[gap] - n] = 0.0
         slots[gap, worst[gap] - n] = OPEN
@@ -230,7 +251,7 @@ class Descents:
 
     def _moved(self, s: Samples, dx: np.ndarray, share: np.ndarray) -> tuple[Samples, np.ndarray]:
         """Step by a share of dx, to the first fold limit at most, which is held then; not closed."""
-        if not self.model.has_limits:
+        if not self.model.has_limits or self._many:
             return replace(s, x=s.x + share[:, None] * dx), share
         shut = s.shut.copy()
         room = np.where(dx > 0, math.pi - s.x, math.pi + s.x)

@@ -26,6 +26,7 @@ from origami_nlp.kkt import (
     Solve,
     State,
     flat_foldings,
+    passing_moment,
     polish,
     rest_state,
     rigid_states,
@@ -41,7 +42,7 @@ from origami_nlp.minima.one_freedom import EXACT, trace
 from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search
-from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of
+from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of, is_chain
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import CLOSES, SAME
 from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
@@ -52,7 +53,10 @@ FEWEST_STARTS = 1
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
 MOST_BATCHED = 24
-"""Variables up to which descents are made in batches; above, IPOPT solves from one start after the other."""
+"""Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from
+one start after the other."""
+MOST_CONFIRMED = 100
+"""Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 FEW_FREEDOMS = 2
 """Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
@@ -204,7 +208,7 @@ class _Job:
         if self.model.freedom == 1 and self._traced():
             self.stopped_by = "complete"
             return
-        if self.model.size > MOST_BATCHED:
+        if self.model.size > MOST_BATCHED and not is_chain(self.model):
             self._one_by_one()
             return
         under = self._under()
@@ -342,12 +346,16 @@ def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejecte
     return minima, others, dict(outcomes)
 
 
-def _minimum(model: Model, answer: Answer, what: Classification, solver: Confirmation) -> Minimum:
+def _minimum(
+    model: Model, answer: Answer, what: Classification, solver: Confirmation | None
+) -> Minimum:
     p = answer.polished
     assert what.kind is not None
+    phi = model.expand(p.x)
+    passing = passing_moment(model.scene, phi)
     return Minimum(
         model.energy(p.x),
-        tuple(model.expand(p.x).tolist()),
+        tuple(phi.tolist()),
         what.kind,
         what.local_dimension,
         p.closure_residual,
@@ -358,11 +366,15 @@ def _minimum(model: Model, answer: Answer, what: Classification, solver: Confirm
         what.reason,
         what.eigenvalues,
         solver=solver,
+        moment=passing.vector if passing else None,
+        moment_residual=passing.residual if passing else math.nan,
     )
 
 
-def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation:
-    """Let IPOPT solve from a minimum, with the contacts that are closed there."""
+def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | None:
+    """Let IPOPT solve from a minimum, with the contacts that are closed there; None with too many creases."""
+    if model.size > MOST_CONFIRMED:
+        return None
     state = State(model, answer.polished.x)
     solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
     record.solves += 1

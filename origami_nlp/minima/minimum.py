@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from origami_nlp.kkt import ContactForce, Kind
@@ -45,7 +46,13 @@ class Minimum:
     full_space
         Verdict in the full contact-admissible space, where it was asked for.
     solver
-        What IPOPT says when it is started at the state with its multipliers.
+        What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it.
+    moment
+        The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
+        frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
+        determine it.
+    moment_residual
+        Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
 
     Examples
     --------
@@ -68,6 +75,8 @@ class Minimum:
     hessian_eigenvalues: tuple[float, ...]
     full_space: FullSpace | None = None
     solver: Confirmation | None = None
+    moment: tuple[float, float, float] | None = None
+    moment_residual: float = math.nan
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Where descents start: corners of the state space, strata between them, touches, and the interior.
+"""Where descents start: corners of the state space, strata between them, touches, the interior, and moments.
 
 Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached
 from the interior, but a start on their own stratum, with its contacts held, often reaches them.
@@ -14,18 +14,32 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.crossings import model_rows
+from origami_nlp.minima.moment_starts import MomentStarts
 from origami_nlp.minima.samples import Samples, joined
 from origami_nlp.minima.touch_draws import TouchStarts, touch_starts
 from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
 
-CORNER, INTERIOR, SUBSET, STRATUM, TOUCH = range(5)
+CORNER, INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT = range(6)
 """Sources of starts."""
-DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH)
+DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
-GIVEN = 5
+GIVEN = 6
 """States that are given, guesses and either side of saddles: not counted."""
-SOURCES = ("corners", "interior", "near corners", "strata", "touches")
+SOURCES = ("corners", "interior", "near corners", "strata", "touches", "moments")
 """Their names, in the order of their numbers."""
+
+
+MOST_WITH_CORNERS = 24
+"""Creases up to which corners are started from: with more there are too many that nothing holds."""
+FEWEST_FOR_MOMENTS = 16
+"""Creases from which moments are started from as well: with 10 and 12 they found no more in the same time."""
+OTHERS = 8
+"""With more creases, one start in so many is no moment."""
+
+
+def is_chain(model: Model) -> bool:
+    """Tell whether fold limits are all that can touch in a vertex without symmetry: what `MomentStarts` ask for."""
+    return model.scene.group.is_trivial and not model.structure.gaps
 
 
 @dataclass(frozen=True)
@@ -81,16 +95,26 @@ class Rounds:
     def __init__(self, model: Model, seed: int, effort: Effort) -> None:
         self._model, self._effort = model, effort
         self._rng = np.random.default_rng(seed)
-        self._corners = vertices(model, effort.corners, self._rng)
+        self._long = model.size > MOST_WITH_CORNERS
+        corners = np.zeros((0, model.size))
+        self._corners = corners if self._long else vertices(model, effort.corners, self._rng)
         self.corners = len(self._corners)
         self.every_corner = 0 < vertex_candidates(model) <= effort.corners
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
         share = 0.6 if self._touch else 1.0  # touches are a third kind of start
-        self._a_round = round(share * effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
+        self._moments = MomentStarts(model, self._rng) if is_chain(model) else None
+        self._a_round = round(
+            share * effort.a_round * min(2.5 ** min(max(model.freedom - 1, 0), 9), 64)
+        )
+        if self._long:  # a descent takes longer
+            self._a_round = 1 + self._a_round * MOST_WITH_CORNERS // model.size
 
     def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
+        if self._long:
+            yield from (self._mixed(self._round()) for _ in range(self._effort.rounds))
+            return
         interior = self._effort.interior
         if not self._model.has_limits:
             interior *= 8  # nothing but the interior, and each shape in several lifts
@@ -110,6 +134,8 @@ class Rounds:
 
     def _round(self) -> Samples:
         count = self._a_round
+        if self._long and self._moments is not None:
+            return self._balanced(self._moments, count)
         if not self._model.has_limits:
             return Samples.on(random_strata(self._model, self._rng, 8 * count, 0), source=INTERIOR)
         drawn = random_strata(self._model, self._rng, count)
@@ -118,7 +144,14 @@ class Rounds:
             parts.append(self._near_corners(count))
         if self._touch:
             parts.append(self._touching(count))
+        if self._moments is not None and self._model.size >= FEWEST_FOR_MOMENTS:
+            parts.append(self._moments.samples(count, MOMENT))
         return joined(*parts)
+
+    def _balanced(self, moments: MomentStarts, count: int) -> Samples:
+        """States near balance from random moments, and a few others from the interior."""
+        inside = random_strata(self._model, self._rng, 1 + count // OTHERS, 0)
+        return joined(moments.samples(count, MOMENT), Samples.on(inside, source=INTERIOR))
 
     def _touching(self, count: int) -> Samples:
         """States on strata with touches, their contacts held until they have converged."""

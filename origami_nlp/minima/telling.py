@@ -12,6 +12,7 @@ from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.minima.stopping import unseen_share
+from origami_nlp.numerics import BALANCED
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words
 
@@ -38,6 +39,20 @@ def contact_words(contact: ContactForce) -> str:
         return f"{contact.text}: moment {contact.multiplier:.4g} N m"
     top = "inf" if math.isinf(high) else f"{high:.4g}"
     return f"{contact.text}: moment {contact.multiplier:.4g} N m (any of {low:.4g} to {top})"
+
+
+def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
+    """Say which moment passes round the vertex, or that there is no such one."""
+    vector = ", ".join(f"{v:.6g}" for v in moment)
+    if residual > BALANCED * (1 + max(map(abs, moment))):
+        return (
+            f"no one moment passes round the vertex: ({vector}) N m leaves up to {residual:.2g} N m at a free "
+            "crease, which facets that touch carry"
+        )
+    return (
+        f"one moment passes round the vertex: ({vector}) N m, seen from the facet between creases {degree} and 1, "
+        f"residual {residual:.0e} N m"
+    )
 
 
 def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table:
@@ -82,6 +97,8 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")
+        if m.moment is not None:
+            lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
         if m.solver is not None and not m.solver.agrees:
             lines.append(
                 f"   IPOPT, started here, does not stay: {m.solver.status}, {m.solver.moved:.1g} rad away"

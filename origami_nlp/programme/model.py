@@ -15,6 +15,7 @@ from origami_nlp.folding import examine, pair_depths
 from origami_nlp.numerics import OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
 from origami_nlp.programme.contact import Contact, fold_limit, openings
+from origami_nlp.programme.kinematics import Kinematics
 from origami_nlp.programme.posed import Posed
 from origami_nlp.programme.touching import (
     ClosedContacts,
@@ -25,6 +26,9 @@ from origami_nlp.programme.touching import (
     guess_gaps,
     rays_together,
 )
+
+MOST_COMPILED = 24
+"""Creases up to which the functions of a vertex without symmetry and gaps are compiled; above, closed forms do."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +114,17 @@ class Model(Posed):
         other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
         return other
 
+    @cached_property
+    def _chain(self) -> Kinematics | None:
+        """Closed forms of a long chain, whose compiled Hessian would take minutes to build; None where it does not."""
+        plain = self.equation_count == 3 and not self.structure.gaps
+        return Kinematics(self) if plain and self.size > MOST_COMPILED else None
+
     def _call(self, name: str, x: np.ndarray, *more: Any) -> list[np.ndarray]:
         """Evaluate a compiled function at one state [n] or at states [K, n]; results [..., rows, columns]."""
+        if self._chain is not None:
+            out = self._of_chain(self._chain, name, np.atleast_2d(x), *more)
+            return [o[0] for o in out] if x.ndim == 1 else out
         if x.ndim == 1:
             return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
         k = len(x)
@@ -134,6 +147,27 @@ class Model(Posed):
             else np.zeros((k, *f.shape[:1], 0))
             for f in full
         ]
+
+    def _of_chain(
+        self, chain: Kinematics, name: str, x: np.ndarray, *more: Any
+    ) -> list[np.ndarray]:
+        """Return what the compiled function does at states [K, n]."""
+        at, k, n = chain.fold(x), len(x), self.size
+        if name == "rays":
+            return [at.axes.swapaxes(1, 2)]
+        if name == "sheet":
+            return [at.sheet[:, None, None]]
+        if name == "hessian":
+            weight, lam, _ = more
+            h = chain.closure_hessian(at, np.broadcast_to(lam, (k, 3)))
+            i = np.arange(n)
+            h[:, i, i] += np.reshape(weight, (-1, 1)) * self.parameters.stiffness
+            return [h]
+        value, jacobian = chain.closure(at)
+        if name == "closure":
+            return [value[..., None], jacobian]
+        none = np.zeros((k, 0, 1)), np.zeros((k, 0, n))
+        return [self.parameters.torque(x)[..., None], value[..., None], jacobian, *none]
 
     def local(self, x: np.ndarray) -> Local:
         """Evaluate values and first derivatives.

@@ -1,0 +1,71 @@
+"""The moment that passes round a vertex: one vector, of which each free crease feels the component along itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.folding import fold_vertex
+from origami_nlp.numerics import RANK, TOUCHES
+from origami_nlp.pattern import Scene
+
+
+@dataclass(frozen=True)
+class PassingMoment:
+    """What each facet of a folded vertex receives from the next one, across the crease between them.
+
+    Facets carry no load, so in balance it is the same vector all the way round: the springs have
+    k_i (phi_i - phi0_i) = m . c_i at each free crease, c_i the unit vector along the deformed crease, from the vertex.
+
+    Attributes
+    ----------
+    vector
+        m [N m in the scene's units], in the frame of the facet between crease N and crease 1, which is held fixed: e1
+        along crease 1, e3 the normal on the side from which creases are numbered counter-clockwise.  Half of the
+        multipliers of the vector part of the product of folds.
+    residual
+        Largest |k_i (phi_i - phi0_i) - m . c_i| over free creases [N m]: what one vector leaves.  Not rounding where
+        facets that touch carry moments of their own.
+    """
+
+    vector: tuple[float, float, float]
+    residual: float
+
+
+def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | None:
+    """Find the moment that balances the springs of the free creases best, whatever the symmetry of the scene.
+
+    Parameters
+    ----------
+    scene
+        Whose springs.
+    fold_angles
+        All N of a closed state [rad].
+
+    Returns
+    -------
+    PassingMoment or None
+        None where the free creases lie in a plane, or fewer than three are free: there the moment is not known across.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.kkt import passing_moment
+    >>> scene = o.examples.degree6("pi/4", ratio=0.01)
+    >>> lowest = o.find_minima(scene, max_starts=16).minima[0]
+    >>> passing_moment(scene, lowest.fold_angles).residual < 1e-12
+    True
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    creases, _ = fold_vertex(scene.vertex, phi)
+    stiffness = np.array(scene.stiffness)
+    torque = stiffness * (phi - np.array(scene.rest_angles))
+    free = np.abs(phi) < math.pi - TOUCHES if scene.contact != "none" else np.ones(len(phi), bool)
+    c, t, root = creases[free], torque[free], np.sqrt(stiffness[free])
+    if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:
+        return None
+    m = np.linalg.lstsq(c / root[:, None], t / root, rcond=None)[0]
+    x, y, z = m.tolist()
+    return PassingMoment((x, y, z), float(np.abs(t - c @ m).max()))

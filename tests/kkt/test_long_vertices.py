@@ -1,0 +1,139 @@
+"""Long vertices are polished and judged by short cuts: the same as without; and the moment that passes round."""
+
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
+from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
+from origami_nlp.programme import fold_limit
+
+
+def draw(n, seed=0, contact="fold-limits"):
+    rng = np.random.default_rng([seed, n])
+    sectors = (rng.dirichlet(np.full(n, 3.0)) * 2 * math.pi).tolist()
+    k, rest = 10 ** rng.uniform(-1, 1, n), rng.uniform(-math.pi, math.pi, n)
+    return Scene(Vertex(tuple(sectors)), tuple(k.tolist()), tuple(rest.tolist()), "none", contact)
+
+
+@pytest.mark.parametrize("n", [26, 50])
+def test_polished_as_with_all_rows(n, monkeypatch):
+    found = find_minima(draw(n, 1), max_starts=120, effort="quick")
+    model, many = found.model, 0
+    for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
+        x = np.array(minimum.fold_angles)
+        rows = tuple(fold_limit(v, x[v]) for v in range(n) if abs(x[v]) == math.pi)
+        many += len(rows) > 12
+        end = Solve(x + 1e-6 * np.sin(np.arange(n)), "", 0, math.nan, np.abs(x) / math.pi, None)
+        short = polish(model, end, rows)
+        monkeypatch.setattr(polishing, "MANY", 1000)
+        dense = polish(model, end, rows)
+        monkeypatch.undo()
+        assert short.converged
+        assert dense.converged
+        assert np.abs(short.x - dense.x).max() < 1e-11
+        assert short.rows == dense.rows == rows
+        # the reduced Hessian that certified it, from scratch
+        free = np.abs(x) < math.pi
+        value, jacobian = model.closure(x)
+        m = 2 * np.array(minimum.moment) / model.scale
+        h = model.hessian(x, -m, np.zeros(0))[np.ix_(free, free)]
+        z = np.linalg.svd(jacobian[:, free])[2][3:].T
+        assert np.abs(value).max() < 1e-13
+        assert np.linalg.eigvalsh(z.T @ h @ z)[0] > 0
+    assert many
+
+
+def test_independent_contacts_all_open_at_once(monkeypatch):
+    rng = np.random.default_rng(0)
+    for r, t in ((14, 20), (20, 20)):
+        rows = rng.normal(size=(r, t))
+        names = tuple(fold_limit(v, 1.0) for v in range(r))
+        fast = certificates.cone(rows, names)
+        monkeypatch.setattr(certificates, "MANY_ROWS", 99)
+        slow = certificates.cone(rows, names)
+        monkeypatch.undo()
+        assert fast[0] == slow[0] == t
+        assert fast[2] == slow[2] == ()
+        assert (rows @ fast[1] > 0).all()
+    rows[-1] = -rows[0]  # these two cannot open
+    assert certificates.cone(rows, names)[2] == (names[0], names[-1])
+
+
+def turned(axis, angle):
+    x, y, z = axis
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * k @ k
+
+
+def folded(scene, phi):
+    """Frames of the facets after each crease, and the deformed creases, by matrices alone."""
+    frame, frames, creases = np.eye(3), [], []
+    for a, p in zip(scene.vertex.azimuths, phi, strict=True):
+        b = np.array([math.cos(a), math.sin(a), 0.0])
+        creases.append(frame @ b)
+        frame = frame @ turned(b, p)
+        frames.append(frame)
+    return frames, np.array(creases)
+
+
+@pytest.mark.parametrize("n", [5, 9, 30])
+def test_one_moment_in_the_frame_of_every_facet(n):
+    scene = draw(n)
+    found = find_minima(scene, max_starts=60, effort="quick")
+    for minimum in found.minima[:4]:
+        phi = np.array(minimum.fold_angles)
+        frames, creases = folded(scene, phi)
+        assert np.abs(frames[-1] - np.eye(3)).max() < 1e-12
+        free, m = np.abs(phi) < math.pi, np.array(minimum.moment)
+        torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
+        size = 1 + np.abs(m).max()
+        assert np.abs(torque - creases @ m)[free].max() < 1e-10 * size
+        assert minimum.moment_residual < 1e-10 * size
+        shut = ~free  # the springs push creases at a limit on
+        assert (np.sign(phi[shut]) * (creases @ m - torque)[shut] > 0).all()
+        for start in range(
+            1, n
+        ):  # numbered from another crease: the same vector, seen from its facet
+            k = np.roll(np.arange(n), -start)
+            v = Vertex(tuple(np.array(scene.vertex.sector_angles)[k].tolist()))
+            springs = (tuple(np.array(s)[k].tolist()) for s in (scene.stiffness, scene.rest_angles))
+            other = passing_moment(Scene(v, *springs, "none", "fold-limits"), phi[k])
+            in_facet = turned((0, 0, 1), -scene.vertex.azimuths[start]) @ frames[start - 1].T @ m
+            assert np.abs(np.array(other.vector) - in_facet).max() < 1e-9 * size
+        multipliers = (
+            State(found.model, phi)
+            .on(tuple(fold_limit(int(v), phi[v]) for v in np.flatnonzero(shut)))
+            .multipliers[:3]
+        )
+        half = 0.5 * found.model.scale * multipliers
+        assert np.abs(half - m).max() < 1e-9 * size
+
+
+def test_symmetric_states_have_one_moment_too():
+    """In the mirror plane for D1, and none is said where touching facets carry some."""
+    seen = set()
+    for scene in examples.panels()[:6]:
+        for minimum in find_minima(scene, max_starts=64).minima:
+            if minimum.moment is None:
+                assert math.isnan(minimum.moment_residual)
+                continue
+            phi, m = np.array(minimum.fold_angles), np.array(minimum.moment)
+            _, creases = folded(scene, phi)
+            torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
+            left = np.abs(torque - creases @ m)[np.abs(phi) < math.pi].max()
+            assert abs(left - minimum.moment_residual) < 1e-12
+            balanced = minimum.moment_residual < 1e-10
+            seen.add(balanced)
+            if minimum.kind == "interior":
+                assert balanced
+    assert True in seen
+
+
+def test_flat_creases_determine_no_moment():
+    scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
+    assert passing_moment(scene, np.zeros(6)) is None
+    assert passing_moment(scene, np.array([math.pi, -math.pi] * 3)) is None
+    model = Model(scene)
+    assert model.size == 6
