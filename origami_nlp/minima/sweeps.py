@@ -119,8 +119,8 @@ class _Backward:
         if down:
             w = self._value[3:, 3:].transpose(2, 0, 1)
             size = np.abs(w).max(axis=(1, 2))[:, None, None]
-            w = w[..., :3] - 4 * EPS * size * np.eye(3) - 1e-300 * np.eye(3), w[..., 3]
-            theta[3:6] = -np.linalg.solve(w[0], w[1][..., None])[..., 0].T
+            matrix = w[..., :3] - (4 * EPS * size + 1e-300) * np.eye(3)
+            theta[3:6] = -np.linalg.solve(matrix, w[..., 3:])[..., 0].T
             theta[6] = 1.0
         d = np.empty((n, count))
         for j in range(n):

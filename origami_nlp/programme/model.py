@@ -123,8 +123,8 @@ class Model(Posed):
     def _call(self, name: str, x: np.ndarray, *more: Any) -> list[np.ndarray]:
         """Evaluate a compiled function at one state [n] or at states [K, n]; results [..., rows, columns]."""
         if self._chain is not None:
-            out = self._of_chain(self._chain, name, np.atleast_2d(x), *more)
-            return [o[0] for o in out] if x.ndim == 1 else out
+            values = self._of_chain(self._chain, name, np.atleast_2d(x), *more)
+            return [v[0] for v in values] if x.ndim == 1 else values
         if x.ndim == 1:
             return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
         k = len(x)
