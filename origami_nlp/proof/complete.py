@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,6 +57,12 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     """
     check_type("model", model, Model)
     started = time.perf_counter()
+    if model.scene.contact == "full":
+        from origami_nlp.proof.touches import with_touches  # built on what is below
+
+        limits = prove(Model(replace(model.scene, contact="fold-limits")), seconds=seconds)
+        rest = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
+        return with_touches(model, limits, seconds=rest)
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
@@ -227,7 +234,7 @@ def _reason(system: System, boxes: Boxes) -> tuple[str, bool]:
         return f"{int(free.sum())} free variables, {system.m} closure equations", True
     x = 0.5 * (boxes.lower.min(axis=1) + boxes.upper.max(axis=1))
     x = np.where(free, x, np.pi * pins)[None]
-    a = system.kinematics.closure(system.kinematics.fold(x))[1][0][:, free]
+    a = system.constraints(x)[1][0][:, free]
     least = float(np.linalg.svd(a, compute_uv=False)[-1])
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True

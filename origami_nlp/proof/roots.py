@@ -101,14 +101,21 @@ class System:
         self.beta = np.where(on_mirror, 0.5, 1.0) * (1.0 if vector else 0.5)
         self.fold = FOLD * (len(model.structure.has_crease) + 4) ** 2
 
+    def constraints(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what vanishes, g [R, m], and its Jacobian A [R, m, n]."""
+        return self.kinematics.closure(self.kinematics.fold(x))
+
+    def curvature(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
+        """Return lam . g'', [R, n, n]."""
+        return self.kinematics.closure_hessian(self.kinematics.fold(x), lam)
+
     def at(
         self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the sheet [R]."""
         n, m = self.n, self.m
-        folded = self.kinematics.fold(x)
-        g, a = self.kinematics.closure(folded)
-        h = -self.kinematics.closure_hessian(folded, lam)
+        g, a = self.constraints(x)
+        h = -self.curvature(x, lam)
         i = np.arange(n)
         h[:, i, i] += self.k
         force = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
@@ -122,16 +129,17 @@ class System:
         jacobian.transpose(0, 2, 1)[pinned_rows] = 0.0
         diagonal = np.arange(n + m)
         jacobian[:, diagonal, diagonal] += pinned_rows
-        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.sheet
+        sheet = self.kinematics.fold(x).sheet
+        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, sheet
 
     def force(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
         """Return k (x - rest) - A' lam of all variables, [R, n]."""
-        a = self.kinematics.closure(self.kinematics.fold(x))[1]
+        a = self.constraints(x)[1]
         return self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
 
     def start(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
         """Return the multipliers [R, m] that balance the free variables best."""
-        a = self.kinematics.closure(self.kinematics.fold(x))[1] * (pins == 0)[:, None]
+        a = self.constraints(x)[1] * (pins == 0)[:, None]
         torque = np.where(pins == 0, self.k * (x - self.rest), 0.0)
         return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-9) @ torque[:, :, None])[:, :, 0]
 
@@ -279,7 +287,7 @@ def _levers(
     system: System, x: np.ndarray, lam: np.ndarray, free: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """|P| [R, m, n] with P A' = 1 on free variables, |k| + beta s |lam| [R, n], and beta s [R, n]."""
-    a = system.kinematics.closure(system.kinematics.fold(x))[1] * free[:, None]
+    a = system.constraints(x)[1] * free[:, None]
     p = np.abs(np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-12))
     b = np.where(free, system.beta, 0.0)
     turned = b * b.sum(axis=1)[:, None]

@@ -1,0 +1,287 @@
+"""Full contact: every critical point of the states whose facets do not cross, also where facets touch.
+
+A local minimum x of the energy among admissible states has fold limits P and gaps T closed, and the states near it with
+the same contacts closed are admissible as well: x is a minimum among {closure, P, T}.  So it is critical there in the
+sense of Fritz John: with f the freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one column more than
+equations vanish on the free creases (W the gradients of the gaps T), without a constraint qualification.  Where
+|P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of the contacts
+are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof within fold
+limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two touches.
+A touch that only describes closed creases again (all creases on one side between the ray and the facet are shut) is
+left out.  That the set of admissible states may be a union near x does no harm: the argument is within {closure, P, T}.
+
+Of each critical point signs of all rays off all facets are computed with intervals (`apart`): certainly crossing, it is
+dropped; apart but for P and T, whose gradients are independent as the point is regular, the admissible states near it
+are exactly {closure, s_i phi_i <= pi, side g >= 0}, and signs of all multipliers and index decide as for fold limits.
+What remains are stacks: facets that lie on each other with more creases shut.  There the package's exact test decides
+whether the layers have an order (`Model.refuses`), and its cone on the verdict (`classify`); the point says so.
+
+Not covered: more than two freedoms, C_n, wedges of more rays than here, sets of minima of dimension one (their boxes stay
+undecided), sectors of pi and more.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.kkt import State, classify
+from origami_nlp.programme import Model
+from origami_nlp.proof.apart import APART, CROSSED, Signs
+from origami_nlp.proof.boxes import Boxes, Posed, prune, strata
+from origami_nlp.proof.complete import _by_stratum, _certified, _cluster, _clusters, _reason
+from origami_nlp.proof.pieces import Piece
+from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
+from origami_nlp.proof.roots import Roots
+from origami_nlp.proof.touch_roots import TouchSystem
+from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
+
+
+@dataclass(frozen=True, eq=False)
+class Stratum:
+    """Touches, and the boxes of the fold limits that go with them.
+
+    Attributes
+    ----------
+    touches
+        Gaps that are closed.
+    posed
+        Their rows.
+    start
+        Boxes.
+    """
+
+    touches: tuple[Row, ...]
+    posed: Posed
+    start: Boxes
+
+
+def why_not(model: Model) -> str:
+    """Say why touches of a model are not proved here; "" where they are."""
+    s, freedom = model.structure, model.freedom
+    if max(model.scene.vertex.sector_angles) >= math.pi - 1e-9:
+        return "a sector of 180 degrees or more"
+    if not s.gaps:
+        return ""
+    if freedom > 2:
+        return f"{freedom} freedoms: touches are proved for at most 2"
+    rays = len(s.has_crease)
+    if s.kind == "C":
+        return "" if s.order == 1 else f"touches with symmetry {model.symmetry} are not proved"
+    fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
+    return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
+
+
+def touch_strata(model: Model) -> Iterator[Stratum]:
+    """List the strata with touches of a model that `why_not` has nothing against."""
+    freedom = model.freedom
+    patterns = strata(model.size)
+    shut = (patterns.pins != 0).sum(axis=0)
+    for touches in _sets(model):
+        allowed = shut <= freedom - len(touches)
+        if model.structure.kind == "C":
+            p = model.parameters
+            posed: Posed = TouchedVertex(
+                p.sectors, p.stiffness, p.rest, tuple((t.rays[0], t.rays[1]) for t in touches)
+            )
+        else:
+            posed = TouchedWedge(Piece(model), touches)
+        if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
+            on = patterns.pins[0] != 0
+            allowed &= on == (touches[0].rays == (0, 3))
+        if allowed.any():
+            yield Stratum(touches, posed, patterns[allowed])
+
+
+def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
+    """Sets of gaps that may be closed at once."""
+    first: dict[tuple[int, ...], int] = {}
+    for i, gap in enumerate(model.structure.gaps):
+        first.setdefault(gap.rays, i)
+    if model.structure.kind == "C":
+        n = model.size
+        rows = [
+            Row("facet", rays, i)
+            for rays, i in first.items()
+            if 3 <= (rays[0] - rays[1]) % n <= n - 2
+        ]
+        for count in range(1, model.freedom + 1):
+            yield from itertools.combinations(rows, count)
+    elif model.structure.order == 1:
+        for rays in ((3, 0), (0, 3)) if first else ():
+            yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
+    else:
+        # both at once: rays 1 and 3 on each other, which is crease 2 shut between equal sectors
+        for (r, side), i in first.items():
+            yield (Row("end" if side else "start", (r,), i),)
+
+
+def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -> Proof:
+    """Turn a proof within fold limits into one with full contact.
+
+    Parameters
+    ----------
+    model
+        Of the scene with contact "full".
+    limits
+        The proof of the same scene with contact "fold-limits".
+    seconds
+        Stop after this time; what is left then is undecided.
+
+    Returns
+    -------
+    Proof
+        Points that certainly cross are left out.
+    """
+    started = time.perf_counter()
+    end = math.inf if seconds is None else started + seconds
+    boxes, finished = limits.boxes, limits.finished
+    singular, undecided = list(limits.singular), list(limits.undecided)
+    points = _judged(model, _as_roots(limits.points), limits.points, ())
+    if why := why_not(model):
+        undecided.append(_everywhere(model, why))
+    for stratum in () if why else touch_strata(model):
+        left = prune(stratum.posed, stratum.start, seconds=max(end - time.perf_counter(), 0.0))
+        boxes += left.boxes
+        finished &= not len(left.open)
+        system = TouchSystem(model, tuple(t.gap for t in stratum.touches))
+        roots, _, rest = _certified(system, left.candidates)
+        found = tuple(_point(model, roots, i, stratum.touches) for i in range(len(roots)))
+        new = [
+            i for i, p in enumerate(found) if not _again(model, p, stratum.touches, limits.points)
+        ]
+        points += _judged(
+            model, roots[np.array(new, dtype=int)], tuple(found[i] for i in new), stratum.touches
+        )
+        for group in _clusters(rest):
+            reason, is_singular = _reason(system, rest[group])
+            (singular if is_singular else undecided).append(
+                _cluster(model, rest[group], f"{reason}; {_names(model, stratum.touches)}")
+            )
+        for group in _by_stratum(left.open):
+            undecided.append(_cluster(model, left.open[group], "time was up"))
+    return replace(
+        limits,
+        points=tuple(sorted(points, key=lambda p: p.energy)),
+        singular=tuple(singular),
+        undecided=tuple(undecided),
+        boxes=boxes,
+        seconds=limits.seconds + time.perf_counter() - started,
+        finished=finished,
+    )
+
+
+def _names(model: Model, touches: tuple[Row, ...]) -> str:
+    return ", ".join(model.gap_name(model.structure.gaps[t.gap]) for t in touches)
+
+
+def _everywhere(model: Model, why: str) -> Cluster:
+    return _cluster(model, strata(model.size)[:1], why)
+
+
+def _as_roots(points: tuple[CriticalPoint, ...]) -> Roots:
+    """The states of points, for `Signs`."""
+    x = np.array([p.x for p in points]).reshape(len(points), -1)
+    pins = np.array([p.stratum for p in points]).reshape(len(points), -1)
+    radius = np.array([p.radius for p in points])
+    none = np.zeros(len(points))
+    return Roots(x, none, pins, radius, none, none, none, none)
+
+
+def _again(
+    model: Model, point: CriticalPoint, touches: tuple[Row, ...], known: tuple[CriticalPoint, ...]
+) -> bool:
+    """Whether a point is one with more creases shut: between the ray and the facet all are, so the gap is zero there."""
+    if model.structure.kind != "C":
+        return False
+    n = model.size
+    for other in known:
+        apart = max(abs(a - b) for a, b in zip(point.x, other.x, strict=True))
+        finer = all(s in (0, t) for s, t in zip(point.stratum, other.stratum, strict=True))
+        if finer and point.stratum != other.stratum and apart + other.radius < point.unique_radius:
+            ways = [
+                [
+                    [(j + i) % n for i in range(1, (k - j) % n)],
+                    [(j - i) % n for i in range((j - k) % n)],
+                ]
+                for k, j in (t.rays for t in touches)
+            ]
+            if all(any(all(other.stratum[c] for c in way) for way in both) for both in ways):
+                return True
+    return False
+
+
+def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> CriticalPoint:
+    """State a root with touches in the scene's units; whether it is a minimum is decided by `_judged`."""
+    equations = model.equation_count
+    half = 0.5 if equations == 3 else 1.0
+    lam = model.scale * roots.lam[i]
+    # as many contacts as freedoms leave nothing to bend
+    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
+    index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
+    return CriticalPoint(
+        tuple(roots.x[i].tolist()),
+        tuple(roots.pins[i].tolist()),
+        tuple((half * lam[:equations]).tolist()),
+        float(roots.radius[i]),
+        float(roots.unique[i]),
+        float(model.scale * roots.spread[i]),
+        index,
+        tuple(roots.signs[i].tolist()),
+        model.energy(roots.x[i]),
+        None,
+        tuple(t.gap for t in touches),
+        tuple(lam[equations:].tolist()),
+    )
+
+
+def _judged(
+    model: Model, roots: Roots, points: tuple[CriticalPoint, ...], touches: tuple[Row, ...]
+) -> list[CriticalPoint]:
+    """Keep what is admissible, with a verdict."""
+    if not points:
+        return []
+    signs = Signs(model, roots.x, roots.radius, roots.pins)
+    out = []
+    for i, point in enumerate(points):
+        contacts = signs.contacts(i, touches)
+        if contacts.verdict == CROSSED:
+            continue
+        if contacts.verdict == APART:
+            out.append(_decided(point, contacts.sides, roots.spread[i] if touches else 0.0))
+            continue
+        x = np.array(point.x)
+        if model.refuses(x):
+            continue
+        if not touches and point.is_minimum:
+            out.append(replace(point, judged="admissible by the test of its layers"))
+            continue
+        what = classify(State(model, x))
+        out.append(replace(point, is_minimum=None, judged=f"{what.verdict}: {what.reason}"))
+    return out
+
+
+def _decided(point: CriticalPoint, sides: tuple[int, ...], spread: float) -> CriticalPoint:
+    """Decide by signs of all multipliers and the index."""
+    if not point.touches:
+        return point
+    pushes = tuple(side * force for side, force in zip(sides, point.forces, strict=True))
+    # the multiplier is known to `doubt`: the share of the uniqueness box that the root may lie in
+    doubt = point.unique_moment * point.radius / point.unique_radius
+    leaves = any(push < -doubt for push in pushes)
+    holds = all(push > doubt for push in pushes)
+    inside = all(
+        s or abs(v) + point.radius < math.pi for v, s in zip(point.x, point.stratum, strict=True)
+    )
+    decided: bool | None = None
+    if leaves or 1 in point.pinned_signs or point.index:
+        decided = False
+    elif holds and point.index == 0:
+        pinned = [g for g, s in zip(point.pinned_signs, point.stratum, strict=True) if s]
+        decided = True if all(g < 0 for g in pinned) else None
+    return replace(point, forces=pushes, is_minimum=decided if inside else None)
