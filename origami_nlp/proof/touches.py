@@ -142,7 +142,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     end = math.inf if seconds is None else started + seconds
     boxes, finished = limits.boxes, limits.finished
     singular, undecided = list(limits.singular), list(limits.undecided)
-    points = _judged(model, _as_roots(limits.points), limits.points, ())
+    points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
         undecided.append(_everywhere(model, why))
     for stratum in () if why else touch_strata(model):
@@ -184,10 +184,10 @@ def _everywhere(model: Model, why: str) -> Cluster:
     return _cluster(model, strata(model.size)[:1], why)
 
 
-def _as_roots(points: tuple[CriticalPoint, ...]) -> Roots:
+def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
     """The states of points, for `Signs`."""
-    x = np.array([p.x for p in points]).reshape(len(points), -1)
-    pins = np.array([p.stratum for p in points]).reshape(len(points), -1)
+    x = np.array([p.x for p in points]).reshape(-1, n)
+    pins = np.array([p.stratum for p in points]).reshape(-1, n)
     radius = np.array([p.radius for p in points])
     none = np.zeros(len(points))
     return Roots(x, none, pins, radius, none, none, none, none)
