@@ -22,7 +22,7 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.proof.affine import UNIT, Affine, variables
+from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import Rows
 from origami_nlp.proof.tree import Kind, Recorder
 
@@ -32,6 +32,8 @@ SMALL = 1e-5
 """Boxes whose sides are all shorter [rad] are candidates, for roots or singular states."""
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
+EXACT = 1e-6
+"""Least squares take no row to be more accurate than this, relative to its slopes."""
 KEPT = 0.9
 """A contraction that leaves more than this share of every side is not carried out."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -328,6 +330,8 @@ def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
 
 def _least_squares(a: np.ndarray, e: np.ndarray) -> np.ndarray:
     """Matrices [K, n, R] of the least squares of all rows in the metric of their errors."""
+    # exact rows would leave nothing of the unit matrix in doubles
+    e = np.maximum(e, EXACT * np.abs(a).max(axis=2)) + TINY
     scaled = a / e[:, :, None]
     turned = scaled.transpose(0, 2, 1)
     normal = turned @ scaled

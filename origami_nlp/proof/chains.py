@@ -18,6 +18,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -33,8 +34,9 @@ from origami_nlp.proof.affine import (
     variables,
     with_centre,
 )
+from origami_nlp.proof.twins import Twin, twin_rows, twins_asked, twins_of_loop
 
-SECTORS = 8
+SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
 
 
@@ -55,6 +57,14 @@ class Rows:
     closure: Affine
     critical: Affine
     asked: np.ndarray
+
+
+class Sprung(Protocol):
+    """Springs and twins of a piece."""
+
+    stiffness: np.ndarray
+    rest: np.ndarray
+    twin_rule: tuple[Twin, ...]
 
 
 class Vertex:
@@ -96,7 +106,8 @@ class Vertex:
         self._pose_minors()
         self.minor_count = len(self.fours)
         self.minor_creases = tuple(map(tuple, self.fours.tolist()))
-        self.twins: tuple[tuple[int, ...], ...] = ()
+        self.twin_rule = twins_of_loop(self.sectors, doubt)
+        self.twins = tuple(t.creases for t in self.twin_rule)
 
     def _pose_triples(self) -> None:
         """Choose for each triple of creases the middle one and how many creases on each side the others are."""
@@ -142,7 +153,8 @@ class Vertex:
         middle, half = variables(lower, upper)
         closure = self.closure(middle, half, pins)
         fours = ~(pins != 0)[self.fours].any(axis=1)
-        return Rows(closure, self.minors(middle, half, pins), fours)
+        minors = self.minors(middle, half, pins)
+        return Rows(closure, *with_twins(self, minors, fours, middle, half, pins))
 
     def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
@@ -156,27 +168,27 @@ class Vertex:
             left.magnitude() + right.magnitude(),
             2,
         )
-        return _times_conjugate(left.centre, gap)
+        return times_conjugate(left.centre, gap)
 
     def sides_of(
         self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray
     ) -> tuple[Affine, Affine]:
         """Enclose q_left, in angles 1 .. h, and q_right, in angles N .. h+1: [4, K] each."""
         ends = []
-        turn = _turn(0.5 * middle, 0.5 * half, pins, np.zeros(1), pins)
+        turn = half_turns(middle, half, pins)
         for creases, products, sign in self.sides:
             q = constant(np.array([1.0, 0, 0, 0]), 0.0, 0, middle.shape[1])
             for crease, right in zip(creases, products, strict=True):
-                by = _take(turn, crease, sign)
-                x = mixed(q, by.cosine, _carried(right, q), by.sine)
-                q = turned(x, _carried(right, x), by)
+                by = taken(turn, crease, sign)
+                x = mixed(q, by.cosine, carried(right, q), by.sine)
+                q = turned(x, carried(right, x), by)
             ends.append(q)
         return ends[0], ends[1]
 
     def triple_products(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose the triple products of axes, in the order of `triples`: [T, K] in n variables."""
         n, boxes = middle.shape
-        turn = _turn(middle, half, pins, -np.ones(1), np.zeros(1))
+        turn = angle_turns(middle, half, pins)
         on, back = self._next_axes(turn, boxes), self._next_axes(turn, boxes, -1)
         count = len(self.triples)
         centre, error = np.empty((count, boxes)), np.empty((count, boxes))
@@ -185,8 +197,8 @@ class Vertex:
             number, j = (np.array(v) for v in zip(*members, strict=True))
             z, w = back[p - 1][:, j], on[q - 1][:, j]
             # Z' Z, the variables of Z' first
-            x, y = _complex_product(z, w)
-            by = _take(turn, j)
+            x, y = complex_product(z, w)
+            by = taken(turn, j)
             ax = mixed(x, by.cosine, y, -by.sine)
             ay = mixed(x, by.sine, y, by.cosine)
             t = turned(ay, ax, by)
@@ -210,7 +222,7 @@ class Vertex:
         axis = constant(np.stack([c[:, 0], s[:, 0], 0 * j]), self.doubt, 0, boxes)
         found = [axis[1:]]
         near = (j + way) % n
-        by = _take(turn, near)
+        by = taken(turn, near)
         for _ in range(self.reach - 1):
             x, y, z = (axis[i, near] for i in range(3))
             ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
@@ -219,7 +231,7 @@ class Vertex:
             y, z, x = _last_first(y), _last_first(z), _with_zero_first(x)
             ones = np.ones_like(c)
             x, y = mixed(x, c * ones, y, -s * ones), mixed(x, s * ones, y, c * ones)
-            axis = Affine(*(np.stack(v) for v in zip(_parts(x), _parts(y), _parts(z), strict=True)))
+            axis = Affine(*(np.stack(v) for v in zip(parts(x), parts(y), parts(z), strict=True)))
             found.append(axis[1:])
         return found
 
@@ -227,8 +239,7 @@ class Vertex:
         """Enclose det [G_S | C_S] for every four creases, stiffness over its largest: [M, K] in n variables."""
         n, boxes = middle.shape
         t = self.triple_products(middle, half, pins)
-        k = (self.stiffness / self.stiffness.max())[:, None]
-        torque, lean = k * (middle - self.rest[:, None]), k * half
+        k, torque, lean = torques(self, middle, half)
         count = len(self.fours)
         centre = np.zeros((count, boxes))
         slopes = np.zeros((count, n, boxes))
@@ -252,7 +263,35 @@ class Vertex:
         return padded(centre, slopes, error, total, 4 * (n + 4))
 
 
-def _parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def torques(
+    piece: Sprung, middle: np.ndarray, half: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return stiffness over its largest [n, 1], torque at the middle of boxes and its slope, [n, K]."""
+    k = (piece.stiffness / piece.stiffness.max())[:, None]
+    return k, k * (middle - piece.rest[:, None]), k * half
+
+
+def with_twins(
+    piece: Sprung,
+    minors: Affine,
+    asked: np.ndarray,
+    middle: np.ndarray,
+    half: np.ndarray,
+    pins: np.ndarray,
+) -> tuple[Affine, np.ndarray]:
+    """Add the twin rows to the minors: all rows, and which are asked for."""
+    rule = piece.twin_rule
+    if not rule:
+        return minors, asked
+    k, torque, lean = torques(piece, middle, half)
+    centre, slopes = twin_rows(rule, torque, lean)
+    size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
+    twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
+    both = (np.concatenate(v) for v in zip(parts(minors), parts(twins), strict=True))
+    return Affine(*both), np.concatenate([asked, twins_asked(rule, pins)])
+
+
+def parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return x.centre, x.slopes, x.error
 
 
@@ -265,20 +304,22 @@ def _with_zero_first(x: Affine) -> Affine:
     return Affine(x.centre, np.concatenate([none, x.slopes], axis=-2), x.error)
 
 
-def _turn(
-    middle: np.ndarray,
-    half: np.ndarray,
-    pins: np.ndarray,
-    cosine: np.ndarray,
-    sine: np.ndarray,
-) -> Turn:
-    """Turns by every angle [n, K]; pinned ones have the given cosine and sine, exactly."""
+def angle_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
+    """Turns by angles [n, K], by +-pi exactly where these are pinned."""
     pinned = pins != 0
-    c, s = np.where(pinned, cosine, np.cos(middle)), np.where(pinned, sine, np.sin(middle))
+    c, s = np.where(pinned, -1.0, np.cos(middle)), np.where(pinned, 0.0, np.sin(middle))
     return with_centre(c, s, np.where(pinned, 0.0, half))
 
 
-def _take(turn: Turn, which: object, sign: float = 1.0) -> Turn:
+def half_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
+    """Turns by half of angles [n, K], by +-pi/2 exactly where these are pinned."""
+    pinned = pins != 0
+    c = np.where(pinned, 0.0, np.cos(0.5 * middle))
+    s = np.where(pinned, pins, np.sin(0.5 * middle))
+    return with_centre(c, s, np.where(pinned, 0.0, 0.5 * half))
+
+
+def taken(turn: Turn, which: object, sign: float = 1.0) -> Turn:
     """Select turns, or the turns the other way."""
     c, s = turn.cosine[which], sign * turn.sine[which]
     return Turn(
@@ -295,7 +336,7 @@ def _right_products(azimuths: list[float]) -> list[np.ndarray]:
     return out
 
 
-def _carried(matrix: np.ndarray, q: Affine) -> Affine:
+def carried(matrix: np.ndarray, q: Affine) -> Affine:
     """Apply a constant matrix [4, 4] (|entries| <= 1, two a row)."""
     d, boxes = q.slopes.shape[1:]
     slopes = (matrix @ q.slopes.reshape(4, d * boxes)).reshape(4, d, boxes)
@@ -303,7 +344,7 @@ def _carried(matrix: np.ndarray, q: Affine) -> Affine:
     return padded(matrix @ q.centre, slopes, size @ q.error, size @ q.magnitude(), 8)
 
 
-def _times_conjugate(m: np.ndarray, q: Affine) -> Affine:
+def times_conjugate(m: np.ndarray, q: Affine) -> Affine:
     """Multiply by conj(m) from the left, m [4, K] any numbers."""
     w, x, y, z = m
     matrix = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
@@ -314,7 +355,7 @@ def _times_conjugate(m: np.ndarray, q: Affine) -> Affine:
     return padded(np.einsum("abk,bk->ak", matrix, q.centre), slopes, error, total, 8)
 
 
-def _complex_product(z: Affine, w: Affine) -> tuple[Affine, Affine]:
+def complex_product(z: Affine, w: Affine) -> tuple[Affine, Affine]:
     """Multiply y + i z of two axes [2, ..., K]; variables of the first, then of the second."""
     a, b = _joined(z, w)
     x = _difference_of_products(a[0], b[0], a[1], b[1], -1.0)

@@ -12,15 +12,29 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.programme import Model
-from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
+from origami_nlp.proof.boxes import SMALL, Boxes, Posed, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
-from origami_nlp.proof.roots import Roots, System, certify, holds, newton
+from origami_nlp.proof.roots import (
+    Roots,
+    System,
+    certify,
+    different,
+    holds,
+    joined_roots,
+    least_slope,
+    newton,
+)
 from origami_nlp.proof.tree import Kind, Recorder
+from origami_nlp.proof.wedges import Period, Wedge
 
 TOGETHER = 20 * SMALL
 """Boxes of a stratum that are no further apart [rad] are one cluster."""
+SMALLER = (1e-7, 1e-9)
+"""Widths [rad] to which boxes are bisected where `SMALL` ones hold no certified root, though closure has full rank."""
+MOST = 20_000
+"""Boxes for that."""
 LOW = 1e-3
 """Smallest singular value of closure on the free variables, in a box of `SMALL`, from which on it counts as regular."""
 
@@ -66,38 +80,45 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
-    radius = flat.radius or RADII[0]
-    left = prune(posed, start, flat=radius, seconds=seconds, recorder=recorder)
+    near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
+    left = prune(posed, start, flat=near, seconds=seconds, recorder=recorder)
     system = System(model)
-    roots, which, rest = _certified(system, left.candidates)
+    roots, held, number, rest, more = _certified(system, posed, left.candidates, near, recorder)
+    # a root with a free angle at its limit is none of the open stratum: the state belongs to others
+    inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
+    ends = np.flatnonzero(~inside.all(axis=1))
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
+    order = order[inside.all(axis=1)[order]]
     points = tuple(_point(model, roots, int(i)) for i in order)
-    position = np.empty(len(order), dtype=int)
+    position = np.full(len(roots), -1)
     position[order] = np.arange(len(order))
-    done = which >= 0
-    groups = list(_clusters(rest))
     singular, undecided, leaves = [], [], []
-    for group in groups:
-        reason, is_singular = _reason(system, rest[group])
+    for i in ends:
+        group = held[number == i]
+        leaves.append((group.node, Kind.SINGULAR, len(singular)))
+        singular.append(
+            _cluster(model, group, "free angles at their limits: a state of other strata")
+        )
+    for group in [rest[g] for g in _clusters(rest)]:
+        reason, is_singular = _reason(system, group)
         kept = singular if is_singular else undecided
-        leaves.append((group, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
-        kept.append(_cluster(model, rest[group], reason))
+        leaves.append((group.node, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
+        kept.append(_cluster(model, group, reason))
     if recorder:
-        nodes = left.candidates.node
-        recorder.leaves(nodes[done], Kind.ROOT, position[which[done]])
-        for group, kind, number in leaves:
-            recorder.leaves(rest.node[group], kind, number)
+        recorder.leaves(held.node, Kind.ROOT, position[number])
+        for nodes, kind, place in leaves:
+            recorder.leaves(nodes, kind, place)
     for group in _by_stratum(left.open):
         if recorder:
             recorder.leaves(left.open.node[group], Kind.UNDECIDED, len(undecided))
         undecided.append(_cluster(model, left.open[group], "time was up"))
     if left.flat and not flat.radius:
-        undecided.append(_near_flat(model, radius))
+        undecided.append(_near_flat(model, near))
     return Proof(
         points,
         tuple(singular),
         tuple(undecided),
-        left.boxes + flat.boxes,
+        left.boxes + flat.boxes + more,
         time.perf_counter() - started,
         not len(left.open),
         flat.text,
@@ -131,43 +152,79 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if not scene.group.is_trivial:
-        raise OptionError(f"symmetry {scene.group.name}: proofs are for symmetry = 'none'")
-    if model.size < 4:
-        raise OptionError("a vertex of degree 3 has no freedom")
-    vertex = Vertex(p.sectors, p.stiffness, p.rest)
-    return vertex, flat_lemma(vertex)
+    if model.freedom < 1:
+        raise OptionError("the scene has no freedom: its closed states are finitely many")
+    group = scene.group
+    if group.is_trivial:
+        vertex = Vertex(p.sectors, p.stiffness, p.rest)
+        return vertex, flat_lemma(vertex)
+    # torques per crease: variables stand for several, the model sums their springs
+    k = p.stiffness / model.multiplicity
+    flat = Flat(0.0, 0, None)
+    if group.kind == "C":
+        return Period(group.order, p.sectors, k, p.rest), flat
+    crease: list[int | None] = []
+    for ray in group.rays:
+        crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
+    return Wedge(group.order, p.sectors, crease, k, p.rest), flat
 
 
-def _certified(system: System, boxes: Boxes) -> tuple[Roots, np.ndarray, Boxes]:
-    """Certify roots of candidates: the roots, which of them holds each box (-1: none), the boxes that none holds."""
-    x = (0.5 * (boxes.lower + boxes.upper)).T
+def _certified(
+    system: System, posed: Posed, boxes: Boxes, flat: float, recorder: Recorder | None
+) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
+    """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
+
+    Returns
+    -------
+    roots : Roots
+        Different ones, each held by some box.
+    held : Boxes
+    number : numpy.ndarray
+        Of the root of each of these.
+    rest : Boxes
+        Those that no root holds.
+    more : int
+        Boxes treated.
+    """
+    found, more = certify(system, *_none(system))[0], 0
+    held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
+    for small in (0.0, *SMALLER):
+        if small:
+            which = _regular(system, boxes)
+            again = prune(posed, boxes[which], flat=flat, small=small, most=MOST, recorder=recorder)
+            boxes, more = joined([boxes[~which], again.candidates, again.open]), more + again.boxes
+        roots = different(joined_roots([found, _roots_of(system, boxes)]), len(found))
+        number = holds(system, roots, boxes)
+        used = np.union1d(np.arange(len(found)), number[number >= 0])
+        place = np.full(len(roots), -1)
+        place[used] = np.arange(len(used))
+        found = roots[used]
+        held.append(boxes[number >= 0])
+        numbers.append(place[number[number >= 0]])
+        boxes = boxes[number < 0]
+        if not len(boxes):
+            break
+    return found, joined(held), np.concatenate(numbers), boxes, more
+
+
+def _none(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return np.zeros((0, system.n)), np.zeros((0, system.m)), np.zeros((0, system.n), dtype=np.int8)
+
+
+def _roots_of(system: System, boxes: Boxes) -> Roots:
+    """Newton from the middle of every box, and certificates of what converged."""
     pins = boxes.pins.T
-    x = np.where(pins == 0, x, math.pi * pins)
-    start, lam, converged = newton(system, x, pins)
+    x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
+    x, lam, converged = newton(system, x, pins)
     some = np.flatnonzero(converged)
-    roots, _ = certify(system, start[some], lam[some], pins[some])
-    roots = roots[_different(roots)]
-    which = holds(system, roots, boxes)
-    used = np.unique(which[which >= 0])
-    number = np.full(len(roots) + 1, -1)
-    number[used] = np.arange(len(used))
-    return roots[used], number[which], boxes[which < 0]
+    return certify(system, x[some], lam[some], pins[some])[0]
 
 
-def _different(roots: Roots) -> np.ndarray:
-    """Choose one of all that are the same: of one stratum, each within the other's uniqueness box."""
-    kept: list[int] = []
-    for i in range(len(roots)):
-        same = [
-            j
-            for j in kept
-            if (roots.pins[i] == roots.pins[j]).all()
-            and np.abs(roots.x[i] - roots.x[j]).max() + roots.radius[i] < roots.unique[j]
-        ]
-        if not same:
-            kept.append(i)
-    return np.array(kept, dtype=int)
+def _regular(system: System, boxes: Boxes) -> np.ndarray:
+    """Tell at which boxes closure has full rank on the free variables, far enough for their size, [K]."""
+    pins = boxes.pins.T
+    x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
+    return least_slope(system, x, pins) > 3 * SMALL
 
 
 def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
@@ -175,14 +232,11 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
     index = None if roots.index[i] < 0 else int(roots.index[i])
     signs = roots.signs[i]
     x, pins = roots.x[i], roots.pins[i]
-    inside = np.abs(x) + roots.radius[i] < math.pi
     decided: bool | None = None
     if bool((signs > 0).any()) or (index is not None and index > 0):
         decided = False
     elif index == 0 and (signs[pins != 0] < 0).all():
         decided = True
-    if not inside[pins == 0].all():  # a free angle at its limit
-        decided = None
     half = 0.5 if model.equation_count == 3 else 1.0
     return CriticalPoint(
         tuple(x.tolist()),
@@ -233,9 +287,7 @@ def _reason(system: System, boxes: Boxes) -> tuple[str, bool]:
     if free.sum() < system.m:
         return f"{int(free.sum())} free variables, {system.m} closure equations", True
     x = 0.5 * (boxes.lower.min(axis=1) + boxes.upper.max(axis=1))
-    x = np.where(free, x, np.pi * pins)[None]
-    a = system.constraints(x)[1][0][:, free]
-    least = float(np.linalg.svd(a, compute_uv=False)[-1])
+    least = least_slope(system, np.where(free, x, np.pi * pins)[None], pins[None])[0]
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True
     return "no root was certified", False

@@ -15,8 +15,8 @@ Index.  The number of negative eigenvalues of [[H, A'], [A, 0]] less the number 
 With X the computed eigenvectors, X' J X = D + R is known with error bounds; where all Gershgorin discs miss zero, the
 signs of D count (Sylvester, X being regular as X' X is near 1).
 
-Rounding: N folds in doubles are off by at most 40 u each (a fold is a 4 x 4 product of entries known to 4 u, 8 u at
-most), azimuths of creases by N times what a sector may be off: `FOLD` (N + 4)^2 bounds both for g, A and g''.
+Rounding: N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may be
+off; `System.fold` bounds what both do to g, A and g''.
 """
 
 from __future__ import annotations
@@ -28,16 +28,14 @@ import numpy as np
 from origami_nlp.programme import Kinematics, Model
 from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import Boxes
+from origami_nlp.proof.chains import SECTORS
 
 STEPS = 30
 """Newton's steps from the middle of a box."""
 FAR = 0.05
 """A root further from its box than this [rad] is none of it."""
-FOLD = 40 * UNIT
-"""Times (N + 4)^2: what N folds in doubles (40 u each) and the doubt of azimuths (32 u a sector) do to closure, its
-Jacobian and its Hessian."""
-
-
+FOLD = 40
+"""Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
 SHARES = (1.0, 0.3, 0.1, 0.03)
 """Sides of the uniqueness box in multipliers that are tried, over what these move with x; the widest box is taken."""
 
@@ -99,7 +97,9 @@ class System:
         on_mirror = np.isin(rays, (0, last)) & dihedral
         vector = dihedral and model.structure.order > 1
         self.beta = np.where(on_mirror, 0.5, 1.0) * (1.0 if vector else 0.5)
-        self.fold = FOLD * (len(model.structure.has_crease) + 4) ** 2
+        creases = len(rays)
+        # creases are off by their azimuths: a sector's doubt for each sector before them
+        self.fold = UNIT * (FOLD * (creases + 4) + 2 * SECTORS * creases**2)
 
     def constraints(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return what vanishes, g [R, m], and its Jacobian A [R, m, n]."""
@@ -337,6 +337,43 @@ def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
         if len(fits):
             out[k] = fits[0]
     return out
+
+
+def joined_roots(parts: list[Roots]) -> Roots:
+    """Return roots of several parts, in order."""
+    names = Roots.__dataclass_fields__
+    return Roots(*(np.concatenate([getattr(p, name) for p in parts]) for name in names))
+
+
+def different(roots: Roots, known: int = 0) -> Roots:
+    """Return one of all that are the same: of one stratum, one within the uniqueness box of the other.
+
+    Parameters
+    ----------
+    roots
+        Certified.
+    known
+        So many, the first ones, are different already.
+
+    Returns
+    -------
+    Roots
+        The first of each.
+    """
+    kept = np.zeros(len(roots), dtype=bool)
+    for i in range(len(roots)):
+        same = kept[:i] & (roots.pins[:i] == roots.pins[i]).all(axis=1)
+        near = np.abs(roots.x[:i] - roots.x[i]).max(axis=1, initial=0.0) + roots.radius[i]
+        kept[i] = i < known or not (same & (near < roots.unique[:i])).any()
+    return roots[np.flatnonzero(kept)]
+
+
+def least_slope(system: System, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Return the smallest singular value of closure on the free variables at states [K, n], [K]; 0 for fewer of these."""
+    if not len(x):
+        return np.zeros(0)
+    a = system.constraints(x)[1] * (pins == 0)[:, None]
+    return np.linalg.svd(a, compute_uv=False)[:, -1]
 
 
 def _index(

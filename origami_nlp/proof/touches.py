@@ -150,7 +150,8 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         boxes += left.boxes
         finished &= not len(left.open)
         system = TouchSystem(model, tuple(t.gap for t in stratum.touches))
-        roots, _, rest = _certified(system, left.candidates)
+        roots, _, _, rest, more = _certified(system, stratum.posed, left.candidates, 0.0, None)
+        boxes += more
         found = tuple(_point(model, roots, i, stratum.touches) for i in range(len(roots)))
         new = [
             i for i, p in enumerate(found) if not _again(model, p, stratum.touches, limits.points)

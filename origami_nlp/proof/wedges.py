@@ -1,0 +1,389 @@
+"""What every local minimum satisfies where a symmetry is imposed: a wedge between two mirrors, or a period of turns.
+
+Torques per crease, G_i = k_i (phi_i - rest_i), stand beside the axes as without symmetry: a crease on a mirror counts
+half in the energy of a piece, and moves it half.
+
+D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e2 = e2).  On closed states the slopes of closure are
+a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an alternating sum of
+G_i (n_1, c_j, c_k); the triple product is the same with N.
+D_n, n > 1: n_1 . N = -cos(pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
+C_n: the scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from
+crease i on, and G_a t_b = G_b t_a.
+
+All of it is triple products seen from the crease in the middle, as without symmetry, or products of two half chains.
+Backwards, the wedge is read in a mirror (y to -y).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from origami_nlp.proof.affine import (
+    TRIGONOMETRIC,
+    UNIT,
+    Affine,
+    Turn,
+    constant,
+    dot,
+    mixed,
+    padded,
+    turned,
+    variables,
+)
+from origami_nlp.proof.chains import (
+    SECTORS,
+    Rows,
+    angle_turns,
+    half_turns,
+    parts,
+    taken,
+    torques,
+    with_twins,
+)
+from origami_nlp.proof.twins import Twin, twins_of_loop, twins_of_wedge
+
+
+class Wedge:
+    """The forms of a wedge of D_n between two mirrors.
+
+    Parameters
+    ----------
+    order
+        n of D_n.
+    sectors
+        Between successive rays, [R - 1] [rad].
+    crease
+        Number of the crease on each ray, None for a mirror through a facet, [R].
+    stiffness, rest
+        Of each crease of the wedge, one of its images, [n].
+    """
+
+    def __init__(
+        self,
+        order: int,
+        sectors: np.ndarray,
+        crease: list[int | None],
+        stiffness: np.ndarray,
+        rest: np.ndarray,
+    ) -> None:
+        n = self.size = len(stiffness)
+        self.order, self.crease = order, crease
+        self.sectors = np.asarray(sectors, dtype=float)
+        self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
+        self.rays = len(crease)
+        self.middle_ray = self.rays // 2
+        doubt = SECTORS * 4 * UNIT
+        self.doubt = self.rays * (doubt + 2 * TRIGONOMETRIC)
+        self.pivots = 2 if order == 1 else 1
+        self.linear = slice(1, 3) if order == 1 else slice(0, 1)
+        many = 3 if order == 1 else 2
+        self.minor_creases = tuple(itertools.combinations(range(n), many))
+        self.minor_count = len(self.minor_creases)
+        self.twin_rule = twins_of_wedge(self.sectors, crease, doubt)
+        self.twins = tuple(t.creases for t in self.twin_rule)
+        self.ray_of = [r for r, c in enumerate(crease) if c is not None]
+
+    def turns(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
+        """Turns of the creases, half as far on a mirror, [n, K]."""
+        whole = angle_turns(middle, half, pins)
+        halves = half_turns(middle, half, pins)
+        on_mirror = np.isin(self.ray_of, (0, self.rays - 1))[:, None]
+        names = Turn.__dataclass_fields__
+        return Turn(*(np.where(on_mirror, getattr(halves, v), getattr(whole, v)) for v in names))
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+        """Enclose the rows over boxes, as `Vertex.rows` does."""
+        middle, half = variables(lower, upper)
+        turn = self.turns(middle, half, pins)
+        on = _Views(self, turn, 1)
+        back = _Views(self, turn, -1)
+        if self.order == 1:
+            minors = self._three(on, back, turn, middle, half)
+        else:
+            minors = self._two(on, back, turn, middle, half)
+        asked = _all_free(self.minor_creases, pins)
+        closure = self._closure(on, back)
+        return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
+
+    def _closure(self, on: _Views, back: _Views) -> Affine:
+        """Compare the mirrors' normals, seen from the middle ray before its fold."""
+        last = on.before[self.middle_ray][:, 0]
+        first = back.after[self.middle_ray][:, 0]
+        flip = np.array([1.0, -1.0, 1.0])[:, None]
+        first = Affine(flip * first.centre, flip[..., None] * first.slopes, first.error)
+        if self.order > 1:
+            level = math.cos(math.pi / self.order)
+            row = dot(first, last)
+            return padded(
+                row.centre[None] + level,
+                row.slopes[None],
+                row.error[None] + 4 * self.doubt,
+                2.0 + 0 * row.centre[None],
+                4,
+            )
+        gap = first - last
+        gap = Affine(gap.centre, gap.slopes, gap.error + 4 * self.doubt)
+        return _in_frame(first.centre, gap)
+
+    def _triple(self, ray: int, before: Affine, after: Affine, turn: Turn) -> Affine:
+        """Enclose (u, c, v): u seen backwards, v forwards from a crease; shape [K]."""
+        variable = self.crease[ray]
+        assert variable is not None
+        by = taken(turn, variable)
+        z = dot(Affine(*(v[1:] for v in parts(before))), Affine(*(v[2:0:-1] for v in parts(after))))
+        y0, y1 = before[1] * after[1], before[2] * after[2]
+        y = y0 - y1
+        ax = mixed(y, by.cosine, z, -by.sine)
+        ay = mixed(y, by.sine, z, by.cosine)
+        t = _placed(turned(ay, ax, by), variable)
+        return Affine(t.centre, t.slopes, t.error + 4 * self.doubt)
+
+    def _three(
+        self, on: _Views, back: _Views, turn: Turn, middle: np.ndarray, half: np.ndarray
+    ) -> Affine:
+        """Minors of three creases, D_1."""
+        pairs = {}
+        n = self.size
+        for i, j in itertools.combinations(range(n), 2):
+            r, s = self.ray_of[i], self.ray_of[j]
+            if j <= n - 1 - i:  # creases before j, or those after i
+                pairs[i, j] = self._triple(
+                    r, back.after[r][:, 0], on.after[r][:, on.place(r, s)], turn
+                )
+            else:
+                pairs[i, j] = self._triple(
+                    s, back.after[s][:, back.place(s, r)], on.after[s][:, 0], turn
+                )
+        terms = [
+            [(i, pairs[j, k], 1.0), (j, pairs[i, k], -1.0), (k, pairs[i, j], 1.0)]
+            for i, j, k in self.minor_creases
+        ]
+        return _sums_of_torques(self, terms, middle, half)
+
+    def _two(
+        self, on: _Views, back: _Views, turn: Turn, middle: np.ndarray, half: np.ndarray
+    ) -> Affine:
+        """Minors of two creases, D_n."""
+        slopes = [
+            self._triple(r, back.after[r][:, 0], on.after[r][:, 0], turn) for r in self.ray_of
+        ]
+        terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
+        return _sums_of_torques(self, terms, middle, half)
+
+
+class _Views:
+    """The far mirror's normal, and the axes between, seen from every ray: before its fold, and after it.
+
+    Stacks of vectors [3, V, K], the normal first, then axes from the far mirror on; forwards (way = 1) or backwards.
+    """
+
+    def __init__(self, wedge: Wedge, turn: Turn, way: int) -> None:
+        n, boxes = wedge.size, turn.cosine.shape[-1]
+        rays = list(range(wedge.rays))[::way]
+        self.after: dict[int, Affine] = {}
+        self.before: dict[int, Affine] = {}
+        self.seen: dict[int, list[int]] = {}
+        stack = constant(np.array([[0.0], [-1.0], [0.0]]), 0.0, n, boxes)
+        axis = constant(np.array([[1.0], [0.0], [0.0]]), 0.0, n, boxes)
+        axes: list[int] = []
+        for r in reversed(rays):
+            self.after[r], self.seen[r] = stack, list(axes)
+            variable = wedge.crease[r]
+            if variable is not None:
+                stack = _about_x(stack, taken(turn, variable), variable)
+                stack = Affine(
+                    *(
+                        np.concatenate(v, axis=1)
+                        for v in zip(parts(stack), parts(axis), strict=True)
+                    )
+                )
+                axes.append(r)
+            self.before[r] = stack
+            if r != rays[0]:
+                sector = wedge.sectors[r - 1 if way > 0 else r]
+                stack = _about_z(stack, math.cos(sector), math.sin(sector))
+
+    def place(self, r: int, s: int) -> int:
+        """Where the axis of the crease on ray s stands among what is seen from ray r after its fold."""
+        return 1 + self.seen[r].index(s)
+
+
+def _about_x(v: Affine, by: Turn, variable: int) -> Affine:
+    """Turn vectors [3, V, K] about e1 by an angle that they do not depend on yet."""
+    x, y, z = v[0], v[1], v[2]
+    ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
+    y, z = (_placed(turned(a, b, by), variable) for a, b in ((ay, -az), (az, ay)))
+    return Affine(*(np.stack(p) for p in zip(parts(x), parts(y), parts(z), strict=True)))
+
+
+def _about_z(v: Affine, c: float, s: float) -> Affine:
+    """Turn vectors [3, V, K] about e3."""
+    x, y, z = v[0], v[1], v[2]
+    a, b = np.full((1, 1), c), np.full((1, 1), s)
+    x, y = mixed(x, a, y, -b), mixed(x, b, y, a)
+    return Affine(*(np.stack(p) for p in zip(parts(x), parts(y), parts(z), strict=True)))
+
+
+def _placed(form: Affine, variable: int) -> Affine:
+    """Move the slope of the last variable to where it belongs; the form did not depend on that one."""
+    slopes = form.slopes[..., :-1, :].copy()
+    slopes[..., variable, :] += form.slopes[..., -1, :]
+    return Affine(form.centre, slopes, form.error)
+
+
+def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
+    """Turn a vector [3, K] into a frame whose first axis is along `normal`."""
+    normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), 1e-3)
+    least = np.eye(3)[np.abs(normal).argmin(axis=0)].T
+    second = np.cross(normal, least, axis=0)
+    second = second / np.maximum(np.sqrt((second**2).sum(axis=0)), 1e-3)
+    frame = np.stack([normal, second, np.cross(normal, second, axis=0)])
+    size = np.abs(frame)
+    total = np.einsum("abk,bk->ak", size, gap.magnitude())
+    return padded(
+        np.einsum("abk,bk->ak", frame, gap.centre),
+        np.einsum("abk,bdk->adk", frame, gap.slopes),
+        np.einsum("abk,bk->ak", size, gap.error),
+        total,
+        6,
+    )
+
+
+def _all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarray:
+    """Tell which choices of creases are free, [M, K]."""
+    which = np.array(creases, dtype=int).reshape(len(creases), -1)
+    return (pins == 0)[which].all(axis=1)
+
+
+def _sums_of_torques(
+    piece: Wedge | Period,
+    terms: list[list[tuple[int, Affine, float]]],
+    middle: np.ndarray,
+    half: np.ndarray,
+) -> Affine:
+    """Enclose sums of sign G_i t, [M, K], the stiffness over its largest."""
+    n, boxes = middle.shape
+    k, torque, lean = torques(piece, middle, half)
+    unit = lean[:, None] * np.eye(n)[:, :, None]
+    # (phi - rest) k is rounded twice
+    g = padded(torque, unit, np.zeros((n, boxes)), np.full((n, boxes), 8.0) * k, 4)
+    sums = []
+    for row in terms:
+        i, t, sign = zip(*row, strict=True)
+        s = np.array(sign)[:, None]
+        left = Affine(s * g.centre[list(i)], s[..., None] * g.slopes[list(i)], g.error[list(i)])
+        sums.append(dot(left, Affine(*(np.stack(p) for p in zip(*map(parts, t), strict=True)))))
+    none = np.zeros((0, boxes))
+    if not sums:
+        return Affine(none, np.zeros((0, n, boxes)), none)
+    return Affine(*(np.stack(p) for p in zip(*map(parts, sums), strict=True)))
+
+
+class Period:
+    """The forms of a period of C_n.
+
+    Parameters
+    ----------
+    order
+        n of C_n.
+    sectors
+        Of the period, shape [n] [rad].
+    stiffness, rest
+        Of each crease of the period, [n].
+    """
+
+    pivots = 1
+    linear = slice(0, 1)
+
+    def __init__(
+        self, order: int, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray
+    ) -> None:
+        n = self.size = len(sectors)
+        self.order, self.sectors = order, np.asarray(sectors, float)
+        self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
+        self.minor_creases = tuple(itertools.combinations(range(n), 2))
+        self.minor_count = len(self.minor_creases)
+        doubt = SECTORS * 4 * UNIT
+        self.doubt = n * (doubt + 2 * TRIGONOMETRIC)
+        found = {}
+        for twin in twins_of_loop(np.tile(self.sectors, order), doubt):
+            a, b = (c % n for c in twin.creases)
+            if a != b:
+                closed = tuple(sorted({c % n for c in twin.closed}))
+                if not {a, b} & set(closed):
+                    found[min(a, b), max(a, b), closed] = twin.sign
+        self.twin_rule = tuple(Twin((a, b), sign, c) for (a, b, c), sign in found.items())
+        self.twins = tuple(t.creases for t in self.twin_rule)
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+        """Enclose the rows over boxes, as `Vertex.rows` does."""
+        middle, half = variables(lower, upper)
+        scalar, slopes = self._products(half_turns(middle, half, pins))
+        level = math.cos(math.pi / self.order)
+        first = scalar[:1]
+        closure = padded(first.centre - level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
+        terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
+        minors = _sums_of_torques(self, terms, middle, half)
+        asked = _all_free(self.minor_creases, pins)
+        return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
+
+    def _products(self, turn: Turn) -> tuple[Affine, Affine]:
+        """Enclose scalar and x of the product read from every crease on, [n, K]."""
+        n, boxes = turn.cosine.shape
+        h = (n + 1) // 2
+        start = np.arange(n)
+        left = self._chain(turn, [(start + i) % n for i in range(h)], boxes)
+        right = self._chain(turn, [(start + i) % n for i in range(h, n)], boxes)
+        signs = np.array([1.0, -1.0, -1.0, -1.0])[:, None, None]
+        other = Affine(signs * right.centre, signs[..., None] * right.slopes, right.error)
+        scalar = _dotted(left, other)
+        order, signs = [1, 0, 3, 2], np.array([1.0, 1.0, 1.0, -1.0])[:, None, None]
+        other = Affine(
+            signs * right.centre[order], signs[..., None] * right.slopes[order], right.error[order]
+        )
+        x = _dotted(left, other)
+        return (Affine(v.centre, v.slopes, v.error + 4 * self.doubt) for v in (scalar, x))  # type: ignore[return-value]
+
+    def _chain(self, turn: Turn, creases: list[np.ndarray], boxes: int) -> Affine:
+        """Enclose products of Q(e1, phi) Q(e3, a) over successive creases, from n starts: [4, n, K] in n variables."""
+        n = self.size
+        q = constant(np.eye(4)[:, [0] * n], 0.0, n, boxes)
+        start = np.arange(n)
+        for crease in creases:
+            by = taken(turn, crease)
+            a, b = q, _times_x(q)
+            x = mixed(a, by.cosine, b, by.sine)
+            new = turned(x, _times_x(x), by)
+            slopes = new.slopes[..., :-1, :].copy()
+            slopes[:, start, crease] += new.slopes[:, start, -1]
+            q = Affine(new.centre, slopes, new.error)
+            sector = 0.5 * self.sectors[crease][:, None]
+            q = mixed(q, np.cos(sector), _times_z(q), np.sin(sector))
+        return q
+
+
+def _times_x(q: Affine) -> Affine:
+    """Multiply quaternions [4, ...] by e1 from the right."""
+    return _permuted(q, [1, 0, 3, 2], [-1.0, 1.0, 1.0, -1.0])
+
+
+def _times_z(q: Affine) -> Affine:
+    """Multiply quaternions [4, ...] by e3 from the right."""
+    return _permuted(q, [3, 2, 1, 0], [-1.0, 1.0, -1.0, 1.0])
+
+
+def _permuted(q: Affine, order: list[int], signs: list[float]) -> Affine:
+    s = np.array(signs).reshape(4, *[1] * (q.centre.ndim - 1))
+    return Affine(s * q.centre[order], s[..., None] * q.slopes[order], q.error[order])
+
+
+def _dotted(x: Affine, y: Affine) -> Affine:
+    """Dot along the first axis, [4, n, K] to [n, K]."""
+    moved = (
+        Affine(v.centre.swapaxes(0, 1), v.slopes.swapaxes(0, 1), v.error.swapaxes(0, 1))
+        for v in (x, y)
+    )
+    return dot(*moved)
