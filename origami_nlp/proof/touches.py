@@ -42,6 +42,12 @@ from origami_nlp.proof.touch_roots import TouchSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
 
+MOST = 5_000
+"""Small boxes of a set of touches from which on they are no isolated points."""
+MOST_BOXES = 500_000
+"""Boxes for a set of touches."""
+
+
 @dataclass(frozen=True, eq=False)
 class Stratum:
     """Touches, and the boxes of the fold limits that go with them.
@@ -146,10 +152,23 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     if why := why_not(model):
         undecided.append(_everywhere(model, why))
     for stratum in () if why else touch_strata(model):
-        left = prune(stratum.posed, stratum.start, seconds=max(end - time.perf_counter(), 0.0))
+        left = prune(
+            stratum.posed,
+            stratum.start,
+            most=MOST_BOXES,
+            seconds=max(end - time.perf_counter(), 0.0),
+        )
         boxes += left.boxes
         finished &= not len(left.open)
         system = TouchSystem(model, tuple(t.gap for t in stratum.touches))
+        if len(left.candidates) > MOST:
+            undecided += [
+                _cluster(
+                    model, left.candidates[g], f"not isolated; {_names(model, stratum.touches)}"
+                )
+                for g in _by_stratum(left.candidates)
+            ]
+            continue
         roots, _, _, rest, more = _certified(system, stratum.posed, left.candidates, 0.0, None)
         boxes += more
         found = tuple(_point(model, roots, i, stratum.touches) for i in range(len(roots)))
@@ -197,24 +216,31 @@ def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
 def _again(
     model: Model, point: CriticalPoint, touches: tuple[Row, ...], known: tuple[CriticalPoint, ...]
 ) -> bool:
-    """Whether a point is one with more creases shut: between the ray and the facet all are, so the gap is zero there."""
-    if model.structure.kind != "C":
-        return False
-    n = model.size
+    """Whether a point is one with more creases shut that keep these gaps closed, so that it has been counted."""
     for other in known:
         apart = max(abs(a - b) for a, b in zip(point.x, other.x, strict=True))
         finer = all(s in (0, t) for s, t in zip(point.stratum, other.stratum, strict=True))
         if finer and point.stratum != other.stratum and apart + other.radius < point.unique_radius:
-            ways = [
-                [
-                    [(j + i) % n for i in range(1, (k - j) % n)],
-                    [(j - i) % n for i in range((j - k) % n)],
-                ]
-                for k, j in (t.rays for t in touches)
-            ]
-            if all(any(all(other.stratum[c] for c in way) for way in both) for both in ways):
+            if all(_kept_closed(model, t, other.stratum) for t in touches):
                 return True
     return False
+
+
+def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
+    """Whether all creases between a ray and what it touches are shut, one way round."""
+    has = model.structure.has_crease
+    shut = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
+    k, n = touch.rays[0], len(has)
+    if touch.kind == "start":
+        return all(shut[:k])
+    if touch.kind == "end":
+        return all(shut[k + 1 :])
+    if touch.kind == "meet":
+        return False
+    j = touch.rays[1]
+    ahead = [(j + i) % n for i in range(1, (k - j) % n)]
+    back = [(j - i) % n for i in range((j - k) % n)]
+    return all(shut[c] for c in ahead) or all(shut[c] for c in back)
 
 
 def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> CriticalPoint:
@@ -255,6 +281,10 @@ def _judged(
             continue
         if contacts.verdict == APART:
             out.append(_decided(point, contacts.sides, roots.spread[i] if touches else 0.0))
+            continue
+        if touches and touches[0].kind == "meet" and 1 in point.pinned_signs:
+            # two triangles with an edge in common: the crease leaves its limit and the rays stay on each other
+            out.append(replace(point, is_minimum=False))
             continue
         x = np.array(point.x)
         if model.refuses(x):

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.proof.affine import TRIGONOMETRIC, Affine, constant, mixed, turned, variables
-from origami_nlp.proof.chains import Rows, Vertex, with_centre
+from origami_nlp.numerics import SUMMED
+from origami_nlp.proof.chains import Rows, Vertex, half_turns, taken, with_centre
 from origami_nlp.proof.pieces import Folded, Piece, Product
 
 
@@ -41,6 +42,52 @@ class Row:
         return folded.behind(self.rays[0], 0 if self.kind == "start" else 1)
 
 
+class Kite:
+    """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, without what it has in common with crease 2.
+
+    With theta half the fold angle of the crease on the mirror, c_3 . n_1 = 2 sin a cos(phi_2 / 2) (cos a cos(phi_2 / 2)
+    cos theta - sin(phi_2 / 2) sin theta): crease 2 shut puts rays 1 and 3 on each other, on the axis.  The last factor is the
+    row.
+
+    Parameters
+    ----------
+    sector
+        a [rad].
+    crease
+        Variable of the crease on the mirror.
+    size
+        Variables n.
+    """
+
+    def __init__(self, sector: float, crease: int, size: int) -> None:
+        self.cosine, self.crease, self.size = math.cos(sector), crease, size
+
+    def at(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> None:
+        """Enclose cosines and sines of the half angles over boxes [n, K]."""
+        turn = half_turns(middle, half, pins)
+        boxes = middle.shape[1]
+        one, none = constant(np.ones(1), 0.0, 0, boxes)[0], constant(np.zeros(1), 0.0, 0, boxes)[0]
+        self.c, self.s = [], []
+        for v in range(self.size):
+            by = taken(turn, v)
+            c, s = mixed(one, by.cosine, none, by.sine), mixed(one, by.sine, none, by.cosine)
+            self.c.append(_placed(turned(c, -s, by), [v], self.size))
+            self.s.append(_placed(turned(s, c, by), [v], self.size))
+
+    def value(self) -> Affine:
+        """Enclose the row, [K]."""
+        c, s, v = self.c, self.s, self.crease
+        return (c[1] * c[v]).scaled(self.cosine, 1e-15) - s[1] * s[v]
+
+    def slopes(self) -> list[Affine | None]:
+        """Enclose its derivatives by the turns, phi_2 and theta."""
+        c, s, v = self.c, self.s, self.crease
+        out: list[Affine | None] = [None] * self.size
+        out[1] = ((s[1] * c[v]).scaled(self.cosine, 1e-15) + c[1] * s[v]).scaled(-0.5)
+        out[v] = -((c[1] * s[v]).scaled(self.cosine, 1e-15) + s[1] * c[v])
+        return out
+
+
 class TouchedWedge:
     """Rows of a wedge of D_n with some gaps closed.
 
@@ -60,12 +107,20 @@ class TouchedWedge:
         self.minor_creases: tuple[tuple[int, ...], ...] = ()
         self.twins: tuple[tuple[int, ...], ...] = ()
         self.minor_count = 1 if piece.equations + len(touches) < self.size else 0
+        self.kite = None
+        a = piece.sectors
+        axis = touches[0].kind in ("start", "end") and len(touches) == 1
+        if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
+            self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
         """Enclose the rows over boxes [n, K] on strata pins [n, K]."""
         f = self.piece.fold(lower, upper, pins)
         gaps = [t.product(f) for t in self.touches]
-        closure = [p.value() for p in f.closure] + [g.value() for g in gaps]
+        if self.kite:
+            self.kite.at(*variables(lower, upper), pins)
+        rows = [self.kite.value()] if self.kite else [g.value() for g in gaps]
+        closure = [p.value() for p in f.closure] + rows
         for p in f.sheet:
             value = p.value()
             closure.append(Affine(value.centre - 1.0, value.slopes, value.error + TRIGONOMETRIC))
@@ -76,6 +131,8 @@ class TouchedWedge:
         critical = []
         if self.minor_count:
             columns = [[p.slope(f.rays, i) for i in range(self.size)] for p in (*f.closure, *gaps)]
+            if self.kite:
+                columns[-1] = self.kite.slopes()
             critical = [determinant(self.piece.torques(lower, upper), columns)]
         boxes = lower.shape[1]
         asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
