@@ -4,13 +4,13 @@ The xi_j are the box: variable j is mid_j + radius_j xi_j.  So a form keeps how 
 order, and only what is of second order goes to `error`.  The last axis of every array is the batch of K boxes; the
 axis before it, of `slopes`, the d variables of the form.
 
-Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n u),
-a product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result
-(centre, slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding does
-to all of them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient of
-x y takes each pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| +
-sum |slopes| + error.  `padded` adds 4 (n + 4) u M(x) M(y) to the error: four times what is needed, for the rounding of M,
-of the sum and of the error itself; and 2^-1000, for products that underflow.
+Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n u), a
+product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result (centre,
+slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding does to all of
+them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient of x y takes each
+pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| + sum |slopes| + error.
+`padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and of the sum; it enlarges
+the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
 
 What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 absolute.
 """
@@ -25,6 +25,8 @@ UNIT = 2.0**-53
 """Unit roundoff u of doubles."""
 TINY = 2.0**-1000
 """More than what underflow can lose in a sum of products."""
+SLIGHTLY = 1.0 + 2.0**-40
+"""Factor above what rounding does to sums of up to a thousand errors."""
 TRIGONOMETRIC = 2.0**-50
 """Error of NumPy's sine and cosine that is allowed for: 4 ulp of 1."""
 
@@ -117,7 +119,7 @@ def padded(
     centre: np.ndarray, slopes: np.ndarray, error: np.ndarray, total: np.ndarray, terms: int
 ) -> Affine:
     """Allow for rounding: coefficients are sums of `terms` products whose absolute values sum to at most `total`."""
-    return Affine(centre, slopes, error + (4 * (terms + 4) * UNIT) * total + TINY)
+    return Affine(centre, slopes, error * SLIGHTLY + (2 * (terms + 4) * UNIT) * total + TINY)
 
 
 def constant(values: np.ndarray, doubt: float, variables: int, boxes: int) -> Affine:

@@ -260,7 +260,7 @@ class Vertex:
                 np.abs(t.slopes[w]).sum(axis=1) - 0.5 * np.abs(own[:, a])
             )
             total += (size + 8 * k[i]) * magnitude[w]
-        return padded(centre, slopes, error, total, 4 * (n + 4))
+        return padded(centre, slopes, error, total, n + 16)
 
 
 def torques(

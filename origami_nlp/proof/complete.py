@@ -18,14 +18,13 @@ from origami_nlp.proof.flat import RADII, Flat, flat_lemma
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import (
     Roots,
-    System,
     certify,
     different,
     holds,
     joined_roots,
-    least_slope,
     newton,
 )
+from origami_nlp.proof.system import System
 from origami_nlp.proof.tree import Kind, Recorder
 from origami_nlp.proof.wedges import Period, Wedge
 
@@ -35,7 +34,9 @@ SMALLER = (1e-7, 1e-9)
 """Widths [rad] to which boxes are bisected where `SMALL` ones hold no certified root, though closure has full rank."""
 MOST = 20_000
 """Boxes for that."""
-LOW = 1e-3
+NEAR = 0.05
+"""Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
+LOW = 1e-4
 """Smallest singular value of closure on the free variables, in a box of `SMALL`, from which on it counts as regular."""
 
 
@@ -190,7 +191,7 @@ def _certified(
     held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
     for small in (0.0, *SMALLER):
         if small:
-            which = _regular(system, boxes)
+            which = _regular(system, boxes, flat)
             again = prune(posed, boxes[which], flat=flat, small=small, most=MOST, recorder=recorder)
             boxes, more = joined([boxes[~which], again.candidates, again.open]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, boxes)]), len(found))
@@ -220,11 +221,12 @@ def _roots_of(system: System, boxes: Boxes) -> Roots:
     return certify(system, x[some], lam[some], pins[some])[0]
 
 
-def _regular(system: System, boxes: Boxes) -> np.ndarray:
-    """Tell at which boxes closure has full rank on the free variables, far enough for their size, [K]."""
+def _regular(system: System, boxes: Boxes, flat: float) -> np.ndarray:
+    """Tell at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
-    return least_slope(system, x, pins) > 3 * SMALL
+    near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
+    return near | (system.least_slope(x, pins) > 3 * SMALL)
 
 
 def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
@@ -287,7 +289,7 @@ def _reason(system: System, boxes: Boxes) -> tuple[str, bool]:
     if free.sum() < system.m:
         return f"{int(free.sum())} free variables, {system.m} closure equations", True
     x = 0.5 * (boxes.lower.min(axis=1) + boxes.upper.max(axis=1))
-    least = least_slope(system, np.where(free, x, np.pi * pins)[None], pins[None])[0]
+    least = system.least_slope(np.where(free, x, np.pi * pins)[None], pins[None])[0]
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True
     return "no root was certified", False

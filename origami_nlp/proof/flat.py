@@ -1,22 +1,23 @@
 """The flat state: within a radius of it there is no other critical point, and it is no minimum itself.
 
-Without symmetry, phi = r u, |u|_inf = 1, 0 < r <= r0.  A fold about b_i by r u_i is exp(r u_i b_i / 2), so derivatives of
-q = prod exp(r u_i b_i / 2) in r of order p are at most (sum |u_i| / 2)^p, those of the axes c_i = R_{i-1} b_i at most
-s_i^p, s_i = sum_{j<i} |u_j|.  Reflected in the sheet, phi becomes -phi: q_x, q_y and the z of axes are odd in r, q_z and the
-x, y of axes are even.  Hence, with n = sum |u_i| at most N, b x b = (b x b)_z e_z:
+Without symmetry, phi = r u, |u|_inf = 1, 0 < r <= r0.  A fold about b_i by r u_i is exp(r u_i b_i / 2), so derivatives
+of q = prod exp(r u_i b_i / 2) in r of order p are at most (sum |u_i| / 2)^p, those of the axes c_i = R_{i-1} b_i at
+most s_i^p, s_i = sum_{j<i} |u_j|.  Reflected in the sheet, phi becomes -phi: q_x, q_y and the z of axes are odd in r,
+q_z and the x, y of axes are even.  Hence, with sum |u_i| <= N and (b_j x b_i) = (b_j x b_i)_z e_z:
 
-    closure, x and y:  sum_i u_i b_i          = 0  +- r^2 n^3 / 24     (q_x / (r / 2); next order r^3 (n/2)^3 / 6)
-    closure, z:        Q(u) = sum_{j<i} u_j u_i (b_j x b_i)_z = 0  +- r^2 n^4 / 96   (q_z / (r^2 / 4); r^4 (n/2)^4 / 24)
-    minors over r:     det [G, c_x, c_y, c_z / r]_S = 0,  G_i = -k_i rest_i +- k_i r,  (c_x, c_y) = b_i +- r^2 s_i^2 / 2,
+    closure, x and y:  sum_i u_i b_i = 0  +- r^2 N^3 / 24                          (q_x / (r / 2); next order (r N / 2)^3 / 6)
+    closure, z:        Q(u) = sum_{j<i} u_j u_i (b_j x b_i)_z = 0  +- r^2 N^4 / 96    (q_z / (r^2 / 4); (r N / 2)^4 / 24)
+    minors over r:     det [G, c_x, c_y, c_z / r]_S = 0,  G_i = k_i (r u_i - rest_i),  (c_x, c_y) = b_i +- r^2 s_i^2 / 2,
                        c_z / r = h_i(u) +- r^2 s_i^3 / 6,  h_i(u) = sum_{j<i} u_j (b_j x b_i)_z.
 
-To lowest order all but Q is linear in u.  If no u on a face u_i = 1 satisfies these (u and -u give the same: errors are
-symmetric), there is no critical point but the flat state within r0.  The determinant with errors E of its entries A is
-off by at most per(|A| + E) - per(|A|).
+The variables are u on a face u_i = 1 and r; but for the remainders of r^2 a minor is linear in u plus r times a quadratic
+form of u.  If no (u, r) satisfies all, there is no critical point but the flat state within r0.  The faces u_i = -1
+are those with r from -r0 to 0, so r is taken from [-r0, r0].  A determinant with errors E of its entries A is off by at
+most per(|A| + E) - per(|A|).
 
-The flat state is no minimum if p, m with sum u_i b_i = 0 have Q(p) > 0 > Q(m) and both lower the energy to first order,
-sum_i -k_i rest_i u_i < 0: so does a u between them, where Q(u) = 0 with a simple sign change; there the equations over r,
-continued to r = 0, are regular, so closed states leave the flat one along u.
+The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
+sum_i -k_i rest_i u_i < 0: so does a w between them, where Q(w) = 0 with a simple sign change; there the equations over
+r, continued to r = 0, are regular, so closed states leave the flat one along w.
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.chains import Rows, Vertex
 
-RADII = (1e-3, 1e-4, 1e-5, 1e-6)
+RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
 MOST = 3_000
 """Boxes for a radius; generic scenes take some ten."""
+NARROW = 1e-3
+"""Boxes of directions narrower than this are left: the radius is too large, or the flat state critical."""
 CLEAR = 1e-9
 """Slopes and curvatures of the first order, of unit springs, that are signs for certain: rounding is below 1e-13."""
 
@@ -67,81 +70,115 @@ class Flat:
 
 
 class Cone:
-    """The equations of lowest order on the faces |u|_inf = 1, with remainders for 0 < r <= radius."""
+    """The equations of closed directions u on the faces |u|_inf = 1, at a distance r up to `radius` on either side.
+
+    Variables are u [n] and r / radius in [-1, 1].
+
+    Parameters
+    ----------
+    vertex
+        Without symmetry.
+    radius
+        The largest r [rad].
+    """
 
     linear = slice(0, 2)
     pivots = 2
+    minor_count = 0
+    minor_creases: tuple[tuple[int, ...], ...] = ()
+    twins: tuple[tuple[int, ...], ...] = ()
 
     def __init__(self, vertex: Vertex, radius: float) -> None:
-        n = self.size = vertex.size
-        self.minor_count = 0
-        b = vertex.creases  # [n, 2]
-        self.doubt = vertex.doubt_crease
+        n = vertex.size
+        self.size = n + 1
+        self.radius = radius
+        b = self.b = vertex.creases
+        doubt = self.doubt = vertex.doubt_crease
         cross = b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0]
         self.before = np.triu(cross, 1)  # [j, i]: (b_j x b_i)_z, j before i
-        self.b = b
-        self.misses = np.array([radius**2 * n**3 / 24] * 2) + n * self.doubt
-        self.miss = radius**2 * n**4 / 96 + n * n * 3 * self.doubt
-        self._pose_minors(vertex, radius)
+        self.square = self.before + self.before.T
+        self.misses = np.array([radius**2 * n**3 / 24] * 2) + n * doubt
+        self.miss = radius**2 * n**4 / 96 + n * n * 3 * doubt
+        self._pose_minors(vertex)
 
-    def _pose_minors(self, vertex: Vertex, radius: float) -> None:
-        """Coefficients [M, n] of the minors in u, and how far these are off, [M]."""
-        n, b = self.size, self.b
+    def _pose_minors(self, vertex: Vertex) -> None:
+        """Minors as coefficients of u [M, n] and of r times products u_i u_j [M, n, n], and how far they are off [M]."""
+        n, radius = len(self.b), self.radius
         k = vertex.stiffness / vertex.stiffness.max()
-        g = -k * vertex.rest
-        many = np.arange(n)
-        size = np.abs(np.stack([g, b[:, 0], b[:, 1], np.abs(self.before).sum(axis=0)]))  # [4, n]
-        error = np.stack(
-            [
-                k * radius,
-                radius**2 * many**2 / 2 + self.doubt,
-                radius**2 * many**2 / 2 + self.doubt,
-                radius**2 * many**3 / 6 + 3 * n * self.doubt,
-            ]
-        )
         fours = vertex.fours
-        pairs = np.stack([np.ones(n), b[:, 0], b[:, 1]])
-        three = np.stack([g, pairs[1], pairs[2]])  # rows g, x, y
-        coefficients = np.zeros((len(fours), n))
-        for a in range(4):
-            rest = np.delete(fours, a, axis=1)
-            minor = np.linalg.det(three[:, rest].transpose(1, 2, 0)) if len(fours) else np.zeros(0)
-            coefficients += (-1.0) ** (a + 3) * minor[:, None] * self.before[:, fours[:, a]].T
-        self.coefficients = coefficients
+        # levers[S, i, j]: of G_i h_j in the determinant, the minor of x and y of the other two rows
+        levers = np.zeros((len(fours), n, n))
+        rows = np.arange(len(fours))
+        for i, j in itertools.permutations(range(4), 2):
+            p, q = (v for v in range(4) if v not in (i, j))
+            sign = _sign((i, p, q, j))
+            lever = self.before[fours[:, p], fours[:, q]]
+            levers[rows, fours[:, i], fours[:, j]] = sign * lever
+        self.first = np.einsum("sij,i,aj->sa", levers, -k * vertex.rest, self.before)
+        second = np.einsum("sij,i,aj->sia", levers, k, self.before) * radius
+        self.second = 0.5 * (second + second.transpose(0, 2, 1))
+        many = np.arange(n)
+        g = k * (np.abs(vertex.rest) + radius)
+        size = np.stack([g, *np.abs(self.b.T), np.abs(self.before).sum(axis=0)])  # [4, n]
+        planar = radius**2 * many**2 / 2 + self.doubt
+        error = np.stack([0 * k, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
         with_error = _permanents(size + error, fours)
-        self.off = with_error - _permanents(size, fours) + 2_000 * UNIT * with_error
+        # a coefficient is a sum of at most n^2 products of these entries
+        self.off = with_error - _permanents(size, fours) + 16 * (n * n + 64) * UNIT * with_error
 
     def faces(self) -> Boxes:
-        """Return the boxes to start from: u_i = 1, the others in [-1, 1]."""
-        n = self.size
-        pins = np.eye(n, dtype=np.int8)
-        return Boxes(-1.0 + 2.0 * pins, np.ones((n, n)), pins, np.arange(n))
+        """Return the boxes to start from: u_i = 1, the others and r / radius in [-1, 1]."""
+        n = self.size - 1
+        pins = np.concatenate([np.eye(n, dtype=np.int8), np.zeros((1, n), np.int8)])
+        return Boxes(-1.0 + 2.0 * pins, np.ones((n + 1, n)), pins, np.arange(n))
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
-        """Enclose all rows over boxes of u, as rows of closure: two, the minors, Q."""
+        """Enclose all rows over boxes, as rows of closure: x, y, the minors, z."""
         middle, half = variables(lower, upper)
-        matrix = np.concatenate([self.b.T, self.coefficients])
-        off = np.concatenate([self.misses, self.off])
-        centre = matrix @ middle
-        slopes = matrix[:, :, None] * half[None]
-        # Q(u) = u' T u with T[j, i] for j < i
-        square = self.before + self.before.T
-        lever = square @ middle
-        q = 0.5 * (middle * lever).sum(axis=0)
-        second = 0.5 * np.einsum("jk,ji,ik->k", half, np.abs(square), half)
-        total = np.abs(matrix).sum(axis=1)[:, None] + 0 * centre
-        size = np.full((1, middle.shape[1]), np.abs(square).sum())
-        return Rows(
-            padded(
-                np.concatenate([centre, q[None]]),
-                np.concatenate([slopes, (lever * half)[None]]),
-                np.concatenate([off[:, None] + 0 * centre, self.miss + second[None]]),
-                np.concatenate([total, size]),
-                2 * self.size**2 + 8,
+        u, r, du, dr = middle[:-1], middle[-1], half[:-1], half[-1]
+        matrix = np.concatenate([self.b.T, self.first])
+        centre, slopes = matrix @ u, matrix[:, :, None] * du
+        size = np.abs(matrix).sum(axis=1)[:, None]
+        # r u' W u, to first order in u and r
+        value, lever, curved = _form(self.second, u, du)
+        bound = np.abs(self.second).sum(axis=(1, 2))[:, None]
+        centre[2:] += r * value
+        slopes[2:] += 2.0 * r * lever * du
+        spread = 2.0 * np.abs(lever * du).sum(axis=1) + curved
+        error = np.concatenate([0 * centre[:2], np.abs(r) * curved + dr * spread])
+        error += np.concatenate([self.misses, self.off])[:, None]
+        along = np.concatenate([0 * centre[:2], dr * value])
+        size = np.concatenate([size[:2], size[2:] + 4 * bound]) + 0 * centre
+        height, tilt, bent = _form(0.5 * self.square[None], u, du)
+        closure = padded(
+            np.concatenate([centre, height]),
+            np.concatenate(
+                [
+                    np.concatenate([slopes, along[:, None]], axis=1),
+                    np.concatenate([2.0 * tilt * du, 0 * height[:, None]], axis=1),
+                ]
             ),
-            Affine(np.zeros((0, len(q))), np.zeros((0, self.size, len(q))), np.zeros((0, len(q)))),
-            np.zeros((0, len(q)), dtype=bool),
+            np.concatenate([error, self.miss + bent]),
+            np.concatenate([size, 4 * np.abs(self.square).sum() + 0 * height]),
+            4 * self.size**2 + 8,
         )
+        none = np.zeros((0, len(r)))
+        critical = Affine(none, np.zeros((0, self.size, len(r))), none)
+        return Rows(closure, critical, none.astype(bool))
+
+
+def _form(
+    w: np.ndarray, u: np.ndarray, du: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """u' W u of symmetric matrices W [M, n, n]: its value [M, K], W u [M, n, K], and du' |W| du [M, K]."""
+    lever = w @ u
+    return (lever * u).sum(axis=1), lever, ((np.abs(w) @ du) * du).sum(axis=1)
+
+
+def _sign(order: tuple[int, ...]) -> float:
+    """Sign of a permutation."""
+    swaps = sum(a > b for a, b in itertools.combinations(order, 2))
+    return -1.0 if swaps % 2 else 1.0
 
 
 def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
@@ -167,7 +204,7 @@ def flat_lemma(vertex: Vertex) -> Flat:
     boxes = 0
     for radius in RADII:
         cone = Cone(vertex, radius)
-        left = prune(cone, cone.faces(), small=0.01, most=MOST)
+        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))
@@ -176,12 +213,12 @@ def flat_lemma(vertex: Vertex) -> Flat:
 
 def no_minimum(vertex: Vertex) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
-    b, n = vertex.creases, vertex.size
+    b = vertex.creases
     k = vertex.stiffness / vertex.stiffness.max()
     slope = -k * vertex.rest
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]  # [n - 2, n]
-    values, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)
+    _, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)
     for share in (0.0, 0.1, -0.1, 0.3, -0.3):  # a direction may happen to be level
         up, down = vectors[:, -1] + share * vectors[:, 0], vectors[:, 0] + share * vectors[:, -1]
         steps = [(u @ kernel) * -math.copysign(1.0, u @ kernel @ slope) for u in (up, down)]

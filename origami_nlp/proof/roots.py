@@ -21,23 +21,25 @@ off; `System.fold` bounds what both do to g, A and g''.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.programme import Kinematics, Model
 from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import Boxes
-from origami_nlp.proof.chains import SECTORS
+from origami_nlp.proof.system import Local, System
 
 STEPS = 30
 """Newton's steps from the middle of a box."""
 FAR = 0.05
 """A root further from its box than this [rad] is none of it."""
-FOLD = 40
-"""Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
 SHARES = (1.0, 0.3, 0.1, 0.03)
 """Sides of the uniqueness box in multipliers that are tried, over what these move with x; the widest box is taken."""
+
+
+WITHIN = (0.3, 0.03, 3e-3, 3e-4, 3e-5)
+"""Uniqueness boxes [rad] for which terms of third order and more are bounded; the widest that fits is taken."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,72 +78,6 @@ class Roots:
 
     def __getitem__(self, which: np.ndarray) -> Roots:
         return Roots(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
-
-
-class System:
-    """The KKT system of a model, over states of any stratum.
-
-    Parameters
-    ----------
-    model
-        Within fold limits.
-    """
-
-    def __init__(self, model: Model) -> None:
-        self.kinematics = Kinematics(model)
-        self.n, self.m = model.size, model.equation_count
-        self.k, self.rest = model.parameters.stiffness, model.parameters.rest
-        rays = [r for r, has in enumerate(model.structure.has_crease) if has]
-        dihedral = model.structure.kind == "D"
-        last = len(model.structure.has_crease) - 1
-        on_mirror = np.isin(rays, (0, last)) & dihedral
-        vector = dihedral and model.structure.order > 1
-        self.beta = np.where(on_mirror, 0.5, 1.0) * (1.0 if vector else 0.5)
-        creases = len(rays)
-        # creases are off by their azimuths: a sector's doubt for each sector before them
-        self.fold = UNIT * (FOLD * (creases + 4) + 2 * SECTORS * creases**2)
-
-    def constraints(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return what vanishes, g [R, m], and its Jacobian A [R, m, n]."""
-        return self.kinematics.closure(self.kinematics.fold(x))
-
-    def curvature(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
-        """Return lam . g'', [R, n, n]."""
-        return self.kinematics.closure_hessian(self.kinematics.fold(x), lam)
-
-    def at(
-        self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the sheet [R]."""
-        n, m = self.n, self.m
-        g, a = self.constraints(x)
-        h = -self.curvature(x, lam)
-        i = np.arange(n)
-        h[:, i, i] += self.k
-        force = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
-        free = pins == 0
-        jacobian = np.zeros((len(x), n + m, n + m))
-        jacobian[:, :n, :n] = h
-        jacobian[:, :n, n:] = -a.transpose(0, 2, 1)
-        jacobian[:, n:, :n] = a
-        pinned_rows = np.concatenate([~free, np.zeros((len(x), m), dtype=bool)], axis=1)
-        jacobian[pinned_rows] = 0.0
-        jacobian.transpose(0, 2, 1)[pinned_rows] = 0.0
-        diagonal = np.arange(n + m)
-        jacobian[:, diagonal, diagonal] += pinned_rows
-        sheet = self.kinematics.fold(x).sheet
-        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, sheet
-
-    def force(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
-        """Return k (x - rest) - A' lam of all variables, [R, n]."""
-        a = self.constraints(x)[1]
-        return self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
-
-    def start(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
-        """Return the multipliers [R, m] that balance the free variables best."""
-        a = self.constraints(x)[1] * (pins == 0)[:, None]
-        torque = np.where(pins == 0, self.k * (x - self.rest), 0.0)
-        return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-9) @ torque[:, :, None])[:, :, 0]
 
 
 def newton(
@@ -198,47 +134,33 @@ def certify(
     which : numpy.ndarray
         Their numbers among the K.
     """
-    n, m, beta = system.n, system.m, system.beta
-    f, jacobian, _ = system.at(x, lam, pins)
+    n, m = system.n, system.m
+    at = system.local(x, lam, pins)
     free = pins == 0
-    good = free.sum(axis=1) >= m
-    safe = np.where(
-        good[:, None, None] & np.isfinite(jacobian).all(axis=(1, 2))[:, None, None],
-        jacobian,
-        np.eye(n + m),
-    )
-    y = _inverse(safe)
-    size = np.abs(lam).sum(axis=1)
-    # what rounding and doubt leave in F and J
-    fuzz = system.fold * np.concatenate(
-        [system.k * 2 * np.pi + beta * size[:, None] * 4 + 0 * x, np.ones((len(x), m))], axis=1
-    )
-    off = _bound(beta, free, system.fold * (1 + size), system.fold * (1 + 0 * size), n, m)
+    sound = (free.sum(axis=1) >= m) & np.isfinite(at.jacobian).all(axis=(1, 2))
+    y = _inverse(np.where(sound[:, None, None], at.jacobian, np.eye(n + m)))
     reach = np.abs(y)
-    wrong = reach @ (np.abs(f) + fuzz)[:, :, None]
-    rest = np.abs(np.eye(n + m) - y @ jacobian) + reach @ off
-    rest += 4 * (n + m + 4) * UNIT * (reach @ np.abs(jacobian))
+    wrong = (reach @ (np.abs(at.f) + at.fuzz)[:, :, None])[:, :, 0]
+    rest = np.abs(np.eye(n + m) - y @ at.jacobian) + reach @ at.doubt()
+    rest += 4 * (n + m + 4) * UNIT * (reach @ np.abs(at.jacobian))
     rows = np.concatenate([free, np.ones((len(x), m), bool)], axis=1)
-    s = np.where(free, beta, 0.0).sum(axis=1)
-    ratio = _lean(system, x, lam, free)
+    ratio = _lean(at)
     smallest, largest, lean = np.full(len(x), np.inf), np.zeros(len(x)), ratio
-    for share in SHARES:
+    for share, within in itertools.product(SHARES, WITHIN):
         mu = share * ratio
         rho = np.concatenate([np.where(free, 1.0, 0.0), mu[:, None] + np.zeros((1, m))], axis=1)
-        change = _bound(beta, free, m * mu + s * size, s, n, m)
         # wrong + rest rho t + (reach change rho) t^2 < rho t, row by row; rows of pinned variables are exact
-        a = (reach @ change @ rho[:, :, None])[:, :, 0]
+        a = (reach @ at.change(mu, np.full(len(x), within)) @ rho[:, :, None])[:, :, 0]
         b = rho - (rest @ rho[:, :, None])[:, :, 0]
-        low, high = _between(a, b, wrong[:, :, 0], rows)
+        low, high = _between(a, b, wrong, rows)
+        high = np.minimum(high, within)
         better = (low < high) & (high > largest)
         smallest, largest = np.where(better, low, smallest), np.where(better, high, largest)
         lean = np.where(better, mu, lean)
-    good &= smallest < largest
-    which = np.flatnonzero(good)
-    index = _index(system, x, lam, pins, jacobian, smallest, lean, which)
+    which = np.flatnonzero(sound & (smallest < largest))
+    index = _index(system, at, free, smallest, lean, which)
     signs = _signs(system, x, lam, pins, smallest, lean)
-    unique = np.minimum(largest, 0.5)
-    roots = Roots(x, lam, pins, smallest, unique, lean * unique, index, signs)
+    roots = Roots(x, lam, pins, smallest, largest, lean * largest, index, signs)
     return roots[which], which
 
 
@@ -249,18 +171,6 @@ def _inverse(matrices: np.ndarray) -> np.ndarray:
     if good.any():
         out[good] = np.linalg.inv(matrices[good])
     return np.where(np.isfinite(out), out, 0.0)
-
-
-def _bound(
-    beta: np.ndarray, free: np.ndarray, corner: np.ndarray, side: np.ndarray, n: int, m: int
-) -> np.ndarray:
-    """Matrices [[beta_i beta_j corner, beta_i side], [beta_j side, 0]] on free variables."""
-    b = np.where(free, beta, 0.0)
-    out = np.zeros((len(b), n + m, n + m))
-    out[:, :n, :n] = b[:, :, None] * b[:, None, :] * corner[:, None, None]
-    out[:, :n, n:] = (b * side[:, None])[:, :, None]
-    out[:, n:, :n] = (b * side[:, None])[:, None, :]
-    return out
 
 
 def _between(
@@ -277,22 +187,27 @@ def _between(
     return 1.01 * low.max(axis=1), 0.99 * high.min(axis=1)
 
 
-def _lean(system: System, x: np.ndarray, lam: np.ndarray, free: np.ndarray) -> np.ndarray:
+def _lean(at: Local) -> np.ndarray:
     """Ratio of the sides of the box in multipliers and in x: twice what multipliers move where x moves by 1 (`holds`)."""
-    p, move, _ = _levers(system, x, lam, free)
+    p, move, _ = _levers(at, np.full(len(at.f), WITHIN[-1]))
     return 2.0 * (p @ move[:, :, None])[:, :, 0].max(axis=1)
 
 
-def _levers(
-    system: System, x: np.ndarray, lam: np.ndarray, free: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """|P| [R, m, n] with P A' = 1 on free variables, |k| + beta s |lam| [R, n], and beta s [R, n]."""
-    a = system.constraints(x)[1] * free[:, None]
-    p = np.abs(np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-12))
-    b = np.where(free, system.beta, 0.0)
-    turned = b * b.sum(axis=1)[:, None]
-    size = np.abs(lam).sum(axis=1)
-    return p, np.where(free, system.k, 0.0) + turned * size[:, None], turned
+def _levers(at: Local, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """|P| [R, m, n] with P A' = 1 on free variables; what k x - A' lam, and what A', change over t <= within, [R, n]."""
+    p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=1e-12))
+    s = at.beta.sum(axis=1)
+    turned = at.beta * s[:, None]
+    later = 0.5 * within * at.size * s
+    springs = np.where(
+        at.beta > 0, np.diagonal(at.jacobian, axis1=1, axis2=2)[:, : at.beta.shape[1]], 0.0
+    )
+    n = at.beta.shape[1]
+    i = np.arange(n)
+    bent = at.bent.copy()
+    # the diagonal of J holds k - lam . g''; their difference is what matters
+    bent[:, i, i] = np.abs(springs) + 4 * at.noise * (1.0 + at.size[:, None])
+    return p, bent.sum(axis=2) + later[:, None] * turned, turned
 
 
 def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
@@ -320,11 +235,11 @@ def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
     out = np.full(len(boxes), -1)
     if not len(roots):
         return out
-    p, move, turned = _levers(system, roots.x, roots.lam, roots.pins == 0)
-    f = np.abs(system.at(roots.x, roots.lam, roots.pins)[0][:, : system.n])
-    f = f + system.fold * (7.0 * system.k + 4.0 * np.abs(roots.lam).sum(axis=1)[:, None])
-    moves, noise = ((p @ v[:, :, None])[:, :, 0].max(axis=1) for v in (move, f))
-    firm = 0.19 / np.maximum((p @ turned[:, :, None])[:, :, 0].sum(axis=1), 1e-300)
+    at = system.local(roots.x, roots.lam, roots.pins)
+    p, move, turned = _levers(at, roots.unique)
+    noise = np.abs(at.f[:, : system.n]) + at.fuzz[:, : system.n]
+    moves, noise = ((p @ v[:, :, None])[:, :, 0].max(axis=1) for v in (move, noise))
+    firm = 0.19 / np.maximum((p @ turned[:, :, None])[:, :, 0].sum(axis=1), TINY)
     for k in range(len(boxes)):
         same = (roots.pins == boxes.pins[:, k]).all(axis=1)
         distance = np.maximum(
@@ -368,39 +283,27 @@ def different(roots: Roots, known: int = 0) -> Roots:
     return roots[np.flatnonzero(kept)]
 
 
-def least_slope(system: System, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
-    """Return the smallest singular value of closure on the free variables at states [K, n], [K]; 0 for fewer of these."""
-    if not len(x):
-        return np.zeros(0)
-    a = system.constraints(x)[1] * (pins == 0)[:, None]
-    return np.linalg.svd(a, compute_uv=False)[:, -1]
-
-
 def _index(
     system: System,
-    x: np.ndarray,
-    lam: np.ndarray,
-    pins: np.ndarray,
-    jacobian: np.ndarray,
+    at: Local,
+    free: np.ndarray,
     radius: np.ndarray,
     lean: np.ndarray,
     which: np.ndarray,
 ) -> np.ndarray:
     """Negative eigenvalues of the reduced Hessian, [K]; -1 where not certified or not among `which`."""
     n, m = system.n, system.m
-    out = np.full(len(x), -1)
+    out = np.full(len(radius), -1)
     if not len(which):
         return out
-    r, free, size = radius[which], (pins == 0)[which], np.abs(lam[which]).sum(axis=1)
-    j = jacobian[which].copy()
+    r = np.where(np.isfinite(radius), radius, 1.0)
+    off = (r[:, None, None] * at.change(lean, r) + at.doubt())[which]
+    j = at.jacobian[which].copy()
     j[:, :n, n:] *= -1.0  # symmetric: [[H, A'], [A, 0]]
-    b = np.where(free, system.beta, 0.0)
-    s = b.sum(axis=1)
-    corner = m * lean[which] * r + s * r * size + system.fold * (1 + size)
-    off = _bound(system.beta, free, corner, s * r + system.fold, n, m)
     # congruence by powers of two brings the springs to order 1
     scale = np.concatenate([2.0 ** np.round(-0.5 * np.log2(system.k)), np.ones(m)])
-    scale = np.where(np.concatenate([free, np.ones((len(r), m), bool)], axis=1), scale, 1.0)
+    rows = np.concatenate([free[which], np.ones((len(which), m), bool)], axis=1)
+    scale = np.where(rows, scale, 1.0)
     j *= scale[:, :, None] * scale[:, None, :]
     off *= scale[:, :, None] * scale[:, None, :]
     _, vectors = np.linalg.eigh(j)
@@ -410,9 +313,11 @@ def _index(
     d = np.arange(n + m)
     diagonal = product[:, d, d].copy()
     product[:, d, d] = 0.0
-    disc = np.abs(product).sum(axis=2) + error.sum(axis=2)
+    # once more a congruence, to a diagonal of +-1
+    unit = np.sqrt(np.abs(diagonal)) + TINY
+    disc = ((np.abs(product) + error) / (unit[:, :, None] * unit[:, None, :])).sum(axis=2)
     near_one = np.abs(vectors.transpose(0, 2, 1) @ vectors - np.eye(n + m)).sum(axis=2).max(axis=1)
-    clear = (np.abs(diagonal) > 1.01 * disc).all(axis=1) & (near_one < 0.1)
+    clear = (disc < 0.99).all(axis=1) & (near_one < 0.1)
     out[which] = np.where(clear, (diagonal < 0).sum(axis=1) - m, -1)
     return out
 
@@ -426,10 +331,10 @@ def _signs(
     lean: np.ndarray,
 ) -> np.ndarray:
     """Signs of the torque that is left at pinned variables, [K, n]."""
-    force = pins * system.force(x, lam)
+    force, fuzz = system.force(x, lam)
     size = np.abs(lam).sum(axis=1)[:, None]
     s = system.beta.sum()
     r = np.where(np.isfinite(radius), radius, 1.0)[:, None]
-    off = system.beta * (system.m * lean[:, None] * r + s * r * size)
-    off = off + system.fold * (2 * np.pi * system.k + 4 * system.beta * size)
+    off = system.beta * (system.m * lean[:, None] * r + s * r * size) + fuzz
+    force = pins * force
     return np.where(pins != 0, np.where(force > off, 1, np.where(force < -off, -1, 0)), 0)

@@ -108,12 +108,16 @@ class Wedge:
         closure = self._closure(on, back)
         return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
 
+    def seen_first(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> np.ndarray:
+        """Return the first mirror's normal, seen from the middle ray before its fold, at the middle of boxes, [3, K]."""
+        back = _Views(self, self.turns(middle, half, pins), -1)
+        return _mirrored(back.after[self.middle_ray][:, 0]).centre
+
     def _closure(self, on: _Views, back: _Views) -> Affine:
         """Compare the mirrors' normals, seen from the middle ray before its fold."""
         last = on.before[self.middle_ray][:, 0]
         first = back.after[self.middle_ray][:, 0]
-        flip = np.array([1.0, -1.0, 1.0])[:, None]
-        first = Affine(flip * first.centre, flip[..., None] * first.slopes, first.error)
+        first = _mirrored(first)
         if self.order > 1:
             level = math.cos(math.pi / self.order)
             row = dot(first, last)
@@ -227,6 +231,12 @@ def _about_z(v: Affine, c: float, s: float) -> Affine:
     return Affine(*(np.stack(p) for p in zip(parts(x), parts(y), parts(z), strict=True)))
 
 
+def _mirrored(v: Affine) -> Affine:
+    """y to -y of a vector [3, K]."""
+    flip = np.array([1.0, -1.0, 1.0])[:, None]
+    return Affine(flip * v.centre, flip[..., None] * v.slopes, v.error)
+
+
 def _placed(form: Affine, variable: int) -> Affine:
     """Move the slope of the last variable to where it belongs; the form did not depend on that one."""
     slopes = form.slopes[..., :-1, :].copy()
@@ -234,13 +244,18 @@ def _placed(form: Affine, variable: int) -> Affine:
     return Affine(form.centre, slopes, form.error)
 
 
-def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
-    """Turn a vector [3, K] into a frame whose first axis is along `normal`."""
+def frame_of(normal: np.ndarray) -> np.ndarray:
+    """Return frames [3, 3, K] whose first axis is along vectors [3, K] that are not small."""
     normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), 1e-3)
     least = np.eye(3)[np.abs(normal).argmin(axis=0)].T
     second = np.cross(normal, least, axis=0)
     second = second / np.maximum(np.sqrt((second**2).sum(axis=0)), 1e-3)
-    frame = np.stack([normal, second, np.cross(normal, second, axis=0)])
+    return np.stack([normal, second, np.cross(normal, second, axis=0)])
+
+
+def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
+    """Turn a vector [3, K] into a frame whose first axis is along `normal`; any matrix would do."""
+    frame = frame_of(normal)
     size = np.abs(frame)
     total = np.einsum("abk,bk->ak", size, gap.magnitude())
     return padded(

@@ -1,0 +1,233 @@
+"""The KKT system of a stratum at states in doubles, and bounds of how it changes beside them.
+
+F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its Jacobian; J = [[K - lam . g'', -A'], [A, 0]].
+
+Derivatives.  With q the product of all folds, half the axes c_i / 2 (a quarter on a mirror) stand for derivatives:
+d q / dx_i dx_j dx_k = (c_i / 2) (c_j / 2) (c_k / 2) q, i <= j <= k; where closure is that a rotated normal N keeps an angle,
+c_i x (c_j x (c_k x N)).  So the p-th derivative in the directions i, j, ... is at most beta_i beta_j ... in size, and the
+second and third ones are known at the state.
+
+Rounding.  N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may be
+off.  The vector part of q, and the z of axes, are sums of products that each hold the sine of a fold or of half of one,
+and every error in them is relative to such a term: near the flat state they are known to that share of the bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.numerics import cross
+from origami_nlp.programme import Folded, Kinematics, Model
+from origami_nlp.proof.affine import UNIT
+from origami_nlp.proof.chains import SECTORS
+
+FOLD = 40
+"""Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """The system at R states, and what its derivatives are there.
+
+    Attributes
+    ----------
+    f, jacobian
+        Shape [R, n + m] and [R, n + m, n + m]; rows and columns of pinned variables are those of 1.
+    fuzz
+        What rounding, and doubt of sectors, leave in `f` at most, [R, n + m].
+    a
+        Jacobian of closure, of free variables (0 for others), [R, m, n].
+    second
+        |g''|, of free variables, [R, m, n, n].
+    bent
+        |lam . g''|, [R, n, n].
+    third
+        sum_k |lam . g'''_ijk|, [R, n, n].
+    beta
+        beta of free variables, [R, n].
+    size
+        sum |lam|, [R].
+    noise
+        What rounding and doubt leave in entries of A, g'' and g''', of size 1.
+    """
+
+    f: np.ndarray
+    jacobian: np.ndarray
+    fuzz: np.ndarray
+    a: np.ndarray
+    second: np.ndarray
+    bent: np.ndarray
+    third: np.ndarray
+    beta: np.ndarray
+    size: np.ndarray
+    noise: float
+
+    def change(self, mu: np.ndarray, within: np.ndarray | float) -> np.ndarray:
+        """Bound |J(Z) - J(z0)| / t on Z = z0 +- t (1, ..., mu, ...), t <= `within` (shape [R]): [R, n + m, n + m]."""
+        m, n = self.a.shape[1:]
+        b, s = self.beta, self.beta.sum(axis=1)
+        bb = b[:, :, None] * b[:, None, :]
+        later = within * (0.5 * self.size * s**2 + m * mu * s)
+        corner = self.third + mu[:, None, None] * self.second.sum(axis=1)
+        corner = corner + bb * later[:, None, None]
+        side = self.second.sum(axis=3) + (0.5 * within * s**2)[:, None, None] * b[:, None]
+        return _bordered(corner, side)
+
+    def doubt(self) -> np.ndarray:
+        """Bound what rounding and doubt leave in J, [R, n + m, n + m]."""
+        b = self.beta
+        corner = b[:, :, None] * b[:, None, :] * (4 * self.noise * (1 + self.size))[:, None, None]
+        side = 4 * self.noise * b[:, None] + np.zeros((1, self.a.shape[1], 1))
+        return _bordered(corner, side)
+
+
+def _bordered(corner: np.ndarray, side: np.ndarray) -> np.ndarray:
+    """[[corner, side'], [side, 0]]."""
+    m, n = side.shape[1:]
+    out = np.zeros((len(corner), n + m, n + m))
+    out[:, :n, :n], out[:, n:, :n] = corner, side
+    out[:, :n, n:] = side.transpose(0, 2, 1)
+    return out
+
+
+class System:
+    """The KKT system of a model, over states of any stratum.
+
+    Parameters
+    ----------
+    model
+        Within fold limits.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.kinematics = Kinematics(model)
+        self.n, self.m = model.size, model.equation_count
+        self.k, self.rest = model.parameters.stiffness, model.parameters.rest
+        rays = [r for r, has in enumerate(model.structure.has_crease) if has]
+        dihedral = model.structure.kind == "D"
+        last = len(model.structure.has_crease) - 1
+        on_mirror = np.isin(rays, (0, last)) & dihedral
+        self.factor = np.where(on_mirror, 0.5, 1.0)
+        self.entries = {3: (1, 2, 3), 2: (1, 3)}.get(self.m, None if dihedral else (0,))
+        self.beta = self.factor * (1.0 if self.entries is None else 0.5)
+        # creases are off by their azimuths: a sector's doubt for each sector before them
+        n = len(rays)
+        self.noise = UNIT * (FOLD * (n + 4) + 2 * SECTORS * n**2)
+
+    def closure(self, x: np.ndarray) -> np.ndarray:
+        """Return the Jacobian of closure, [R, m, n]."""
+        return self.vanishing(self.kinematics.fold(x))[1]
+
+    def vanishing(self, at: Folded) -> tuple[np.ndarray, np.ndarray]:
+        """Return g [R, m] and its Jacobian [R, m, n]."""
+        return self.kinematics.closure(at)
+
+    def curvature(self, at: Folded, lam: np.ndarray) -> np.ndarray:
+        """Return lam . g'', [R, n, n]."""
+        return self.kinematics.closure_hessian(at, lam)
+
+    def at(
+        self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the sheet [R]."""
+        n, m = self.n, self.m
+        folded = self.kinematics.fold(x)
+        g, a = self.vanishing(folded)
+        h = -self.curvature(folded, lam)
+        i = np.arange(n)
+        h[:, i, i] += self.k
+        force = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
+        free = pins == 0
+        jacobian = np.zeros((len(x), n + m, n + m))
+        jacobian[:, :n, :n] = h
+        jacobian[:, :n, n:] = -a.transpose(0, 2, 1)
+        jacobian[:, n:, :n] = a
+        pinned = np.concatenate([~free, np.zeros((len(x), m), dtype=bool)], axis=1)
+        jacobian[pinned] = 0.0
+        jacobian.transpose(0, 2, 1)[pinned] = 0.0
+        diagonal = np.arange(n + m)
+        jacobian[:, diagonal, diagonal] += pinned
+        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.sheet
+
+    def local(self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> Local:
+        """Return the system at states, with its second and third derivatives."""
+        f, jacobian, _ = self.at(x, lam, pins)
+        free = pins == 0
+        beta = np.where(free, self.beta, 0.0)
+        bb = beta[:, :, None] * beta[:, None, :]
+        size = np.abs(lam).sum(axis=1)
+        second, third = self._derivatives(x, lam)
+        both = free[:, :, None] & free[:, None, :]
+        second = np.where(both[:, None], second, 0.0)
+        bent = np.abs(np.einsum("rm,rmij->rij", lam, second))
+        third = np.where(both[:, :, :, None] & free[:, None, None, :], np.abs(third), 0.0).sum(
+            axis=3
+        )
+        bent = bent + bb * (4 * self.noise * size)[:, None, None]
+        third = third + bb * (4 * self.noise * size * beta.sum(axis=1))[:, None, None]
+        second = np.abs(second) + 4 * self.noise * bb[:, None]
+        a = jacobian[:, self.n :, : self.n] * free[:, None]
+        fuzz = self._fuzz(x, lam)
+        return Local(f, jacobian, fuzz, a, second, bent, third, beta, size, self.noise)
+
+    def force(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return k (x - rest) - A' lam of all variables, and what rounding and doubt leave in it, [R, n]."""
+        value = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, self.closure(x))
+        return value, self._fuzz(x, lam)[:, : self.n]
+
+    def _fuzz(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
+        """What rounding and doubt leave in F at most, [R, n + m]; less near the flat state (see above)."""
+        size = np.abs(lam)
+        near = np.ones(len(x))
+        if self.m > 1:
+            near = np.minimum(1.0, np.abs(x).sum(axis=1))
+            # the rows of closure are x, y, z or x, z of q; A's row z is of the size of the folds
+            size = np.concatenate([size[:, :-1], near[:, None] * size[:, -1:]], axis=1)
+        torque = 7.0 * self.k + 4.0 * self.beta * size.sum(axis=1)[:, None]
+        return self.noise * np.concatenate([torque, near[:, None] + np.zeros((1, self.m))], axis=1)
+
+    def start(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
+        """Return the multipliers [R, m] that balance the free variables best."""
+        a = self.closure(x) * (pins == 0)[:, None]
+        torque = np.where(pins == 0, self.k * (x - self.rest), 0.0)
+        return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-9) @ torque[:, :, None])[:, :, 0]
+
+    def _derivatives(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """g'' [R, m, n, n] and lam . g''' [R, n, n, n]."""
+        n = self.n
+        folded = self.kinematics.fold(x)
+        c = folded.axes[:, :n] * self.beta[:, None]
+        i, j, k = np.sort(np.indices((n, n, n)), axis=0)
+        if self.entries is None:
+            normal = cross(folded.rays[:, -1], folded.rays[:, -2])
+            first = cross(c, normal[:, None])
+            two = cross(c[:, :, None], first[:, None, :])
+            second = two[..., 1][:, None]
+            # lam e2 . (c_i x v) = -(c_i x e2) . v lam
+            lever = -cross(c, np.array([0.0, 1.0, 0.0])) * lam[:, :1, None]
+        else:
+            first = _left(c, folded.end[:, None])
+            two = _left(c[:, :, None], first[:, None, :])
+            second = np.moveaxis(two[..., list(self.entries)], -1, 1)
+            weight = np.zeros((len(x), 4))
+            weight[:, list(self.entries)] = lam
+            lever = -_left(c, weight[:, None])
+        three = np.einsum("ria,rjka->rijk", lever, two)
+        p, q = np.sort(np.indices((n, n)), axis=0)
+        return second[:, :, p, q], three[:, i, j, k]
+
+    def least_slope(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
+        """Return the smallest singular value of closure on the free variables, [R]; 0 where these are too few."""
+        if not len(x):
+            return np.zeros(0)
+        a = self.closure(x) * (pins == 0)[:, None]
+        return np.linalg.svd(a, compute_uv=False)[:, -1]
+
+
+def _left(c: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Multiply quaternions [..., 4] by vectors [..., 3] from the left."""
+    w, v = q[..., :1], q[..., 1:]
+    scalar = -(c * v).sum(axis=-1, keepdims=True)
+    return np.concatenate([scalar + 0 * w, w * c + cross(c, v)], axis=-1)

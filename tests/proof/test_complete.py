@@ -1,0 +1,272 @@
+"""All critical points of scenes: against searches, 50 digits, Morse's count, and other ways to state the same scene."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from origami_nlp import Model, Scene, find_minima
+from origami_nlp.bench import family_scene
+from origami_nlp.pattern import Vertex, examples
+from origami_nlp.proof import prove
+from origami_nlp.proof.boxes import prune, strata
+from origami_nlp.proof.complete import pose
+from origami_nlp.proof.roots import certify, newton
+from origami_nlp.proof.system import System
+
+DEGREE4 = [family_scene("fold-limits", number) for number in (0, 5, 10, 15, 20)]
+DEGREE5 = [family_scene("fold-limits", number) for number in (1, 6)]
+
+
+def states(proof) -> np.ndarray:
+    return np.array([p.x for p in proof.minima])
+
+
+@pytest.mark.parametrize("scene", DEGREE4 + DEGREE5)
+def test_proved_minima_are_those_of_a_thorough_search(scene):
+    proof = prove(Model(scene))
+    assert proof.complete and proof.finished and not proof.singular
+    found = np.array([m.fold_angles for m in find_minima(scene, effort="thorough").minima])
+    assert len(found) == len(proof.minima)
+    far = np.abs(found[:, None] - states(proof)).max(axis=2)
+    assert (far.min(axis=0) < 1e-8).all() and (far.min(axis=1) < 1e-8).all()
+
+
+def test_box_counts_and_the_flat_lemma_stay_small():
+    four, five = prove(Model(DEGREE4[0])), prove(Model(DEGREE5[0]))
+    assert four.boxes < 6_000 and five.boxes < 100_000
+    assert four.flat_radius >= 1e-3 and five.flat_radius >= 1e-3
+    assert four.flat_is_minimum is False and "no minimum" in four.flat
+
+
+@pytest.mark.slow
+def test_three_freedoms_are_proved():
+    scene = family_scene("fold-limits", 2)
+    proof = prove(Model(scene))
+    assert proof.complete and proof.boxes < 1_500_000
+    found = np.array([m.fold_angles for m in find_minima(scene, effort="thorough").minima])
+    far = np.abs(found[:, None] - states(proof)).max(axis=2)
+    assert (far.min(axis=1) < 1e-8).all()
+
+
+def quaternion(sectors, angles):
+    """Product of the folds, and the axes, in 50 digits."""
+    q, axes, beta = [mpf(1), mpf(0), mpf(0), mpf(0)], [], mpf(0)
+    for angle, sector in zip(angles, sectors, strict=True):
+        b = [mpf(0), mp.cos(beta), mp.sin(beta), mpf(0)]
+        axes.append(times(times(q, b), [q[0], -q[1], -q[2], -q[3]])[1:])
+        c, s = mp.cos(angle / 2), mp.sin(angle / 2)
+        q = times(q, [c, s * b[1], s * b[2], mpf(0)])
+        beta += sector
+    return q, axes
+
+
+def times(p, q):
+    a, b, c, d = p
+    e, f, g, h = q
+    return [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    ]
+
+
+@pytest.mark.parametrize("scene", [DEGREE4[0], DEGREE5[0]])
+def test_points_hold_in_50_digits(scene):
+    """Newton in 50 digits on x and m: how far the root is, signs of what is left, eigenvalues of the reduced Hessian."""
+    proof = prove(Model(scene))
+    n = scene.degree
+    with mp.workdps(50):
+        total = sum(map(mpf, scene.vertex.sector_angles))
+        sectors = [mpf(a) * 2 * mp.pi / total for a in scene.vertex.sector_angles]
+        k = list(map(mpf, scene.stiffness))
+        rest = list(map(mpf, scene.rest_angles))
+        for point in proof.points:
+            free = [i for i in range(n) if not point.stratum[i]]
+            x = [
+                mpf(v) if not s else s * mp.pi for v, s in zip(point.x, point.stratum, strict=True)
+            ]
+            m = list(map(mpf, point.moment))
+            for _ in range(6):
+                q, c = quaternion(sectors, x)
+                size = len(free)
+                f, jacobian = mp.matrix(size + 3, 1), mp.matrix(size + 3, size + 3)
+                for a, i in enumerate(free):
+                    f[a] = k[i] * (x[i] - rest[i]) - dot(m, c[i])
+                    for b, j in enumerate(free):
+                        jacobian[a, b] = (k[i] if i == j else 0) - (
+                            dot(m, cross(c[j], c[i])) if j < i else 0
+                        )
+                        for row in range(3):
+                            jacobian[size + row, b] = half_product(c[j], q)[row + 1]
+                    for row in range(3):
+                        jacobian[a, size + row] = -c[i][row]
+                for row in range(3):
+                    f[size + row] = q[row + 1]
+                step = mp.lu_solve(jacobian, f)
+                for a, i in enumerate(free):
+                    x[i] -= step[a]
+                m = [v - step[size + row] for row, v in enumerate(m)]
+            assert mp.norm(f) < mpf(10) ** -40 and q[0] > 0
+            far = max((abs(x[i] - mpf(point.x[i])) for i in free), default=0)
+            assert far <= point.radius < point.unique_radius
+            for i in range(n):
+                if point.stratum[i]:
+                    left = point.stratum[i] * (k[i] * (x[i] - rest[i]) - dot(m, c[i]))
+                    assert mp.sign(left) == point.pinned_signs[i]
+            assert index_of(k, m, c, free) == point.index
+
+
+def dot(u, v):
+    return sum(a * b for a, b in zip(u, v, strict=True))
+
+
+def cross(u, v):
+    return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+
+def half_product(c, q):
+    return [v / 2 for v in times([mpf(0), *c], q)]
+
+
+def index_of(k, m, c, free):
+    """Negative eigenvalues of the Hessian on the kernel of the axes, by a basis of that kernel."""
+    size = len(free)
+    axes = mp.matrix([[c[i][row] for i in free] for row in range(3)])
+    hessian = mp.matrix(size, size)
+    for a, i in enumerate(free):
+        for b, j in enumerate(free):
+            hessian[a, b] = k[i] if a == b else -dot(m, cross(c[min(i, j)], c[max(i, j)])) / 2
+    _, _, v = mp.svd_r(axes.T * axes)
+    basis = v[3:, :].T
+    if size == 3:
+        return 0
+    values = mp.eigsy(basis.T * hessian * basis, eigvals_only=True)
+    return sum(1 for value in values if value < 0)
+
+
+def test_there_is_one_root_where_one_is_said_to_be():
+    """Newton from random states in the uniqueness box ends at its root, or outside."""
+    model = Model(DEGREE5[0])
+    system = System(model)
+    rng = np.random.default_rng(0)
+    for point in prove(model).points:
+        pins = np.tile(point.stratum, (60, 1))
+        x = (
+            np.array(point.x)
+            + np.where(pins == 0, rng.uniform(-1, 1, pins.shape), 0) * point.unique_radius
+        )
+        ends, _, converged = newton(system, x, pins)
+        far = np.abs(ends - np.array(point.x)).max(axis=1)
+        assert converged.any()
+        inside = converged & (far <= point.unique_radius)
+        assert (far[inside] < 1e-9).all()
+
+
+def test_what_is_no_root_is_not_certified():
+    model = Model(DEGREE4[0])
+    system = System(model)
+    point = prove(model).points[0]
+    x, pins = np.array([point.x]), np.array([point.stratum])
+    lam = 2 * np.array([point.moment]) / model.scale
+    assert len(certify(system, x, lam, pins)[0]) == 1
+    for shift in (1e-6, 1e-4, 0.1):
+        moved = x + np.where(pins == 0, shift, 0.0)
+        roots, _ = certify(system, moved, lam, pins)
+        # either nothing, or a box wide enough to hold the true root
+        assert all(r > 0.5 * shift for r in roots.radius)
+
+
+def count(proof):
+    return Counter((p.index, p.is_minimum, sum(map(abs, p.stratum))) for p in proof.points)
+
+
+@pytest.mark.parametrize("scene", [DEGREE4[1], DEGREE5[1]])
+def test_other_ways_to_state_a_scene_have_the_same_points(scene):
+    base = prove(Model(scene))
+    a, k, rest = scene.vertex.sector_angles, scene.stiffness, scene.rest_angles
+    n = len(a)
+
+    def made(order, sectors, sign=1.0, factor=1.0):
+        stiffness = tuple(k[i] * factor for i in order)
+        angles = tuple(sign * rest[i] for i in order)
+        return Scene(Vertex(sectors), stiffness, angles, "none", "fold-limits")
+
+    turned = [(i + 2) % n for i in range(n)]
+    back = [(-i) % n for i in range(n)]
+    others = [
+        made(turned, tuple(a[i] for i in turned)),
+        made(back, tuple(a[(-i - 1) % n] for i in range(n))),
+        made(range(n), a, sign=-1.0),
+        made(range(n), a, factor=1e-6),
+        made(range(n), a, factor=1e6),
+    ]
+    for order, other in zip((turned, back, range(n), range(n), range(n)), others, strict=True):
+        proof = prove(Model(other))
+        assert proof.complete and count(proof) == count(base)
+        sign = -1.0 if other is others[2] else 1.0
+        expected = sorted(tuple(round(sign * p.x[i], 7) + 0.0 for i in order) for p in base.points)
+        assert np.allclose(
+            sorted(tuple(round(v, 7) + 0.0 for v in p.x) for p in proof.points), expected, atol=1e-6
+        )
+
+
+def test_morse_sums_do_not_depend_on_the_springs():
+    """Critical points whose closed creases all press count (-1)^index; with the flat state's -1 they sum to what the
+    closed states of degree 4 (a graph with its ends) have as Euler characteristic: the same for all springs."""
+    rng = np.random.default_rng(3)
+    vertex = DEGREE4[0].vertex
+    sums = set()
+    for _ in range(6):
+        k, rest = 10 ** rng.uniform(-1, 1, 4), rng.uniform(-3, 3, 4)
+        scene = Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits")
+        proof = prove(Model(scene))
+        assert proof.complete
+        pressed = [p for p in proof.points if max(p.pinned_signs) < 1]
+        sums.add(sum((-1) ** p.index for p in pressed) - 1)
+    assert len(sums) == 1
+
+
+@pytest.mark.parametrize("index", range(18))
+def test_panels_leave_no_box(index):
+    """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
+    scene = replace(examples.panels()[index], contact="fold-limits")
+    model = Model(scene)
+    proof = prove(model, seconds=30)
+    assert proof.finished and not proof.undecided
+    assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
+    boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]
+    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene).minima]
+    for x in found:
+        proved = [p for p in proof.points if np.abs(np.array(p.x) - x).max() < 1e-7]
+        assert all(p.is_minimum is not False for p in proved)
+        held = [b for b in boxes if (b[0] - 1e-6 <= x).all() and (x <= b[1] + 1e-6).all()]
+        assert proved or held
+    for point in proof.minima:
+        assert min(np.abs(x - np.array(point.x)).max() for x in found) < 1e-7
+
+
+@pytest.mark.parametrize("degrees", [(90, 90, 90, 90), (60, 80, 120, 100), (50, 70, 60, 50, 130)])
+def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
+    rng = np.random.default_rng(5)
+    n = len(degrees)
+    k, rest = tuple(10 ** rng.uniform(-0.5, 0.5, n)), tuple(rng.uniform(-2, 2, n))
+    model = Model(Scene(Vertex.from_degrees(degrees), k, rest, "none", "fold-limits"))
+    proof = prove(model)
+    assert proof.finished and not proof.undecided
+    for minimum in find_minima(model.scene, effort="thorough").minima:
+        x = np.array(minimum.fold_angles)
+        assert any(np.abs(x - np.array(p.x)).max() < 1e-7 for p in proof.minima) or any(
+            (np.array(c.lower) - 1e-6 <= x).all() and (x <= np.array(c.upper) + 1e-6).all()
+            for c in proof.singular
+        )
+    assert all("rank" in c.reason or "free" in c.reason for c in proof.singular)
+    assert not any(p.is_minimum is None for p in proof.points)
+    if degrees == (90, 90, 90, 90):
+        posed, flat = pose(model)
+        posed.twin_rule, posed.twins = (), ()
+        left = prune(posed, strata(n), flat=flat.radius, most=50_000)
+        assert len(left.open)  # curves of boxes on which all minors vanish

@@ -1,0 +1,117 @@
+"""The lemma of the flat state: its remainders in 50 digits, and what is critical there is never proved away."""
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from origami_nlp import Model, Scene
+from origami_nlp.bench import family_scene
+from origami_nlp.pattern import Vertex
+from origami_nlp.proof import chains, prove
+from origami_nlp.proof.flat import Cone, flat_lemma, no_minimum
+
+
+def posed(scene):
+    p = Model(scene).parameters
+    return chains.Vertex(p.sectors, p.stiffness, p.rest)
+
+
+def folded(vertex, phi):
+    """Quaternion of the loop and axes, in 50 digits."""
+    total = sum(map(mpf, vertex.sectors))
+    sectors = [mpf(a) * 2 * mp.pi / total for a in vertex.sectors]
+    q = [mpf(1), mpf(0), mpf(0), mpf(0)]
+    axes, beta = [], mpf(0)
+    for angle, sector in zip(phi, sectors, strict=True):
+        b = [mpf(0), mp.cos(beta), mp.sin(beta), mpf(0)]
+        conj = [q[0], -q[1], -q[2], -q[3]]
+        axes.append(multiply(multiply(q, b), conj)[1:])
+        c, s = mp.cos(angle / 2), mp.sin(angle / 2)
+        q = multiply(q, [c, s * b[1], s * b[2], mpf(0)])
+        beta += sector
+    return q, axes
+
+
+def multiply(p, q):
+    a, b, c, d = p
+    e, f, g, h = q
+    return [
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    ]
+
+
+@pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_remainders_hold(number, radius):
+    """All rows at phi = r u, r at most the radius, differ from those of lowest order by no more than the rows allow."""
+    vertex = posed(family_scene("fold-limits", number))
+    cone = Cone(vertex, radius)
+    n = vertex.size
+    rng = np.random.default_rng(number)
+    k_max = mpf(max(vertex.stiffness))
+    for _ in range(8):
+        u = rng.uniform(-1, 1, n)
+        u[rng.integers(n)] = 1.0
+        r = radius * rng.choice([1.0, -1.0, rng.random()])
+        box = np.append(u, r / radius)[:, None]
+        rows = cone.rows(box, box, np.zeros((n + 1, 1), int)).closure
+        with mp.workdps(50):
+            phi = [mpf(r) * mpf(v) for v in u]
+            q, axes = folded(vertex, phi)
+            exact = [q[1] * 2 / mpf(r), q[2] * 2 / mpf(r)]
+            for four in vertex.fours:
+                matrix = mp.matrix(4, 4)
+                for row, i in enumerate(four):
+                    k = mpf(vertex.stiffness[i]) / k_max
+                    matrix[row, 0] = k * (phi[i] - mpf(vertex.rest[i]))
+                    matrix[row, 1], matrix[row, 2] = axes[i][0], axes[i][1]
+                    matrix[row, 3] = axes[i][2] / mpf(r)
+                exact.append(mp.det(matrix))
+            exact.append(q[3] * 4 / mpf(r) ** 2)
+            for value, centre, error in zip(exact, rows.centre, rows.error, strict=True):
+                assert abs(value - mpf(centre[0])) <= mpf(error[0])
+
+
+def test_generic_flat_states_are_isolated_and_no_minimum():
+    for number in (0, 1, 2, 5, 6):
+        lemma = flat_lemma(posed(family_scene("fold-limits", number)))
+        assert lemma.radius >= 1e-4 and lemma.boxes < 50 and lemma.minimum is False
+
+
+def planted(number):
+    """Springs that balance on closed directions that leave the flat state: it is critical to the order that counts."""
+    scene = family_scene("fold-limits", number)
+    vertex = posed(scene)
+    b, n = vertex.creases, vertex.size
+    cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
+    kernel = np.linalg.svd(b.T)[2][2:]
+    values, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)
+    # u with Q(u) = 0, and torques that are a combination of the slopes of b' u and Q there
+    u = (vectors[:, 0] / math.sqrt(-values[0]) + vectors[:, -1] / math.sqrt(values[-1])) @ kernel
+    torque = (cross + cross.T) @ u + b @ np.array([0.3, -0.2])
+    k = np.array(scene.stiffness)
+    rest = -torque / k
+    rest = rest * min(1.0, 3.0 / np.abs(rest).max())
+    return Scene(scene.vertex, scene.stiffness, tuple(rest.tolist()), "none", "fold-limits")
+
+
+@pytest.mark.parametrize("number", [0, 5])
+def test_planted_criticality_is_never_proved(number):
+    scene = planted(number)
+    lemma = flat_lemma(posed(scene))
+    assert lemma.radius == 0.0
+    proof = prove(Model(scene), seconds=3)
+    assert not proof.complete and proof.undecided
+
+
+def test_springs_at_rest_in_the_flat_state_are_not_decided_by_the_lemma():
+    vertex = Vertex.from_degrees((70, 80, 120, 90))
+    scene = Scene(vertex, (1, 2, 3, 2), (0.0,) * 4, "none", "fold-limits")
+    assert flat_lemma(posed(scene)).radius == 0.0
+    assert no_minimum(posed(scene)) is None
+    assert not prove(Model(scene), seconds=3).complete
