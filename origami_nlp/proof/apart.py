@@ -4,13 +4,13 @@ Arcs i and j of the sphere, shorter than pi, have a common point exactly where n
 -n_i.c_{j+1}, -n_j.c_i, n_j.c_{i+1} has the opposite sign of another; they cross where all have one sign strictly.
 Where some are exactly zero the contacts that are held say why:
 
-- Crease e shut to the side a: facets e - 1 and e lie on each other, so ray e + 1 is in the plane of facet e - 1, and the
-  planes of facets e - 1 and e + 1 meet there only.  With sector e narrower than sector e - 1 the ray is inside facet e - 1, and
-  facet e + 1 leaves it to the side a where a phi_{e+1} < 0, and passes through it where a phi_{e+1} > 0.  With sector e
-  wider it is outside, and the two are apart.  The same backwards.
-- Ray k on facet j, inside its arc: facets k - 1 and k touch it from one side where rays k - 1 and k + 1 are on this side, and
-  pass through it where they are on different ones.  If crease j + 1 is shut to the side a and k = j + 3, ray k - 1 is in
-  the plane as well, on the side a as soon as the crease opens.
+- Crease e shut to the side a: facets e - 1 and e lie on each other, so ray e + 1 is in the plane of facet e - 1, and
+  the planes of facets e - 1 and e + 1 meet there only.  With sector e narrower than sector e - 1 the ray is inside
+  facet e - 1, and facet e + 1 leaves it to the side a where a phi_{e+1} < 0, and passes through it where
+  a phi_{e+1} > 0.  With sector e wider it is outside, and the two are apart.  The same backwards.
+- Ray k on facet j, inside its arc: facets k - 1 and k touch it from one side where rays k - 1 and k + 1 are on this
+  side, and pass through it where they are on different ones.  A flap that begins with a shut crease and goes on flat
+  over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is shut.
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
 """
 
@@ -136,8 +136,7 @@ class Signs:
 
     def _pair(self, r: int, i: int, j: int, touches: tuple[Row, ...]) -> int:
         """What facets i and j do at state r."""
-        n, facets = self.off.shape[1:]
-        off = self.off[r]
+        n, off = self.off.shape[1], self.off[r]
         v = [off[j, i], -off[(j + 1) % n, i], -off[i, j], off[(i + 1) % n, j]]
         if min(v) < 0 < max(v):
             return APART
@@ -148,8 +147,8 @@ class Signs:
             if any(t.kind == "facet" and t.rays in ((b, a), ((b + 1) % n, a)) for t in touches):
                 return APART  # `_side` says how
         for a, b in orders:
-            if self.cyclic and (found := self._stacked(r, a, b)) is not None:
-                return found
+            if self.cyclic and (stacked := self._stacked(r, a, b)) is not None:
+                return stacked
         for a, b in orders:
             # crease e shut between facet a = e - 1 and the one before b = e + 1
             e = (a + 1) % n
@@ -164,11 +163,12 @@ class Signs:
         return UNCLEAR
 
     def _stacked(self, r: int, a: int, b: int) -> int | None:
-        """What facets a and b do where creases e and e + 1 are shut and they are A = e - 1, C = e + 1, or the next ones.
+        """What facets a and b do where creases e and e + 1 are shut and they are A = e - 1, C = e + 1, or next to these.
 
-        On the line of facet B = e, from crease e on: A is [0, A], C is [B - C, B].  Shut to different sides the three are
-        a zigzag, whose layers open one by one.  Shut to one side they are rolled up: then the facet beyond A or the one beyond C
-        is caught between layers, unless A and C do not reach each other.
+        On the line of facet B = e, from crease e on: A is [0, A], C is [B - C, B].  Shut to different sides the three
+        are a zigzag: A, B and C lie in this order, and stay so as soon as both creases open.  Shut to one side they are
+        rolled up: the facet beyond A or the one beyond C is caught between layers, unless A and C do not reach each
+        other.
         """
         n, pins = self.off.shape[1], self.pins[r]
         for e in range(n):

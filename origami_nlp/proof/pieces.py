@@ -1,4 +1,4 @@
-"""A folded piece of a vertex as vectors that move with the folds: closure, gaps and their derivatives, over boxes.
+"""A folded piece of a vertex as vectors that move with the folds: closure, gaps and their slopes, over boxes.
 
 Every ray and the last mirror of a piece is a vector carried by the folds before it: a fold by theta_l turns the vectors
 after crease l about the axis c_l, d v / d theta_l = c_l x v.  Closure and gaps are products of such vectors, so that
@@ -11,7 +11,6 @@ has K_l (x_l - rest_l) / share_l = m . df/dtheta_l + nu . dg/dtheta_l at every f
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -83,24 +82,6 @@ class Product:
         if not parts or len(parts) == len(vectors):  # turned as a whole it stays
             return None
         return _sum(parts)
-
-    def bend(self, rays: Sequence[Moving], i: int, j: int) -> Affine | None:
-        """Enclose its second derivative by theta_i and theta_j, [K]; None where it is zero."""
-        i, j = min(i, j), max(i, j)
-        vectors = [f.vector for f in self.factors]
-        reach = [f.reach for f in self.factors]
-        if all(i < r for r in reach) or all(j < r for r in reach):
-            return None
-        a, b = rays[i].vector, rays[j].vector
-        parts = []
-        for s, t in itertools.product(range(len(vectors)), repeat=2):
-            if i >= reach[s] or j >= reach[t]:
-                continue
-            moved = list(vectors)
-            moved[t] = cross(b, moved[t])
-            moved[s] = cross(a, moved[s])  # the earlier fold carries the later axis
-            parts.append(times(moved))
-        return _sum(parts) if parts else None
 
 
 @dataclass(frozen=True)

@@ -115,6 +115,8 @@ class Proof:
         False where the flat state is shown to be none; None: not decided here.
     tree
         All boxes, if they were recorded.
+    crossing
+        Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
 
     points: tuple[CriticalPoint, ...]
@@ -127,6 +129,7 @@ class Proof:
     flat_radius: float
     flat_is_minimum: bool | None
     tree: Tree | None
+    crossing: int = 0
 
     @property
     def minima(self) -> tuple[CriticalPoint, ...]:

@@ -13,8 +13,8 @@ from origami_nlp.proof.system import System
 class TouchSystem(System):
     """The KKT system of a model on a stratum where gaps are closed.
 
-    A gap is a product of two unit vectors, one of which the folds between turn: its derivatives in the directions i, j, ...
-    are at most beta_i beta_j ..., beta = 1 a fold and 1/2 on a mirror, and those of third order enter by this bound.
+    A gap is a product of two unit vectors, one of which the folds between turn: its derivatives in the directions
+    i, j, ... are at most beta_i beta_j ..., beta = 1 a fold and 1/2 on a mirror; those of third order enter by this.
 
     Rounding: three rays and a sine, each as well known as closure; the sine divides.
 

@@ -2,22 +2,27 @@
 
 A local minimum x of the energy among admissible states has fold limits P and gaps T closed, and the states near it with
 the same contacts closed are admissible as well: x is a minimum among {closure, P, T}.  So it is critical there in the
-sense of Fritz John: with f the freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one column more than
-equations vanish on the free creases (W the gradients of the gaps T), without a constraint qualification.  Where
-|P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of the contacts
+sense of Fritz John: with f the freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one column more
+than there are equations vanish on the free creases (W the gradients of the gaps T), without a constraint qualification.
+Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of the contacts
 are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof within fold
 limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two touches.
-A touch that only describes closed creases again (all creases on one side between the ray and the facet are shut) is
-left out.  That the set of admissible states may be a union near x does no harm: the argument is within {closure, P, T}.
+A touch that only describes closed creases again (all between the ray and the facet are shut) is left out: it holds on
+the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the argument
+is within {closure, P, T}.
 
-Of each critical point signs of all rays off all facets are computed with intervals (`apart`): certainly crossing, it is
-dropped; apart but for P and T, whose gradients are independent as the point is regular, the admissible states near it
-are exactly {closure, s_i phi_i <= pi, side g >= 0}, and signs of all multipliers and index decide as for fold limits.
-What remains are stacks: facets that lie on each other with more creases shut.  There the package's exact test decides
-whether the layers have an order (`Model.refuses`), and its cone on the verdict (`classify`); the point says so.
+Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet
+where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
 
-Not covered: more than two freedoms, C_n, wedges of more rays than here, sets of minima of dimension one (their boxes stay
-undecided), sectors of pi and more.
+Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing: it
+is left out.  Apart but for P and T, whose gradients are independent as the point is regular: the admissible states near
+it are exactly {closure, s_i phi_i <= pi, side g >= 0}, and the signs of all multipliers and the index decide as within
+fold limits; side times multiplier is positive where the contact pushes.  What remains are stacks: facets on each
+other with more creases shut.  There the package's exact test decides whether the layers have an order
+(`Model.refuses`), and its cone on the verdict (`classify`); `judged` says so, and such a point is not proved.
+
+Not covered, and undecided or refused by name: more than two freedoms, C_n, wedges of more rays than here, sectors of pi
+and more, sets of dimension one that contacts hold (their boxes stay undecided); singular flat foldings are listed.
 """
 
 from __future__ import annotations
@@ -33,14 +38,13 @@ import numpy as np
 from origami_nlp.kkt import State, classify
 from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
-from origami_nlp.proof.boxes import Boxes, Posed, prune, strata
+from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
 from origami_nlp.proof.complete import _by_stratum, _certified, _cluster, _clusters, _reason
 from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import Roots
 from origami_nlp.proof.touch_roots import TouchSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
-
 
 MOST = 5_000
 """Small boxes of a set of touches from which on they are no isolated points."""
@@ -150,8 +154,9 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     singular, undecided = list(limits.singular), list(limits.undecided)
     points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
-        undecided.append(_everywhere(model, why))
+        undecided.append(_cluster(model, strata(model.size)[:1], why))
     for stratum in () if why else touch_strata(model):
+        touches, names = stratum.touches, _names(model, stratum.touches)
         left = prune(
             stratum.posed,
             stratum.start,
@@ -160,48 +165,47 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         )
         boxes += left.boxes
         finished &= not len(left.open)
-        system = TouchSystem(model, tuple(t.gap for t in stratum.touches))
+        for group in _by_stratum(left.open):
+            undecided.append(_cluster(model, left.open[group], f"time was up; {names}"))
         if len(left.candidates) > MOST:
-            undecided += [
-                _cluster(
-                    model, left.candidates[g], f"not isolated; {_names(model, stratum.touches)}"
-                )
-                for g in _by_stratum(left.candidates)
-            ]
+            for group in _by_stratum(left.candidates):
+                undecided.append(_cluster(model, left.candidates[group], f"a curve; {names}"))
             continue
+        system = TouchSystem(model, tuple(t.gap for t in touches))
         roots, _, _, rest, more = _certified(system, stratum.posed, left.candidates, 0.0, None)
         boxes += more
-        found = tuple(_point(model, roots, i, stratum.touches) for i in range(len(roots)))
-        new = [
-            i for i, p in enumerate(found) if not _again(model, p, stratum.touches, limits.points)
-        ]
-        points += _judged(
-            model, roots[np.array(new, dtype=int)], tuple(found[i] for i in new), stratum.touches
-        )
+        found = [_point(model, roots, i, touches) for i in range(len(roots))]
+        new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]
+        which = np.array(new, dtype=int)
+        points += _judged(model, roots[which], tuple(found[i] for i in new), touches)
         for group in _clusters(rest):
             reason, is_singular = _reason(system, rest[group])
-            (singular if is_singular else undecided).append(
-                _cluster(model, rest[group], f"{reason}; {_names(model, stratum.touches)}")
-            )
-        for group in _by_stratum(left.open):
-            undecided.append(_cluster(model, left.open[group], "time was up"))
+            cluster = _cluster(model, rest[group], f"{reason}; {names}")
+            (singular if is_singular else undecided).append(cluster)
+    kept = [p for p in points if p is not None]
     return replace(
         limits,
-        points=tuple(sorted(points, key=lambda p: p.energy)),
-        singular=tuple(singular),
+        points=tuple(sorted(kept, key=lambda p: p.energy)),
+        singular=tuple(_refused(model, c) for c in singular),
         undecided=tuple(undecided),
         boxes=boxes,
         seconds=limits.seconds + time.perf_counter() - started,
         finished=finished,
+        crossing=len(points) - len(kept),
     )
+
+
+def _refused(model: Model, cluster: Cluster) -> Cluster:
+    """Say of a singular state if its layers have no order: the state at multiples of pi that the box holds."""
+    middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
+    flat = math.pi * np.round(middle / math.pi)
+    x = np.where(np.abs(middle - flat) < SMALL, flat, middle)
+    why = model.refuses(x)
+    return replace(cluster, reason=f"{cluster.reason}; not admissible: {why}") if why else cluster
 
 
 def _names(model: Model, touches: tuple[Row, ...]) -> str:
     return ", ".join(model.gap_name(model.structure.gaps[t.gap]) for t in touches)
-
-
-def _everywhere(model: Model, why: str) -> Cluster:
-    return _cluster(model, strata(model.size)[:1], why)
 
 
 def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
@@ -269,35 +273,38 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Crit
 
 def _judged(
     model: Model, roots: Roots, points: tuple[CriticalPoint, ...], touches: tuple[Row, ...]
-) -> list[CriticalPoint]:
-    """Keep what is admissible, with a verdict."""
+) -> list[CriticalPoint | None]:
+    """Give points that are admissible a verdict; None for those that cross, or have layers without an order."""
     if not points:
         return []
     signs = Signs(model, roots.x, roots.radius, roots.pins)
-    out = []
-    for i, point in enumerate(points):
-        contacts = signs.contacts(i, touches)
-        if contacts.verdict == CROSSED:
-            continue
-        if contacts.verdict == APART:
-            out.append(_decided(point, contacts.sides, roots.spread[i] if touches else 0.0))
-            continue
-        if touches and touches[0].kind == "meet" and 1 in point.pinned_signs:
-            # two triangles with an edge in common: the crease leaves its limit and the rays stay on each other
-            out.append(replace(point, is_minimum=False))
-            continue
-        x = np.array(point.x)
-        if model.refuses(x):
-            continue
-        if not touches and point.is_minimum:
-            out.append(replace(point, judged="admissible by the test of its layers"))
-            continue
-        what = classify(State(model, x))
-        out.append(replace(point, is_minimum=None, judged=f"{what.verdict}: {what.reason}"))
-    return out
+    return [_verdict(model, signs, i, point, touches) for i, point in enumerate(points)]
 
 
-def _decided(point: CriticalPoint, sides: tuple[int, ...], spread: float) -> CriticalPoint:
+def _verdict(
+    model: Model, signs: Signs, i: int, point: CriticalPoint, touches: tuple[Row, ...]
+) -> CriticalPoint | None:
+    contacts = signs.contacts(i, touches)
+    if contacts.verdict == CROSSED:
+        return None
+    if contacts.verdict == APART:
+        point = _decided(point, contacts.sides)
+    elif model.refuses(np.array(point.x)):
+        return None
+    elif point.is_minimum:
+        return replace(point, judged="admissible by the test of its layers")
+    elif touches and touches[0].kind == "meet" and signs.turn[i] and 1 in point.pinned_signs:
+        # a crease leaves its limit while the rays stay on each other: two triangles with a ray in common
+        return replace(point, is_minimum=False)
+    else:
+        point = replace(point, is_minimum=None)
+    if point.is_minimum is not None:
+        return point
+    what = classify(State(model, np.array(point.x)))
+    return replace(point, judged=f"{what.verdict}: {what.reason}")
+
+
+def _decided(point: CriticalPoint, sides: tuple[int, ...]) -> CriticalPoint:
     """Decide by signs of all multipliers and the index."""
     if not point.touches:
         return point

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.proof.affine import TRIGONOMETRIC, Affine, constant, mixed, turned, variables
 from origami_nlp.numerics import SUMMED
+from origami_nlp.proof.affine import TRIGONOMETRIC, Affine, constant, mixed, turned, variables
 from origami_nlp.proof.chains import Rows, Vertex, half_turns, taken, with_centre
 from origami_nlp.proof.pieces import Folded, Piece, Product
 
@@ -43,11 +43,11 @@ class Row:
 
 
 class Kite:
-    """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, without what it has in common with crease 2.
+    """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, less what it has in common with crease 2.
 
     With theta half the fold angle of the crease on the mirror, c_3 . n_1 = 2 sin a cos(phi_2 / 2) (cos a cos(phi_2 / 2)
-    cos theta - sin(phi_2 / 2) sin theta): crease 2 shut puts rays 1 and 3 on each other, on the axis.  The last factor is the
-    row.
+    cos theta - sin(phi_2 / 2) sin theta): crease 2 shut puts rays 1 and 3 on each other, on the axis.  The last factor
+    is the row.
 
     Parameters
     ----------
@@ -142,9 +142,10 @@ class TouchedWedge:
 class TouchedVertex(Vertex):
     """Rows of a vertex without symmetry with creases on facets.
 
-    Crease k on facet j is reached from both ends of the facet.  From its far end, in its plane: with x along ray j + 1, y
-    on from the facet and z along its normal, rays j+2 .. k are a chain of the folds j+1 .. k-1; from the near end it is
-    the same chain read backwards, in the mirror.  Both ways c_k has z = 0, and it is the same point.
+    Crease k on facet j is reached from both ends of the facet.  From its far end, in its plane: with x along ray j + 1,
+    y on from the facet and z along its normal, rays j+2 .. k are a chain of the folds j+1 .. k-1; from the near end it
+    is the same chain read backwards, in the mirror.  Both ways c_k has z = 0, it is the same point, and inside the
+    facet: with y > 0 it is beyond the end (sectors below pi).
 
     Parameters
     ----------
