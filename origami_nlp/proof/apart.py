@@ -163,7 +163,7 @@ class Signs:
         return UNCLEAR
 
     def _stacked(self, r: int, a: int, b: int) -> int | None:
-        """What facets a and b do where creases e and e + 1 are shut and they are A = e - 1, C = e + 1, or next to these.
+        """What facets a and b do where creases e, e + 1 are shut and they are A = e - 1, C = e + 1, or next to these.
 
         On the line of facet B = e, from crease e on: A is [0, A], C is [B - C, B].  Shut to different sides the three
         are a zigzag: A, B and C lie in this order, and stay so as soon as both creases open.  Shut to one side they are

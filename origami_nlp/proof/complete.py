@@ -76,8 +76,8 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
         from origami_nlp.proof.touches import with_touches  # built on what is below
 
         limits = prove(Model(replace(model.scene, contact="fold-limits")), seconds=seconds)
-        rest = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
-        return with_touches(model, limits, seconds=rest)
+        over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
+        return with_touches(model, limits, seconds=over)
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None

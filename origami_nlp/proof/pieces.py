@@ -5,8 +5,8 @@ after crease l about the axis c_l, d v / d theta_l = c_l x v.  Closure and gaps 
 their derivatives are sums of products too.  Ray 1 stays at e1, a mirror through it stays the e1-e3 plane; a crease on
 a mirror turns by half of its fold angle, x = theta / share with share 1/2, which is 1 for all others.
 
-Stationary.  With U = sum K_l (x_l - rest_l)^2 / 2 a state that is critical among those with closure f = 0 and gaps g = 0
-has K_l (x_l - rest_l) / share_l = m . df/dtheta_l + nu . dg/dtheta_l at every free crease.
+Stationary.  With U = sum K_l (x_l - rest_l)^2 / 2 a state that is critical among those with closure f = 0 and gaps
+g = 0 has K_l (x_l - rest_l) / share_l = m . df/dtheta_l + nu . dg/dtheta_l at every free crease.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from origami_nlp.proof.affine import (
     TRIGONOMETRIC,
     UNIT,
     Affine,
+    Turn,
     constant,
     dot,
     mixed,
@@ -178,18 +179,19 @@ class Piece:
                 c, s = np.full(boxes, math.cos(a)), np.full(boxes, math.sin(a))
                 x, y = mixed(x, c, y, s, self.doubt), mixed(y, c, x, -s, self.doubt)
             frame = [x, y, z]
-        x, y, _ = (Moving(_full(v, n), n) for v in frame)
+        x, y, _ = frame
+        across, along = Moving(_full(y, n), n), Moving(_full(x, n), n)
         if self.kind == "C":
-            closure = Product((e2, x)), Product((e3, x)), Product((e3, y))
-            return Folded(tuple(rays), closure, (Product((e1, x)), Product((e2, y))), e2, e2)
-        end = Moving(-y.vector, n)
+            zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
+            return Folded(tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2)
+        end = Moving(-across.vector, n)
         if self.order == 1:
-            closure = Product((e1, end)), Product((e3, end))
-            return Folded(tuple(rays), closure, (Product((e2, end)),), e2, end)
-        angle = {2: 0.0, 3: -0.5}.get(self.order, -math.cos(math.pi / self.order))
-        return Folded(tuple(rays), (Product((e2, end), angle),), (), e2, end)
+            both = Product((e1, end)), Product((e3, end))
+            return Folded(tuple(rays), both, (Product((e2, end)),), e2, end)
+        level = {2: 0.0, 3: -0.5}.get(self.order, -math.cos(math.pi / self.order))
+        return Folded(tuple(rays), (Product((e2, end), level),), (), e2, end)
 
-    def _turn(self, v: int, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray):
+    def _turn(self, v: int, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Turn:
         middle, half = (self.share[v] * a for a in variables(lower[v], upper[v]))
         pin = pins[v]
         c0, s0 = (-1.0, 0.0) if self.share[v] == 1.0 else (0.0, 1.0)
@@ -215,6 +217,7 @@ def cross(x: Affine, y: Affine) -> Affine:
 
 
 def times(vectors: Sequence[Affine]) -> Affine:
+    """Multiply two vectors [3, K], or three: u . (v x w)."""
     u, v = vectors[0], vectors[1] if len(vectors) == 2 else cross(vectors[1], vectors[2])
     return dot(u, v)
 

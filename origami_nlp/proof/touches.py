@@ -8,14 +8,14 @@ Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where 
 are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof within fold
 limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two touches.
 A touch that only describes closed creases again (all between the ray and the facet are shut) is left out: it holds on
-the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the argument
-is within {closure, P, T}.
+the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the
+argument is within {closure, P, T}.
 
-Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet
-where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
+Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
+meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
 
-Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing: it
-is left out.  Apart but for P and T, whose gradients are independent as the point is regular: the admissible states near
+Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing:
+it is left out.  Apart but for P and T, whose gradients are independent as the point is regular: admissible states near
 it are exactly {closure, s_i phi_i <= pi, side g >= 0}, and the signs of all multipliers and the index decide as within
 fold limits; side times multiplier is positive where the contact pushes.  What remains are stacks: facets on each
 other with more creases shut.  There the package's exact test decides whether the layers have an order
