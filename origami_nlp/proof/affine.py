@@ -1,16 +1,17 @@
-"""Affine forms with proved rounding: x = centre + sum_j slopes_j xi_j + error eta, every |xi_j|, |eta| <= 1, in batches.
+"""Affine forms with proved rounding: x = centre + sum_j slopes_j xi_j + error eta, every |xi_j|, |eta| <= 1, in
+batches.
 
 The xi_j are the box: variable j is mid_j + radius_j xi_j.  So a form keeps how it depends on the variables, to first
 order, and only what is of second order goes to `error`.  The last axis of every array is the batch of K boxes; the
 axis before it, of `slopes`, the d variables of the form.
 
-Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n u), a
-product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result (centre,
-slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding does to all of
-them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient of x y takes each
-pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| + sum |slopes| + error.
-`padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and of the sum; it enlarges
-the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
+Rounding.  With u = 2^-53 a sum of n terms in any order is computed to gamma_{n-1} sum |term|, gamma_n = n u / (1 - n
+u), a product to u (Higham, Accuracy and Stability of Numerical Algorithms, 3.1 and 4.2).  Each coefficient of a result
+(centre, slopes, error) is a sum of at most n products of coefficients of the arguments, so the sum of what rounding
+does to all of them is at most gamma_{n+1} times the sum of all these products' absolute values; and as a coefficient
+of x y takes each pair of coefficients of x and y once, that is at most gamma_{n+1} M(x) M(y) with M(x) = |centre| +
+sum |slopes| + error. `padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and
+of the sum; it enlarges the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
 
 What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 absolute.
 """
@@ -18,6 +19,7 @@ What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -49,14 +51,22 @@ class Affine:
     slopes: np.ndarray
     error: np.ndarray
 
+    @cached_property
+    def _spread(self) -> np.ndarray:
+        return np.abs(self.slopes).sum(axis=-2)
+
+    @cached_property
+    def _magnitude(self) -> np.ndarray:
+        d = self.slopes.shape[-2]
+        return (np.abs(self.centre) + self._spread + self.error) * (1 + 4 * (d + 4) * UNIT)
+
     def spread(self) -> np.ndarray:
         """Return sum |slopes|, [..., K], as computed."""
-        return np.abs(self.slopes).sum(axis=-2)
+        return self._spread
 
     def magnitude(self) -> np.ndarray:
         """Return an upper bound of |x| over the box, [..., K]."""
-        d = self.slopes.shape[-2]
-        return (np.abs(self.centre) + self.spread() + self.error) * (1 + 4 * (d + 4) * UNIT)
+        return self._magnitude
 
     def radius(self) -> np.ndarray:
         """Return an upper bound of |x - centre| over the box, [..., K]."""

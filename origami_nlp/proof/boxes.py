@@ -43,12 +43,18 @@ BEYOND = math.nextafter(math.pi, 4.0)
 class Posed(Protocol):
     """What is searched: rows over boxes."""
 
-    size: int
-    linear: slice
-    pivots: int
-    minor_count: int
-    minor_creases: tuple[tuple[int, ...], ...]
-    twins: tuple[tuple[int, ...], ...]
+    @property
+    def size(self) -> int: ...  # noqa: D102
+    @property
+    def linear(self) -> slice: ...  # noqa: D102
+    @property
+    def pivots(self) -> int: ...  # noqa: D102
+    @property
+    def minor_count(self) -> int: ...  # noqa: D102
+    @property
+    def minor_creases(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
+    @property
+    def twins(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows: ...  # noqa: D102
 
@@ -211,7 +217,7 @@ def _shrunk(
         recorder.leaves(batch.node[empty & ~used], Kind.EMPTY)
         recorder.leaves(batch.node[empty & used], Kind.NONE)
     share = _shares(batch, lower, upper)
-    carried = ~empty & (share.min(axis=0) < KEPT)
+    carried: np.ndarray = ~empty & (share.min(axis=0) < KEPT)
     node = batch.node.copy()
     if recorder:
         which = np.flatnonzero(carried)
@@ -219,8 +225,8 @@ def _shrunk(
     lower = np.where(carried, lower, batch.lower)
     upper = np.where(carried, upper, batch.upper)
     after = Boxes(lower, upper, batch.pins, node)
-    cut = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
-    done = ~empty & (batch.widths.max(axis=0) < small)
+    cut: np.ndarray = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
+    done: np.ndarray = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
     return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut], recorder)])
 

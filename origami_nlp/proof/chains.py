@@ -4,11 +4,11 @@ Closure.  The loop is cut at the facet between crease N and crease 1 and in its 
 Q(b_1, phi_1) ... Q(b_h, phi_h) = Q(b_N, -phi_N) ... Q(b_{h+1}, -phi_{h+1}), both sides unit quaternions, states the
 sheet q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.
 
-Minors.  On the free creases of a stratum a local minimum has rank [G | C] <= 3 (Fritz John; G_i = k_i (phi_i - rest_i),
-row i of C the axis c_i): det [G_S | C_S] = 0 for every four free creases S, an alternating sum of G_i times triple products
-of axes.  A triple product of three axes of a closed loop depends on the angles along two of the three arcs between them,
-and on the middle one: seen from crease j, with Z = y + i z of the next axes on either side,
-(c_i, c_j, c_k) = Im(exp(i phi_j) Z' Z).  The two arcs with fewest creases are taken.
+Minors.  On the free creases of a stratum a local minimum has rank [G | C] <= 3 (Fritz John; G_i = k_i (phi_i -
+rest_i), row i of C the axis c_i): det [G_S | C_S] = 0 for every four free creases S, an alternating sum of G_i times
+triple products of axes.  A triple product of three axes of a closed loop depends on the angles along two of the three
+arcs between them, and on the middle one: seen from crease j, with Z = y + i z of the next axes on either side, (c_i,
+c_j, c_k) = Im(exp(i phi_j) Z' Z).  The two arcs with fewest creases are taken.
 
 Sectors are those of the scene to within `SECTORS` ulp each, with sum 2 pi exactly.
 """
@@ -18,7 +18,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -283,7 +283,7 @@ def with_twins(
     rule = piece.twin_rule
     if not rule:
         return minors, asked
-    k, torque, lean = torques(piece, middle, half)
+    _, torque, lean = torques(piece, middle, half)
     centre, slopes = twin_rows(rule, torque, lean)
     size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
     twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
@@ -292,6 +292,7 @@ def with_twins(
 
 
 def parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return centre, slopes and error."""
     return x.centre, x.slopes, x.error
 
 
@@ -319,7 +320,7 @@ def half_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
     return with_centre(c, s, np.where(pinned, 0.0, 0.5 * half))
 
 
-def taken(turn: Turn, which: object, sign: float = 1.0) -> Turn:
+def taken(turn: Turn, which: Any, sign: float = 1.0) -> Turn:
     """Select turns, or the turns the other way."""
     c, s = turn.cosine[which], sign * turn.sine[which]
     return Turn(

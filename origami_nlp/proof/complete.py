@@ -15,6 +15,7 @@ from origami_nlp.programme import Model
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
+from origami_nlp.proof.periods import Period
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import (
     Roots,
@@ -26,7 +27,7 @@ from origami_nlp.proof.roots import (
 )
 from origami_nlp.proof.system import System
 from origami_nlp.proof.tree import Kind, Recorder
-from origami_nlp.proof.wedges import Period, Wedge
+from origami_nlp.proof.wedges import Wedge
 
 TOGETHER = 20 * SMALL
 """Boxes of a stratum that are no further apart [rad] are one cluster."""
@@ -93,7 +94,9 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     points = tuple(_point(model, roots, int(i)) for i in order)
     position = np.full(len(roots), -1)
     position[order] = np.arange(len(order))
-    singular, undecided, leaves = [], [], []
+    singular: list[Cluster] = []
+    undecided: list[Cluster] = []
+    leaves: list[tuple[np.ndarray, Kind, int]] = []
     for i in ends:
         group = held[number == i]
         leaves.append((group.node, Kind.SINGULAR, len(singular)))
@@ -109,10 +112,10 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
         recorder.leaves(held.node, Kind.ROOT, position[number])
         for nodes, kind, place in leaves:
             recorder.leaves(nodes, kind, place)
-    for group in _by_stratum(left.open):
+    for group in [left.open[g] for g in _by_stratum(left.open)]:
         if recorder:
-            recorder.leaves(left.open.node[group], Kind.UNDECIDED, len(undecided))
-        undecided.append(_cluster(model, left.open[group], "time was up"))
+            recorder.leaves(group.node, Kind.UNDECIDED, len(undecided))
+        undecided.append(_cluster(model, group, "time was up"))
     if left.flat and not flat.radius:
         undecided.append(_near_flat(model, near))
     return Proof(

@@ -5,15 +5,16 @@ of q = prod exp(r u_i b_i / 2) in r of order p are at most (sum |u_i| / 2)^p, th
 most s_i^p, s_i = sum_{j<i} |u_j|.  Reflected in the sheet, phi becomes -phi: q_x, q_y and the z of axes are odd in r,
 q_z and the x, y of axes are even.  Hence, with sum |u_i| <= N and (b_j x b_i) = (b_j x b_i)_z e_z:
 
-    closure, x and y:  sum_i u_i b_i = 0  +- r^2 N^3 / 24                          (q_x / (r / 2); next order (r N / 2)^3 / 6)
-    closure, z:        Q(u) = sum_{j<i} u_j u_i (b_j x b_i)_z = 0  +- r^2 N^4 / 96    (q_z / (r^2 / 4); (r N / 2)^4 / 24)
-    minors over r:     det [G, c_x, c_y, c_z / r]_S = 0,  G_i = k_i (r u_i - rest_i),  (c_x, c_y) = b_i +- r^2 s_i^2 / 2,
+    closure, x and y:  sum_i u_i b_i = 0  +- r^2 N^3 / 24    (q_x / (r / 2); the next order is (r N / 2)^3 / 6)
+    closure, z:        Q(u) = sum_{j<i} u_j u_i (b_j x b_i)_z = 0  +- r^2 N^4 / 96    (q_z / (r^2 / 4))
+    minors over r:     det [G, c_x, c_y, c_z / r]_S = 0,  G_i = k_i (r u_i - rest_i),
+                       (c_x, c_y) = b_i +- r^2 s_i^2 / 2,
                        c_z / r = h_i(u) +- r^2 s_i^3 / 6,  h_i(u) = sum_{j<i} u_j (b_j x b_i)_z.
 
-The variables are u on a face u_i = 1 and r; but for the remainders of r^2 a minor is linear in u plus r times a quadratic
-form of u.  If no (u, r) satisfies all, there is no critical point but the flat state within r0.  The faces u_i = -1
-are those with r from -r0 to 0, so r is taken from [-r0, r0].  A determinant with errors E of its entries A is off by at
-most per(|A| + E) - per(|A|).
+The variables are u on a face u_i = 1 and r; but for the remainders of r^2 a minor is linear in u plus r times a
+quadratic form of u.  If no (u, r) satisfies all, there is no critical point but the flat state within r0.  The faces
+u_i = -1 are those with r from -r0 to 0, so r is taken from [-r0, r0].  A determinant with errors E of its entries A is
+off by at most per(|A| + E) - per(|A|).
 
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
 sum_i -k_i rest_i u_i < 0: so does a w between them, where Q(w) = 0 with a simple sign change; there the equations over
@@ -102,7 +103,7 @@ class Cone:
         self._pose_minors(vertex)
 
     def _pose_minors(self, vertex: Vertex) -> None:
-        """Minors as coefficients of u [M, n] and of r times products u_i u_j [M, n, n], and how far they are off [M]."""
+        """Minors as coefficients of u [M, n] and of r u_i u_j [M, n, n], and how far they are off [M]."""
         n, radius = len(self.b), self.radius
         k = vertex.stiffness / vertex.stiffness.max()
         fours = vertex.fours

@@ -8,15 +8,15 @@ vector: 1; half of that on a mirror), so that on Z, with s = sum_j beta_j rho_j,
 
     |J(Z) - J(z0)| <= [[ beta_i beta_j (sum |d lam| + s sum |lam|), beta_i s ], [ beta_j s, 0 ]].
 
-With rho = t (1, ..., 1, mu, ..., mu) both conditions are a quadratic in t: the smallest t that fits is the accuracy of the
-root, the largest the box in which it is the only one.
+With rho = t (1, ..., 1, mu, ..., mu) both conditions are a quadratic in t: the smallest t that fits is the accuracy of
+the root, the largest the box in which it is the only one.
 
 Index.  The number of negative eigenvalues of [[H, A'], [A, 0]] less the number of equations, where A has full rank.
 With X the computed eigenvectors, X' J X = D + R is known with error bounds; where all Gershgorin discs miss zero, the
 signs of D count (Sylvester, X being regular as X' X is near 1).
 
-Rounding: N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may be
-off; `System.fold` bounds what both do to g, A and g''.
+Rounding: N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may
+be off; `System.fold` bounds what both do to g, A and g''.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def _inverse(matrices: np.ndarray) -> np.ndarray:
 def _between(
     a: np.ndarray, b: np.ndarray, c: np.ndarray, rows: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the t between which a t^2 - b t + c < 0 in every row, with room for rounding: smallest > largest if none."""
+    """Return between which t all a t^2 - b t + c < 0, with room for rounding: smallest > largest if there are none."""
     a, c = 1.01 * a + TINY, 1.01 * c + TINY
     b = 0.99 * b
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
@@ -188,13 +188,13 @@ def _between(
 
 
 def _lean(at: Local) -> np.ndarray:
-    """Ratio of the sides of the box in multipliers and in x: twice what multipliers move where x moves by 1 (`holds`)."""
+    """Ratio of the sides of a box in multipliers and in x: twice what the former move where x moves by 1 (`holds`)."""
     p, move, _ = _levers(at, np.full(len(at.f), WITHIN[-1]))
     return 2.0 * (p @ move[:, :, None])[:, :, 0].max(axis=1)
 
 
 def _levers(at: Local, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """|P| [R, m, n] with P A' = 1 on free variables; what k x - A' lam, and what A', change over t <= within, [R, n]."""
+    """|P| [R, m, n], P A' = 1 on free variables; what k x - A' lam, and A', change with x, for t <= within, [R, n]."""
     p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=1e-12))
     s = at.beta.sum(axis=1)
     turned = at.beta * s[:, None]
@@ -214,10 +214,10 @@ def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
     """Number of the root whose uniqueness box holds all critical points in each of K small boxes; -1 if none, [K].
 
     The box lies within `unique`; and the multipliers of a critical point in it, r from the root, are within `spread`:
-    with P A' = 1 at the root, lam' - lam = P (G' - G - (A' - A) lam' - F), so that |lam' - lam| <= |P| ((k + beta s |lam|)
-    r + |F| + beta s r |lam' - lam|), and where the sum of |P| beta s r over all rows is at most 1/5, the last term adds
-    three quarters at most.  Then A has full rank throughout, too: what is critical in the sense of Fritz John has
-    multipliers.
+    with P A' = 1 at the root, lam' - lam = P (G' - G - (A' - A) lam' - F), so that |lam' - lam| <= |P| ((k + beta s
+    |lam|) r + |F| + beta s r |lam' - lam|), and where the sum of |P| beta s r over all rows is at most 1/5, the last
+    term adds three quarters at most.  Then A has full rank throughout, too: what is critical in the sense of Fritz
+    John has multipliers.
 
     Parameters
     ----------

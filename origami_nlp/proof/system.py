@@ -1,15 +1,16 @@
 """The KKT system of a stratum at states in doubles, and bounds of how it changes beside them.
 
-F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its Jacobian; J = [[K - lam . g'', -A'], [A, 0]].
+F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its Jacobian; J = [[K - lam . g'', -A'], [A,
+0]].
 
-Derivatives.  With q the product of all folds, half the axes c_i / 2 (a quarter on a mirror) stand for derivatives:
-d q / dx_i dx_j dx_k = (c_i / 2) (c_j / 2) (c_k / 2) q, i <= j <= k; where closure is that a rotated normal N keeps an angle,
-c_i x (c_j x (c_k x N)).  So the p-th derivative in the directions i, j, ... is at most beta_i beta_j ... in size, and the
-second and third ones are known at the state.
+Derivatives.  With q the product of all folds, half the axes c_i / 2 (a quarter on a mirror) stand for derivatives: d q
+/ dx_i dx_j dx_k = (c_i / 2) (c_j / 2) (c_k / 2) q, i <= j <= k; where closure is that a rotated normal N keeps an
+angle, c_i x (c_j x (c_k x N)).  So the p-th derivative in the directions i, j, ... is at most beta_i beta_j ... in
+size, and the second and third ones are known at the state.
 
-Rounding.  N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may be
-off.  The vector part of q, and the z of axes, are sums of products that each hold the sine of a fold or of half of one,
-and every error in them is relative to such a term: near the flat state they are known to that share of the bound.
+Rounding.  N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may
+be off.  The vector part of q, and the z of axes, are sums of products that each hold the sine of a fold or of half of
+one, and every error in them is relative to such a term: near the flat state they are known to that share of the bound.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ class Local:
 
     def change(self, mu: np.ndarray, within: np.ndarray | float) -> np.ndarray:
         """Bound |J(Z) - J(z0)| / t on Z = z0 +- t (1, ..., mu, ...), t <= `within` (shape [R]): [R, n + m, n + m]."""
-        m, n = self.a.shape[1:]
+        m = self.a.shape[1]
         b, s = self.beta, self.beta.sum(axis=1)
         bb = b[:, :, None] * b[:, None, :]
         later = within * (0.5 * self.size * s**2 + m * mu * s)

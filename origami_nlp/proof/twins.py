@@ -1,10 +1,10 @@
 """Creases that lie on one line all along a stratum, and what a minimum then needs.
 
-Where all creases between two free ones, a and b, are closed (+-pi), their facets lie in one plane, and crease b is at the
-angle of the alternating sum of the sectors between from crease a.  If that is a multiple of pi, c_a = s c_b throughout,
-s = +-1: closure loses rank there, and all minors may vanish on a whole curve.  But d phi_a = -s d phi_b keeps closure, so a
-minimum needs G_a = s G_b.  On a wedge between mirrors a crease may likewise lie across the mirror, at +-pi/2 from it with
-all between closed: it turns freely with its image, and needs G_a = 0.
+Where all creases between two free ones, a and b, are closed (+-pi), their facets lie in one plane, and crease b is at
+the angle of the alternating sum of the sectors between from crease a.  If that is a multiple of pi, c_a = s c_b
+throughout, s = +-1: closure loses rank there, and all minors may vanish on a whole curve.  But d phi_a = -s d phi_b
+keeps closure, so a minimum needs G_a = s G_b.  On a wedge between mirrors a crease may likewise lie across the mirror,
+at +-pi/2 from it with all between closed: it turns freely with its image, and needs G_a = 0.
 
 Relations of sectors that hold to within what sectors may be off (`chains.SECTORS`) are taken as exact.
 """

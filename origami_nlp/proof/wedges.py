@@ -1,17 +1,16 @@
-"""What every local minimum satisfies where a symmetry is imposed: a wedge between two mirrors, or a period of turns.
+"""What every local minimum satisfies where mirrors are imposed, over boxes of the fold angles of a wedge.
 
 Torques per crease, G_i = k_i (phi_i - rest_i), stand beside the axes as without symmetry: a crease on a mirror counts
 half in the energy of a piece, and moves it half.
 
-D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e2 = e2).  On closed states the slopes of closure are
-a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an alternating sum of
-G_i (n_1, c_j, c_k); the triple product is the same with N.
-D_n, n > 1: n_1 . N = -cos(pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
-C_n: the scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from
-crease i on, and G_a t_b = G_b t_a.
+D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e2 = e2).  On closed states the slopes
+of closure are a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an
+alternating sum of G_i (n_1, c_j, c_k); the triple product is the same with N.
 
-All of it is triple products seen from the crease in the middle, as without symmetry, or products of two half chains.
-Backwards, the wedge is read in a mirror (y to -y).
+D_n, n > 1: n_1 . N = -cos(pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
+
+All of it is triple products seen from the crease in the middle, as without symmetry.  Backwards, the wedge is read in a
+mirror (y to -y).
 """
 
 from __future__ import annotations
@@ -36,6 +35,7 @@ from origami_nlp.proof.affine import (
 from origami_nlp.proof.chains import (
     SECTORS,
     Rows,
+    Sprung,
     angle_turns,
     half_turns,
     parts,
@@ -43,7 +43,7 @@ from origami_nlp.proof.chains import (
     torques,
     with_twins,
 )
-from origami_nlp.proof.twins import Twin, twins_of_loop, twins_of_wedge
+from origami_nlp.proof.twins import twins_of_wedge
 
 
 class Wedge:
@@ -104,12 +104,12 @@ class Wedge:
             minors = self._three(on, back, turn, middle, half)
         else:
             minors = self._two(on, back, turn, middle, half)
-        asked = _all_free(self.minor_creases, pins)
+        asked = all_free(self.minor_creases, pins)
         closure = self._closure(on, back)
         return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
 
     def seen_first(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> np.ndarray:
-        """Return the first mirror's normal, seen from the middle ray before its fold, at the middle of boxes, [3, K]."""
+        """Return the first mirror's normal as the middle ray sees it before its fold, in the middle of boxes [3, K]."""
         back = _Views(self, self.turns(middle, half, pins), -1)
         return _mirrored(back.after[self.middle_ray][:, 0]).centre
 
@@ -165,7 +165,7 @@ class Wedge:
             [(i, pairs[j, k], 1.0), (j, pairs[i, k], -1.0), (k, pairs[i, j], 1.0)]
             for i, j, k in self.minor_creases
         ]
-        return _sums_of_torques(self, terms, middle, half)
+        return sums_of_torques(self, terms, middle, half)
 
     def _two(
         self, on: _Views, back: _Views, turn: Turn, middle: np.ndarray, half: np.ndarray
@@ -175,7 +175,7 @@ class Wedge:
             self._triple(r, back.after[r][:, 0], on.after[r][:, 0], turn) for r in self.ray_of
         ]
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
-        return _sums_of_torques(self, terms, middle, half)
+        return sums_of_torques(self, terms, middle, half)
 
 
 class _Views:
@@ -267,14 +267,14 @@ def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
     )
 
 
-def _all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarray:
+def all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarray:
     """Tell which choices of creases are free, [M, K]."""
     which = np.array(creases, dtype=int).reshape(len(creases), -1)
     return (pins == 0)[which].all(axis=1)
 
 
-def _sums_of_torques(
-    piece: Wedge | Period,
+def sums_of_torques(
+    piece: Sprung,
     terms: list[list[tuple[int, Affine, float]]],
     middle: np.ndarray,
     half: np.ndarray,
@@ -295,110 +295,3 @@ def _sums_of_torques(
     if not sums:
         return Affine(none, np.zeros((0, n, boxes)), none)
     return Affine(*(np.stack(p) for p in zip(*map(parts, sums), strict=True)))
-
-
-class Period:
-    """The forms of a period of C_n.
-
-    Parameters
-    ----------
-    order
-        n of C_n.
-    sectors
-        Of the period, shape [n] [rad].
-    stiffness, rest
-        Of each crease of the period, [n].
-    """
-
-    pivots = 1
-    linear = slice(0, 1)
-
-    def __init__(
-        self, order: int, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray
-    ) -> None:
-        n = self.size = len(sectors)
-        self.order, self.sectors = order, np.asarray(sectors, float)
-        self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
-        self.minor_creases = tuple(itertools.combinations(range(n), 2))
-        self.minor_count = len(self.minor_creases)
-        doubt = SECTORS * 4 * UNIT
-        self.doubt = n * (doubt + 2 * TRIGONOMETRIC)
-        found = {}
-        for twin in twins_of_loop(np.tile(self.sectors, order), doubt):
-            a, b = (c % n for c in twin.creases)
-            if a != b:
-                closed = tuple(sorted({c % n for c in twin.closed}))
-                if not {a, b} & set(closed):
-                    found[min(a, b), max(a, b), closed] = twin.sign
-        self.twin_rule = tuple(Twin((a, b), sign, c) for (a, b, c), sign in found.items())
-        self.twins = tuple(t.creases for t in self.twin_rule)
-
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
-        """Enclose the rows over boxes, as `Vertex.rows` does."""
-        middle, half = variables(lower, upper)
-        scalar, slopes = self._products(half_turns(middle, half, pins))
-        level = math.cos(math.pi / self.order)
-        first = scalar[:1]
-        closure = padded(first.centre - level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
-        terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
-        minors = _sums_of_torques(self, terms, middle, half)
-        asked = _all_free(self.minor_creases, pins)
-        return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
-
-    def _products(self, turn: Turn) -> tuple[Affine, Affine]:
-        """Enclose scalar and x of the product read from every crease on, [n, K]."""
-        n, boxes = turn.cosine.shape
-        h = (n + 1) // 2
-        start = np.arange(n)
-        left = self._chain(turn, [(start + i) % n for i in range(h)], boxes)
-        right = self._chain(turn, [(start + i) % n for i in range(h, n)], boxes)
-        signs = np.array([1.0, -1.0, -1.0, -1.0])[:, None, None]
-        other = Affine(signs * right.centre, signs[..., None] * right.slopes, right.error)
-        scalar = _dotted(left, other)
-        order, signs = [1, 0, 3, 2], np.array([1.0, 1.0, 1.0, -1.0])[:, None, None]
-        other = Affine(
-            signs * right.centre[order], signs[..., None] * right.slopes[order], right.error[order]
-        )
-        x = _dotted(left, other)
-        return (Affine(v.centre, v.slopes, v.error + 4 * self.doubt) for v in (scalar, x))  # type: ignore[return-value]
-
-    def _chain(self, turn: Turn, creases: list[np.ndarray], boxes: int) -> Affine:
-        """Enclose products of Q(e1, phi) Q(e3, a) over successive creases, from n starts: [4, n, K] in n variables."""
-        n = self.size
-        q = constant(np.eye(4)[:, [0] * n], 0.0, n, boxes)
-        start = np.arange(n)
-        for crease in creases:
-            by = taken(turn, crease)
-            a, b = q, _times_x(q)
-            x = mixed(a, by.cosine, b, by.sine)
-            new = turned(x, _times_x(x), by)
-            slopes = new.slopes[..., :-1, :].copy()
-            slopes[:, start, crease] += new.slopes[:, start, -1]
-            q = Affine(new.centre, slopes, new.error)
-            sector = 0.5 * self.sectors[crease][:, None]
-            q = mixed(q, np.cos(sector), _times_z(q), np.sin(sector))
-        return q
-
-
-def _times_x(q: Affine) -> Affine:
-    """Multiply quaternions [4, ...] by e1 from the right."""
-    return _permuted(q, [1, 0, 3, 2], [-1.0, 1.0, 1.0, -1.0])
-
-
-def _times_z(q: Affine) -> Affine:
-    """Multiply quaternions [4, ...] by e3 from the right."""
-    return _permuted(q, [3, 2, 1, 0], [-1.0, 1.0, -1.0, 1.0])
-
-
-def _permuted(q: Affine, order: list[int], signs: list[float]) -> Affine:
-    s = np.array(signs).reshape(4, *[1] * (q.centre.ndim - 1))
-    return Affine(s * q.centre[order], s[..., None] * q.slopes[order], q.error[order])
-
-
-def _dotted(x: Affine, y: Affine) -> Affine:
-    """Dot along the first axis, [4, n, K] to [n, K]."""
-    moved = (
-        Affine(v.centre.swapaxes(0, 1), v.slopes.swapaxes(0, 1), v.error.swapaxes(0, 1))
-        for v in (x, y)
-    )
-    return dot(*moved)

@@ -76,7 +76,7 @@ def times(p, q):
 
 @pytest.mark.parametrize("scene", [DEGREE4[0], DEGREE5[0]])
 def test_points_hold_in_50_digits(scene):
-    """Newton in 50 digits on x and m: how far the root is, signs of what is left, eigenvalues of the reduced Hessian."""
+    """Newton in 50 digits on x and m: distance of the root, signs at closed creases, reduced Hessian."""
     proof = prove(Model(scene))
     n = scene.degree
     with mp.workdps(50):

@@ -87,7 +87,7 @@ def planted(number):
     """Springs that balance on closed directions that leave the flat state: it is critical to the order that counts."""
     scene = family_scene("fold-limits", number)
     vertex = posed(scene)
-    b, n = vertex.creases, vertex.size
+    b = vertex.creases
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]
     values, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)

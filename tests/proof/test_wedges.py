@@ -95,13 +95,13 @@ def test_wedges_hold_their_values(name, width):
             exact = mpf(0)
             if posed.order == 1:
                 for i, (p, q) in zip(creases, ((1, 2), (0, 2), (0, 1)), strict=True):
-                    j, l = creases[p], creases[q]
-                    seen = e2 if l <= n - 1 - j else normal  # the mirror that the form looks at
+                    a, c = creases[p], creases[q]
+                    seen = e2 if c <= n - 1 - a else normal  # the mirror that the form looks at
                     sign = -1 if i == creases[1] else 1
                     value = (
-                        triple(seen, axes[j], axes[l])
+                        triple(seen, axes[a], axes[c])
                         if seen is e2
-                        else triple(axes[j], axes[l], seen)
+                        else triple(axes[a], axes[c], seen)
                     )
                     exact += sign * torque[i] * value
             else:

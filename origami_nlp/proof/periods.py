@@ -1,0 +1,136 @@
+"""What every local minimum satisfies where turns are imposed, over boxes of the fold angles of a period of C_n.
+
+The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from
+crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is a product of
+two half chains.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from origami_nlp.proof.affine import (
+    TRIGONOMETRIC,
+    UNIT,
+    Affine,
+    Turn,
+    constant,
+    dot,
+    mixed,
+    padded,
+    turned,
+    variables,
+)
+from origami_nlp.proof.chains import SECTORS, Rows, half_turns, taken, with_twins
+from origami_nlp.proof.twins import Twin, twins_of_loop
+from origami_nlp.proof.wedges import all_free, sums_of_torques
+
+
+class Period:
+    """The forms of a period of C_n.
+
+    Parameters
+    ----------
+    order
+        n of C_n.
+    sectors
+        Of the period, shape [n] [rad].
+    stiffness, rest
+        Of each crease of the period, [n].
+    """
+
+    pivots = 1
+    linear = slice(0, 1)
+
+    def __init__(
+        self, order: int, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray
+    ) -> None:
+        n = self.size = len(sectors)
+        self.order, self.sectors = order, np.asarray(sectors, float)
+        self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
+        self.minor_creases = tuple(itertools.combinations(range(n), 2))
+        self.minor_count = len(self.minor_creases)
+        doubt = SECTORS * 4 * UNIT
+        self.doubt = n * (doubt + 2 * TRIGONOMETRIC)
+        found = {}
+        for twin in twins_of_loop(np.tile(self.sectors, order), doubt):
+            a, b = (c % n for c in twin.creases)
+            if a != b:
+                closed = tuple(sorted({c % n for c in twin.closed}))
+                if not {a, b} & set(closed):
+                    found[min(a, b), max(a, b), closed] = twin.sign
+        self.twin_rule = tuple(Twin((a, b), sign, c) for (a, b, c), sign in found.items())
+        self.twins = tuple(t.creases for t in self.twin_rule)
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+        """Enclose the rows over boxes, as `Vertex.rows` does."""
+        middle, half = variables(lower, upper)
+        scalar, slopes = self._products(half_turns(middle, half, pins))
+        level = math.cos(math.pi / self.order)
+        first = scalar[:1]
+        closure = padded(first.centre - level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
+        terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
+        minors = sums_of_torques(self, terms, middle, half)
+        asked = all_free(self.minor_creases, pins)
+        return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
+
+    def _products(self, turn: Turn) -> tuple[Affine, Affine]:
+        """Enclose scalar and x of the product read from every crease on, [n, K]."""
+        n, boxes = turn.cosine.shape
+        h = (n + 1) // 2
+        start = np.arange(n)
+        left = self._chain(turn, [(start + i) % n for i in range(h)], boxes)
+        right = self._chain(turn, [(start + i) % n for i in range(h, n)], boxes)
+        signs = np.array([1.0, -1.0, -1.0, -1.0])[:, None, None]
+        other = Affine(signs * right.centre, signs[..., None] * right.slopes, right.error)
+        scalar = _dotted(left, other)
+        order, signs = [1, 0, 3, 2], np.array([1.0, 1.0, 1.0, -1.0])[:, None, None]
+        other = Affine(
+            signs * right.centre[order], signs[..., None] * right.slopes[order], right.error[order]
+        )
+        x = _dotted(left, other)
+        return (Affine(v.centre, v.slopes, v.error + 4 * self.doubt) for v in (scalar, x))  # type: ignore[return-value]
+
+    def _chain(self, turn: Turn, creases: list[np.ndarray], boxes: int) -> Affine:
+        """Enclose products of Q(e1, phi) Q(e3, a) over successive creases, from n starts: [4, n, K] in n variables."""
+        n = self.size
+        q = constant(np.eye(4)[:, [0] * n], 0.0, n, boxes)
+        start = np.arange(n)
+        for crease in creases:
+            by = taken(turn, crease)
+            a, b = q, _times_x(q)
+            x = mixed(a, by.cosine, b, by.sine)
+            new = turned(x, _times_x(x), by)
+            slopes = new.slopes[..., :-1, :].copy()
+            slopes[:, start, crease] += new.slopes[:, start, -1]
+            q = Affine(new.centre, slopes, new.error)
+            sector = 0.5 * self.sectors[crease][:, None]
+            q = mixed(q, np.cos(sector), _times_z(q), np.sin(sector))
+        return q
+
+
+def _times_x(q: Affine) -> Affine:
+    """Multiply quaternions [4, ...] by e1 from the right."""
+    return _permuted(q, [1, 0, 3, 2], [-1.0, 1.0, 1.0, -1.0])
+
+
+def _times_z(q: Affine) -> Affine:
+    """Multiply quaternions [4, ...] by e3 from the right."""
+    return _permuted(q, [3, 2, 1, 0], [-1.0, 1.0, -1.0, 1.0])
+
+
+def _permuted(q: Affine, order: list[int], signs: list[float]) -> Affine:
+    s = np.array(signs).reshape(4, *[1] * (q.centre.ndim - 1))
+    return Affine(s * q.centre[order], s[..., None] * q.slopes[order], q.error[order])
+
+
+def _dotted(x: Affine, y: Affine) -> Affine:
+    """Dot along the first axis, [4, n, K] to [n, K]."""
+    moved = (
+        Affine(v.centre.swapaxes(0, 1), v.slopes.swapaxes(0, 1), v.error.swapaxes(0, 1))
+        for v in (x, y)
+    )
+    return dot(*moved)
