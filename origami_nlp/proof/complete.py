@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -73,12 +72,6 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     """
     check_type("model", model, Model)
     started = time.perf_counter()
-    if model.scene.contact == "full":
-        from origami_nlp.proof.touches import with_touches  # built on what is below
-
-        limits = prove(Model(replace(model.scene, contact="fold-limits")), seconds=seconds)
-        over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
-        return with_touches(model, limits, seconds=over)
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None

@@ -35,11 +35,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
 from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
-from origami_nlp.proof.complete import _by_stratum, _certified, _cluster, _clusters, _reason
+from origami_nlp.proof.complete import (
+    _by_stratum,
+    _certified,
+    _cluster,
+    _clusters,
+    _reason,
+    prove as prove_within_limits,
+)
 from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import Roots
@@ -69,6 +77,46 @@ class Stratum:
     touches: tuple[Row, ...]
     posed: Posed
     start: Boxes
+
+
+def prove(model: Model, *, seconds: float | None = None, record: bool = False) -> Proof:
+    """Find every critical point of a scene within fold limits or with full contact.
+
+    Parameters
+    ----------
+    model
+        Of a scene with contact "fold-limits" or "full".
+    seconds
+        Stop after this time; what is left then is undecided.
+    record
+        Whether to keep the tree of boxes; with full contact there is none.
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    OptionError
+        If the scene has no contact, no freedom, or is no flat sheet.
+
+    Examples
+    --------
+    >>> from origami_nlp import Model, Scene, Vertex
+    >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
+    >>> proof = prove(Model(Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")))
+    >>> proof.complete, len(proof.minima)
+    (True, 2)
+    """
+    check_type("model", model, Model)
+    if model.scene.contact != "full":
+        return prove_within_limits(model, seconds=seconds, record=record)
+    started = time.perf_counter()
+    limits = prove_within_limits(
+        Model(replace(model.scene, contact="fold-limits")), seconds=seconds
+    )
+    over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
+    return with_touches(model, limits, seconds=over)
 
 
 def why_not(model: Model) -> str:
