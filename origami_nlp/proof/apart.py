@@ -12,6 +12,9 @@ Where some are exactly zero the contacts that are held say why:
   side, and pass through it where they are on different ones.  A flap that begins with a shut crease and goes on flat
   over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is shut.
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
+
+Images of a wedge are kept apart by the mirrors as long as its rays are between them: fold limits and the gaps of the
+model (`programme.choose`) say so.
 """
 
 from __future__ import annotations
@@ -89,9 +92,6 @@ class Signs:
             i: _sign(folded.behind(*gaps[i].rays))  # type: ignore[misc]
             for i in self.model.walls
         }
-        self.before = np.stack(
-            [[_sign(folded.behind(r, side)) for side in (0, 1)] for r in range(n)]
-        )
         self.turn = _sign(Product((folded.rays[0], folded.rays[1], folded.rays[2])))
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
@@ -101,7 +101,6 @@ class Signs:
         if not self.cyclic:
             held = {t.gap for t in touches}
             verdicts += [int(s[r]) for i, s in self.walls.items() if i not in held]
-            verdicts += self._mirrors(r)
         if CROSSED in (*verdicts, *(CROSSED if s is None else APART for s in sides)):
             return Contacts(CROSSED, ())
         clear = all(v == APART for v in verdicts) and all(sides)
@@ -226,18 +225,6 @@ class Signs:
         if last and not first and self.inside[r, 0, 2]:
             return APART if self.inside[r, 0, 2] < 0 else CROSSED
         return UNCLEAR
-
-    def _mirrors(self, r: int) -> list[int]:
-        """D_n: a facet on one mirror is apart from its images only where it is off the other."""
-        if self.model.structure.order == 1:
-            return []
-        last = self.off.shape[1] - 1
-        out = []
-        if self._crease(self.pins[r], 0):
-            out.append(int(self.before[1, 1][r]))
-        if self._crease(self.pins[r], last):
-            out.append(int(self.before[last - 1, 0][r]))
-        return out
 
 
 def _sign(product: Product) -> np.ndarray:

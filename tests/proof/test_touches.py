@@ -51,6 +51,7 @@ def uneven(number: int) -> Scene:
 
 
 TOUCHING = family_scene("full-contact", 11)
+PANELS = examples.panels()
 
 
 @pytest.fixture(scope="module")
@@ -244,6 +245,18 @@ def test_signs_agree_with_the_test_of_single_states():
     assert min(seen.values()) > 10
 
 
+@pytest.mark.parametrize("number", [1, 5, 7, 11, 12, 16])
+def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
+    scene = PANELS[number]
+    model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
+    x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
+    signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
+    for i, state in enumerate(x):
+        verdict = signs.contacts(i, ()).verdict
+        if verdict:
+            assert verdict == (CROSSED if model.refuses(state) else APART)
+
+
 def test_one_freedom_has_no_touches():
     model = Model(family_scene("full-contact", 0))
     assert not list(touch_strata(model))
@@ -270,9 +283,6 @@ def test_labels_turned_and_reflected(touching):
         y = np.array([p.x for p in touching.points])[:, perm]
         assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
         assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
-
-
-PANELS = examples.panels()
 
 
 @pytest.mark.parametrize("number", [2, 4, 8, 9, 11, 16])
