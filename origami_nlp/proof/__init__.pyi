@@ -18,10 +18,11 @@ from .certificate import (
 )
 from .chains import Rows as Rows
 from .check import Check as Check, check_proof as check_proof
-from .complete import pose as pose, prove as prove
+from .complete import pose as pose
 from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
 from .singular import Isolation as Isolation, isolated as isolated
+from .touches import prove as prove
 from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

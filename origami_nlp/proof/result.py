@@ -37,6 +37,12 @@ class CriticalPoint:
         In the scene's units.
     is_minimum
         True: index 0 and all signs -1. False: certainly none. None: not decided.
+    touches
+        Gaps that are closed (positions in `Structure.gaps`); full contact only.
+    forces
+        Multiplier of each, positive where it pushes, in the scene's units per unit of gap.
+    judged
+        Where facets lie on each other: by which test of the package it is admissible, and a minimum.
     """
 
     x: tuple[float, ...]
@@ -49,6 +55,9 @@ class CriticalPoint:
     pinned_signs: tuple[int, ...]
     energy: float
     is_minimum: bool | None
+    touches: tuple[int, ...] = ()
+    forces: tuple[float, ...] = ()
+    judged: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,6 +115,8 @@ class Proof:
         False where the flat state is shown to be none; None: not decided here.
     tree
         All boxes, if they were recorded.
+    crossing
+        Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
 
     points: tuple[CriticalPoint, ...]
@@ -118,6 +129,7 @@ class Proof:
     flat_radius: float
     flat_is_minimum: bool | None
     tree: Tree | None
+    crossing: int = 0
 
     @property
     def minima(self) -> tuple[CriticalPoint, ...]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import cross
-from origami_nlp.programme import Kinematics, Model
+from origami_nlp.programme import Folded, Kinematics, Model
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.chains import SECTORS
 
@@ -119,7 +119,15 @@ class System:
 
     def closure(self, x: np.ndarray) -> np.ndarray:
         """Return the Jacobian of closure, [R, m, n]."""
-        return self.kinematics.closure(self.kinematics.fold(x))[1]
+        return self.vanishing(self.kinematics.fold(x))[1]
+
+    def vanishing(self, at: Folded) -> tuple[np.ndarray, np.ndarray]:
+        """Return g [R, m] and its Jacobian [R, m, n]."""
+        return self.kinematics.closure(at)
+
+    def curvature(self, at: Folded, lam: np.ndarray) -> np.ndarray:
+        """Return lam . g'', [R, n, n]."""
+        return self.kinematics.closure_hessian(at, lam)
 
     def at(
         self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
@@ -127,8 +135,8 @@ class System:
         """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the sheet [R]."""
         n, m = self.n, self.m
         folded = self.kinematics.fold(x)
-        g, a = self.kinematics.closure(folded)
-        h = -self.kinematics.closure_hessian(folded, lam)
+        g, a = self.vanishing(folded)
+        h = -self.curvature(folded, lam)
         i = np.arange(n)
         h[:, i, i] += self.k
         force = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)

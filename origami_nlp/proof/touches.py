@@ -1,0 +1,373 @@
+"""Full contact: every critical point of the states whose facets do not cross, also where facets touch.
+
+A local minimum x of the energy among admissible states has fold limits P and gaps T closed, and the states near it with
+the same contacts closed are admissible as well: x is a minimum among {closure, P, T}.  So it is critical there in the
+sense of Fritz John: with f the freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one column more
+than there are equations vanish on the free creases (W the gradients of the gaps T), without a constraint qualification.
+Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of the contacts
+are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof within fold
+limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two touches.
+A touch that only describes closed creases again (all between the ray and the facet are shut) is left out: it holds on
+the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the
+argument is within {closure, P, T}.
+
+Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
+meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
+
+Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing:
+it is left out.  Apart but for P and T, whose gradients are independent as the point is regular: admissible states near
+it are exactly {closure, s_i phi_i <= pi, side g >= 0}, and the signs of all multipliers and the index decide as within
+fold limits; side times multiplier is positive where the contact pushes.  What remains are stacks: facets on each
+other with more creases shut.  There the package's exact test decides whether the layers have an order
+(`Model.refuses`), and its cone on the verdict (`classify`); `judged` says so, and such a point is not proved.
+
+Not covered, and undecided or refused by name: more than two freedoms, C_n, wedges of more rays than here, sectors of pi
+and more, sets of dimension one that contacts hold (their boxes stay undecided); singular flat foldings are listed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_type
+from origami_nlp.kkt import State, classify
+from origami_nlp.programme import Model
+from origami_nlp.proof.apart import APART, CROSSED, Signs
+from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
+from origami_nlp.proof.complete import (
+    _by_stratum,
+    _certified,
+    _cluster,
+    _clusters,
+    _reason,
+    prove as prove_within_limits,
+)
+from origami_nlp.proof.pieces import Piece
+from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
+from origami_nlp.proof.roots import Roots
+from origami_nlp.proof.touch_roots import TouchSystem
+from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
+
+MOST = 5_000
+"""Small boxes of a set of touches from which on they are no isolated points."""
+MOST_BOXES = 500_000
+"""Boxes for a set of touches."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stratum:
+    """Touches, and the boxes of the fold limits that go with them.
+
+    Attributes
+    ----------
+    touches
+        Gaps that are closed.
+    posed
+        Their rows.
+    start
+        Boxes.
+    """
+
+    touches: tuple[Row, ...]
+    posed: Posed
+    start: Boxes
+
+
+def prove(model: Model, *, seconds: float | None = None, record: bool = False) -> Proof:
+    """Find every critical point of a scene within fold limits or with full contact.
+
+    Parameters
+    ----------
+    model
+        Of a scene with contact "fold-limits" or "full".
+    seconds
+        Stop after this time; what is left then is undecided.
+    record
+        Whether to keep the tree of boxes; with full contact there is none.
+
+    Returns
+    -------
+    Proof
+
+    Raises
+    ------
+    OptionError
+        If the scene has no contact, no freedom, or is no flat sheet.
+
+    Examples
+    --------
+    >>> from origami_nlp import Model, Scene, Vertex
+    >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
+    >>> proof = prove(Model(Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")))
+    >>> proof.complete, len(proof.minima)
+    (True, 2)
+    """
+    check_type("model", model, Model)
+    if model.scene.contact != "full":
+        return prove_within_limits(model, seconds=seconds, record=record)
+    started = time.perf_counter()
+    limits = prove_within_limits(
+        Model(replace(model.scene, contact="fold-limits")), seconds=seconds
+    )
+    over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
+    return with_touches(model, limits, seconds=over)
+
+
+def why_not(model: Model) -> str:
+    """Say why touches of a model are not proved here; "" where they are."""
+    s, freedom = model.structure, model.freedom
+    if max(model.scene.vertex.sector_angles) >= math.pi - 1e-9:
+        return "a sector of 180 degrees or more"
+    if not s.gaps:
+        return ""
+    if freedom > 2:
+        return f"{freedom} freedoms: touches are proved for at most 2"
+    rays = len(s.has_crease)
+    if s.kind == "C":
+        return "" if s.order == 1 else f"touches with symmetry {model.symmetry} are not proved"
+    fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
+    return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
+
+
+def touch_strata(model: Model) -> Iterator[Stratum]:
+    """List the strata with touches of a model that `why_not` has nothing against."""
+    freedom = model.freedom
+    patterns = strata(model.size)
+    shut = (patterns.pins != 0).sum(axis=0)
+    for touches in _sets(model):
+        allowed = shut <= freedom - len(touches)
+        if model.structure.kind == "C":
+            p = model.parameters
+            posed: Posed = TouchedVertex(
+                p.sectors, p.stiffness, p.rest, tuple((t.rays[0], t.rays[1]) for t in touches)
+            )
+        else:
+            posed = TouchedWedge(Piece(model), touches)
+        if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
+            on = patterns.pins[0] != 0
+            allowed &= on == (touches[0].rays == (0, 3))
+        if allowed.any():
+            yield Stratum(touches, posed, patterns[allowed])
+
+
+def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
+    """Sets of gaps that may be closed at once."""
+    first: dict[tuple[int, ...], int] = {}
+    for i, gap in enumerate(model.structure.gaps):
+        first.setdefault(gap.rays, i)
+    if model.structure.kind == "C":
+        n = model.size
+        rows = [
+            Row("facet", rays, i)
+            for rays, i in first.items()
+            if 3 <= (rays[0] - rays[1]) % n <= n - 2
+        ]
+        for count in range(1, model.freedom + 1):
+            yield from itertools.combinations(rows, count)
+    elif model.structure.order == 1:
+        for rays in ((3, 0), (0, 3)) if first else ():
+            yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
+    else:
+        # both at once: rays 1 and 3 on each other, which is crease 2 shut between equal sectors
+        for (r, side), i in first.items():
+            yield (Row("end" if side else "start", (r,), i),)
+
+
+def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -> Proof:
+    """Turn a proof within fold limits into one with full contact.
+
+    Parameters
+    ----------
+    model
+        Of the scene with contact "full".
+    limits
+        The proof of the same scene with contact "fold-limits".
+    seconds
+        Stop after this time; what is left then is undecided.
+
+    Returns
+    -------
+    Proof
+        Points that certainly cross are left out.
+    """
+    started = time.perf_counter()
+    end = math.inf if seconds is None else started + seconds
+    boxes, finished = limits.boxes, limits.finished
+    singular, undecided = list(limits.singular), list(limits.undecided)
+    points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
+    if why := why_not(model):
+        undecided.append(_cluster(model, strata(model.size)[:1], why))
+    for stratum in () if why else touch_strata(model):
+        touches, names = stratum.touches, _names(model, stratum.touches)
+        left = prune(
+            stratum.posed,
+            stratum.start,
+            most=MOST_BOXES,
+            seconds=max(end - time.perf_counter(), 0.0),
+        )
+        boxes += left.boxes
+        finished &= not len(left.open)
+        for group in _by_stratum(left.open):
+            undecided.append(_cluster(model, left.open[group], f"time was up; {names}"))
+        if len(left.candidates) > MOST:
+            for group in _by_stratum(left.candidates):
+                undecided.append(_cluster(model, left.candidates[group], f"a curve; {names}"))
+            continue
+        system = TouchSystem(model, tuple(t.gap for t in touches))
+        roots, _, _, rest, more = _certified(system, stratum.posed, left.candidates, 0.0, None)
+        boxes += more
+        found = [_point(model, roots, i, touches) for i in range(len(roots))]
+        new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]
+        which = np.array(new, dtype=int)
+        points += _judged(model, roots[which], tuple(found[i] for i in new), touches)
+        for group in _clusters(rest):
+            reason, is_singular = _reason(system, rest[group])
+            cluster = _cluster(model, rest[group], f"{reason}; {names}")
+            (singular if is_singular else undecided).append(cluster)
+    kept = [p for p in points if p is not None]
+    return replace(
+        limits,
+        points=tuple(sorted(kept, key=lambda p: p.energy)),
+        singular=tuple(_refused(model, c) for c in singular),
+        undecided=tuple(undecided),
+        boxes=boxes,
+        seconds=limits.seconds + time.perf_counter() - started,
+        finished=finished,
+        crossing=len(points) - len(kept),
+    )
+
+
+def _refused(model: Model, cluster: Cluster) -> Cluster:
+    """Say of a singular state if its layers have no order: the state at multiples of pi that the box holds."""
+    middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
+    flat = math.pi * np.round(middle / math.pi)
+    x = np.where(np.abs(middle - flat) < SMALL, flat, middle)
+    why = model.refuses(x)
+    return replace(cluster, reason=f"{cluster.reason}; not admissible: {why}") if why else cluster
+
+
+def _names(model: Model, touches: tuple[Row, ...]) -> str:
+    return ", ".join(model.gap_name(model.structure.gaps[t.gap]) for t in touches)
+
+
+def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
+    """The states of points, for `Signs`."""
+    x = np.array([p.x for p in points]).reshape(-1, n)
+    pins = np.array([p.stratum for p in points]).reshape(-1, n)
+    radius = np.array([p.radius for p in points])
+    none = np.zeros(len(points))
+    return Roots(x, none, pins, radius, none, none, none, none)
+
+
+def _again(
+    model: Model, point: CriticalPoint, touches: tuple[Row, ...], known: tuple[CriticalPoint, ...]
+) -> bool:
+    """Whether a point is one with more creases shut that keep these gaps closed, so that it has been counted."""
+    for other in known:
+        apart = max(abs(a - b) for a, b in zip(point.x, other.x, strict=True))
+        finer = all(s in (0, t) for s, t in zip(point.stratum, other.stratum, strict=True))
+        if finer and point.stratum != other.stratum and apart + other.radius < point.unique_radius:
+            if all(_kept_closed(model, t, other.stratum) for t in touches):
+                return True
+    return False
+
+
+def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
+    """Whether all creases between a ray and what it touches are shut, one way round."""
+    has = model.structure.has_crease
+    shut = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
+    k, n = touch.rays[0], len(has)
+    if touch.kind == "start":
+        return all(shut[:k])
+    if touch.kind == "end":
+        return all(shut[k + 1 :])
+    if touch.kind == "meet":
+        return False
+    j = touch.rays[1]
+    ahead = [(j + i) % n for i in range(1, (k - j) % n)]
+    back = [(j - i) % n for i in range((j - k) % n)]
+    return all(shut[c] for c in ahead) or all(shut[c] for c in back)
+
+
+def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> CriticalPoint:
+    """State a root with touches in the scene's units; whether it is a minimum is decided by `_judged`."""
+    equations = model.equation_count
+    half = 0.5 if equations == 3 else 1.0
+    lam = model.scale * roots.lam[i]
+    # as many contacts as freedoms leave nothing to bend
+    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
+    index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
+    return CriticalPoint(
+        tuple(roots.x[i].tolist()),
+        tuple(roots.pins[i].tolist()),
+        tuple((half * lam[:equations]).tolist()),
+        float(roots.radius[i]),
+        float(roots.unique[i]),
+        float(model.scale * roots.spread[i]),
+        index,
+        tuple(roots.signs[i].tolist()),
+        model.energy(roots.x[i]),
+        None,
+        tuple(t.gap for t in touches),
+        tuple(lam[equations:].tolist()),
+    )
+
+
+def _judged(
+    model: Model, roots: Roots, points: tuple[CriticalPoint, ...], touches: tuple[Row, ...]
+) -> list[CriticalPoint | None]:
+    """Give points that are admissible a verdict; None for those that cross, or have layers without an order."""
+    if not points:
+        return []
+    signs = Signs(model, roots.x, roots.radius, roots.pins)
+    return [_verdict(model, signs, i, point, touches) for i, point in enumerate(points)]
+
+
+def _verdict(
+    model: Model, signs: Signs, i: int, point: CriticalPoint, touches: tuple[Row, ...]
+) -> CriticalPoint | None:
+    contacts = signs.contacts(i, touches)
+    if contacts.verdict == CROSSED:
+        return None
+    if contacts.verdict == APART:
+        point = _decided(point, contacts.sides)
+    elif model.refuses(np.array(point.x)):
+        return None
+    elif point.is_minimum:
+        return replace(point, judged="admissible by the test of its layers")
+    elif touches and touches[0].kind == "meet" and signs.turn[i] and 1 in point.pinned_signs:
+        # a crease leaves its limit while the rays stay on each other: two triangles with a ray in common
+        return replace(point, is_minimum=False)
+    else:
+        point = replace(point, is_minimum=None)
+    if point.is_minimum is not None:
+        return point
+    what = classify(State(model, np.array(point.x)))
+    return replace(point, judged=f"{what.verdict}: {what.reason}")
+
+
+def _decided(point: CriticalPoint, sides: tuple[int, ...]) -> CriticalPoint:
+    """Decide by signs of all multipliers and the index."""
+    if not point.touches:
+        return point
+    pushes = tuple(side * force for side, force in zip(sides, point.forces, strict=True))
+    # the multiplier is known to `doubt`: the share of the uniqueness box that the root may lie in
+    doubt = point.unique_moment * point.radius / point.unique_radius
+    leaves = any(push < -doubt for push in pushes)
+    holds = all(push > doubt for push in pushes)
+    inside = all(
+        s or abs(v) + point.radius < math.pi for v, s in zip(point.x, point.stratum, strict=True)
+    )
+    decided: bool | None = None
+    if leaves or 1 in point.pinned_signs or point.index:
+        decided = False
+    elif holds and point.index == 0:
+        pinned = [g for g, s in zip(point.pinned_signs, point.stratum, strict=True) if s]
+        decided = True if all(g < 0 for g in pinned) else None
+    return replace(point, forces=pushes, is_minimum=decided if inside else None)

@@ -1,0 +1,339 @@
+"""Full contact: rows of touches and their points in 50 digits, who crosses, and minima against searches."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from origami_nlp import Model, Scene, State, classify, find_minima
+from origami_nlp.bench import family_scene
+from origami_nlp.pattern import Vertex, examples
+from origami_nlp.proof import prove
+from origami_nlp.proof.affine import variables
+from origami_nlp.proof.apart import APART, CROSSED, Signs
+from origami_nlp.proof.pieces import Piece
+from origami_nlp.proof.result import Proof
+from origami_nlp.proof.touches import touch_strata, why_not, with_touches
+from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
+from tests.proof.test_chains import (
+    WIDTHS,
+    boxes,
+    exact_sectors,
+    points,
+    random_vertex,
+    turn_x,
+    turn_z,
+    value_of,
+)
+from tests.proof.test_complete import cross, dot, quaternion
+
+NOTHING = Proof((), (), (), 0, 0.0, True, "", 0.0, None, None)
+
+
+@pytest.fixture(autouse=True)
+def fifty_digits():
+    with mp.workdps(50):
+        yield
+
+
+def uneven(number: int) -> Scene:
+    """A vertex of degree 5 whose sectors differ widely: facets touch often."""
+    rng = np.random.default_rng([number, 9])
+    while True:
+        sectors = rng.dirichlet(np.full(5, 2.0)) * 2 * math.pi
+        if sectors.max() < 2.8 and sectors.min() > 0.15:
+            break
+    k, rest = 10 ** rng.uniform(-1, 1, 5), rng.uniform(-math.pi, math.pi, 5)
+    vertex = Vertex(tuple(sectors.tolist()))
+    return Scene(vertex, tuple(k.tolist()), tuple(rest.tolist()), "none", "full")
+
+
+TOUCHING = family_scene("full-contact", 11)
+PANELS = examples.panels()
+
+
+@pytest.fixture(scope="module")
+def touching():
+    return prove(Model(TOUCHING))
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_rows_of_a_touch_hold_their_values(width):
+    """Ray k seen from both ends of facet j, by rotation matrices."""
+    rng = np.random.default_rng([7, int(width * 1e9)])
+    vertex = random_vertex(rng, 5)
+    for j in range(5):
+        k = (j + 3) % 5
+        posed = TouchedVertex(vertex.sectors, vertex.stiffness, vertex.rest, ((k, j),))
+        lower, upper, pins = boxes(rng, 5, width, 4)
+        middle, half = variables(lower, upper)
+        form = posed.rows(lower, upper, pins).closure
+        a = exact_sectors(vertex)
+        for box, x, xi in points(rng, lower, upper, pins, middle, half):
+            i = [(j + s) % 5 for s in range(5)]
+            far = turn_x(x[i[1]]) * turn_z(a[i[1]]) * turn_x(x[i[2]]) * turn_z(a[i[2]])
+            near = turn_x(x[i[0]]) * turn_z(a[i[4]]) * turn_x(x[i[4]]) * turn_z(a[i[3]])
+            p, q = far[:, 0], near[:, 0]
+            c, s = mp.cos(a[j]), mp.sin(a[j])
+            values = [q[0] - (c * p[0] - s * p[1]), q[1] + s * p[0] + c * p[1], p[2], q[2]]
+            for row, value in enumerate(values):
+                off = abs(value - value_of(form, 4 + row, box, xi))
+                assert off <= form.error[4 + row, box]
+
+
+@pytest.mark.parametrize("width", [0.0, 1e-6, 1e-3, 0.1])
+def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
+    """det [G | C | w] of five creases with axes and the gradient of the gap by quaternions."""
+    rng = np.random.default_rng(int(width * 1e9))
+    scene = TOUCHING
+    sectors = list(map(mpf, scene.vertex.sector_angles))
+    rest = rng.uniform(-3, 3, 5)  # other springs: with its own the minor vanishes
+    top = mpf(max(scene.stiffness))
+    seen = 0
+    for point in touching.points[:8]:
+        if any(point.stratum):
+            continue
+        x = np.array(point.x)[:, None]
+        lower = x - width * rng.uniform(0, 1, x.shape)
+        upper = lower + width
+        _, c = quaternion(sectors, list(map(mpf, point.x)))
+        torque = [
+            mpf(k) / top * (mpf(v) - mpf(r))
+            for k, v, r in zip(scene.stiffness, point.x, rest.tolist(), strict=True)
+        ]
+        for j in range(5):
+            k = (j + 3) % 5
+            posed = TouchedVertex(
+                scene.vertex.sector_angles, np.array(scene.stiffness), rest, ((k, j),)
+            )
+            form = posed.rows(lower, upper, np.zeros((5, 1), dtype=int)).critical
+            middle, half = variables(lower, upper)
+            xi = [
+                mpf(v - m) / mpf(h) if h else mpf(0)
+                for v, m, h in zip(x[:, 0], middle[:, 0], half[:, 0], strict=True)
+            ]
+            normal = cross(c[j], c[(j + 1) % 5])
+            normal = [v / mp.norm(mp.matrix(normal)) for v in normal]
+            between = {(j + 1) % 5, (j + 2) % 5}
+            w = [dot(normal, cross(c[i], c[k])) if i in between else mpf(0) for i in range(5)]
+            value = mp.det(mp.matrix([[torque[i], *c[i], w[i]] for i in range(5)]))
+            off = abs(value - value_of(form, 0, 0, xi))
+            assert off <= form.error[0, 0] + 1e-10  # the state closes to 1e-12
+            seen += abs(value) > 1e-3
+    assert seen >= 5
+
+
+@pytest.mark.parametrize("scene", [TOUCHING, uneven(6)])
+def test_points_with_touches_hold_in_50_digits(scene):
+    """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
+    proof = prove(Model(scene))
+    gaps = Model(scene).structure.gaps
+    total = sum(map(mpf, scene.vertex.sector_angles))
+    a = [mpf(v) * 2 * mp.pi / total for v in scene.vertex.sector_angles]
+    k, rest = list(map(mpf, scene.stiffness)), list(map(mpf, scene.rest_angles))
+    found = [p for p in proof.points if len(p.touches) == 1]
+    assert found
+    for point in found:
+        ray, j = gaps[point.touches[0]].rays
+        free = [i for i in range(5) if not point.stratum[i]]
+        x = [mpf(v) if not s else s * mp.pi for v, s in zip(point.x, point.stratum, strict=True)]
+        sign = side_of(a, x, ray, j, point)
+
+        def residual(z, x=x, free=free, ray=ray, j=j):
+            y = list(x)
+            for i, v in zip(free, z[: len(free)], strict=True):
+                y[i] = v
+            m, nu = z[len(free) : len(free) + 3], z[len(free) + 3]
+            q, c = quaternion(a, y)
+            w = gradient(c, ray, j, a)
+            balance = [k[i] * (y[i] - rest[i]) - dot(m, c[i]) - nu * w[i] for i in free]
+            return [*balance, *q[1:], height(c, ray, j, a)], c, m, nu, w
+
+        z = [x[i] for i in free] + list(map(mpf, point.moment)) + [sign * mpf(point.forces[0])]
+        for _ in range(8):
+            f = residual(z)[0]
+            step = mp.mpf(10) ** -25
+            columns = []
+            for i in range(len(z)):
+                shifted = list(z)
+                shifted[i] += step
+                columns.append(
+                    [(u - v) / step for u, v in zip(residual(shifted)[0], f, strict=True)]
+                )
+            delta = mp.lu_solve(mp.matrix(columns).T, mp.matrix(f))
+            z = [u - v for u, v in zip(z, delta, strict=True)]
+        f, c, m, nu, w = residual(z)
+        assert max(map(abs, f)) < mpf(10) ** -35
+        far = max(abs(u - x[i]) for u, i in zip(z, free, strict=False))
+        assert far <= point.radius < point.unique_radius
+        for i in range(5):
+            if point.stratum[i]:
+                left = point.stratum[i] * (k[i] * (x[i] - rest[i]) - dot(m, c[i]) - nu * w[i])
+                assert mp.sign(left) == point.pinned_signs[i]
+        if point.is_minimum is not None and sign:
+            assert abs(sign * nu - mpf(point.forces[0])) < 1e-6 * (1 + abs(nu))
+            wrong = sign * nu < 0 or 1 in point.pinned_signs or point.index
+            assert point.is_minimum == (not wrong)
+
+
+def height(c, k, j, a):
+    """Gap of ray k off facet j."""
+    return dot(cross(c[j], c[(j + 1) % 5]), c[k]) / mp.sin(a[j])
+
+
+def gradient(c, k, j, a):
+    """Of the gap at a closed state: the folds between turn the ray, and those on the other side are left."""
+    normal = [v / mp.sin(a[j]) for v in cross(c[j], c[(j + 1) % 5])]
+    out = [mpf(0)] * 5
+    if k > j:
+        for i in range(j + 1, k):
+            out[i] = dot(normal, cross(c[i], c[k]))
+    else:
+        for i in range(k + 1, j + 1):
+            out[i] = -dot(normal, cross(c[i], c[k]))
+    return out
+
+
+def side_of(a, x, k, j, point):
+    """Side of facet j on which the rays beside ray k lie; 0 if they lie in its plane."""
+    _, c = quaternion(a, x)
+    beside = [height(c, (k + step) % 5, j, a) for step in (-1, 1)]
+    far = max(beside, key=abs)
+    return 0 if abs(far) < 1e-9 else int(mp.sign(far))
+
+
+@pytest.mark.parametrize("scene", [TOUCHING, uneven(1), uneven(6)])
+def test_minima_are_those_of_a_thorough_search(scene):
+    model = Model(scene)
+    proof = prove(model)
+    assert proof.finished and not proof.undecided and not proof.singular
+    assert all(p.is_minimum is not None for p in proof.points)
+    found = np.array([m.fold_angles for m in find_minima(scene, effort="thorough").minima])
+    mine = np.array([p.x for p in proof.minima])
+    assert found.shape == mine.shape
+    far = np.abs(found[:, None] - mine).max(axis=2)
+    assert (far.min(axis=0) < 1e-8).all() and (far.min(axis=1) < 1e-8).all()
+    for point in proof.points:
+        kind = classify(State(model, np.array(point.x))).verdict
+        assert (kind == "minimum") == point.is_minimum
+
+
+def test_a_touch_that_pushes_is_a_minimum(touching):
+    """Crease 4 on facet 1; without its touches the proof would lack it."""
+    pushed = [p for p in touching.minima if p.touches]
+    assert len(pushed) == 1 and pushed[0].forces[0] > 0 and pushed[0].stratum == (0,) * 5
+    limits = prove(Model(replace(TOUCHING, contact="fold-limits")))
+    far = [np.abs(np.array(p.x) - pushed[0].x).max() for p in limits.points]
+    assert min(far) > 1e-3
+    assert touching.crossing > 0
+
+
+def test_signs_agree_with_the_test_of_single_states():
+    """Every critical point within fold limits: crossing, or not, by intervals and by `Model.refuses`."""
+    seen = {APART: 0, CROSSED: 0}
+    for number in range(4):
+        scene = uneven(number)
+        model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
+        x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
+        signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
+        for i, state in enumerate(x):
+            verdict = signs.contacts(i, ()).verdict
+            assert verdict == (CROSSED if model.refuses(state) else APART)
+            seen[verdict] += 1
+    assert min(seen.values()) > 10
+
+
+@pytest.mark.parametrize("number", [1, 5, 7, 11, 12, 16])
+def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
+    scene = PANELS[number]
+    model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
+    x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
+    signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
+    for i, state in enumerate(x):
+        verdict = signs.contacts(i, ()).verdict
+        if verdict:
+            assert verdict == (CROSSED if model.refuses(state) else APART)
+
+
+def test_one_freedom_has_no_touches():
+    model = Model(family_scene("full-contact", 0))
+    assert not list(touch_strata(model))
+    proof = prove(model)
+    limits = prove(Model(replace(model.scene, contact="fold-limits")))
+    assert {p.x for p in proof.points} <= {p.x for p in limits.points}
+    assert len(proof.points) + proof.crossing == len(limits.points)
+
+
+def test_labels_turned_and_reflected(touching):
+    n = TOUCHING.degree
+    order = [(i + 2) % n for i in range(n)]
+    mirror = [(-i) % n for i in range(n)]
+    sectors = TOUCHING.vertex.sector_angles
+    for perm, arcs in ((order, order), (mirror, [(-i - 1) % n for i in range(n)])):
+        scene = replace(
+            TOUCHING,
+            vertex=Vertex(tuple(sectors[i] for i in arcs)),
+            stiffness=tuple(TOUCHING.stiffness[i] for i in perm),
+            rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
+        )
+        proof = prove(Model(scene))
+        x = np.array([p.x for p in proof.points])
+        y = np.array([p.x for p in touching.points])[:, perm]
+        assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
+        assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
+
+
+@pytest.mark.parametrize("number", [2, 4, 8, 9, 11, 16])
+def test_minima_of_panels(number):
+    """Those of the search are proved, or at a state that is named as judged by its cone, or singular; no others."""
+    scene = PANELS[number]
+    model = Model(scene)
+    proof = prove(model)
+    assert not proof.undecided
+    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene).minima]
+    for p in proof.minima:
+        assert min(np.abs(x - p.x).max() for x in found) < 1e-8
+    for x in found:
+        proved = any(np.abs(x - p.x).max() < 1e-8 for p in proof.minima)
+        judged = any(np.abs(x - p.x).max() < 1e-8 and "minimum" in p.judged for p in proof.points)
+        singular = any(np.abs(x - c.lower).max() < 1e-4 for c in proof.singular)
+        assert proved or judged or singular
+        assert proved or number == 4
+    assert any(p.touches for p in proof.minima) == (number in (4, 8, 16))
+
+
+def test_the_axis_row_of_equal_sectors():
+    """c_3 . n_1 = 2 sin a cos(phi_2 / 2) times the row, at random states."""
+    model = Model(PANELS[11])
+    a = model.parameters.sectors[0]
+    x = np.random.default_rng(1).uniform(-3, 3, (3, 50))
+    none = np.zeros((3, 50), dtype=int)
+    kite = Kite(a, 0, 3)
+    kite.at(*variables(x, x), none)
+    gap = Row("start", (2,), 1).product(Piece(model).fold(x, x, none)).value()
+    row = kite.value()
+    factor = 2 * math.sin(a) * np.cos(x[1] / 2)
+    assert np.abs(gap.centre - factor * row.centre).max() < 1e-14
+    assert row.error.max() < 1e-13
+    step = 1e-6
+    for i, part in ((0, 0.5), (1, 1.0)):
+        beside = []
+        for s in (step, -step):
+            y = x.copy()
+            y[i] += s
+            kite.at(*variables(y, y), none)
+            beside.append(kite.value().centre)
+        kite.at(*variables(x, x), none)
+        slope = kite.slopes()[i].centre * part
+        assert np.abs((beside[0] - beside[1]) / (2 * step) - slope).max() < 1e-8
+
+
+def test_what_is_not_proved_says_so():
+    three = Model(family_scene("full-contact", 2))
+    assert why_not(three) == "3 freedoms: touches are proved for at most 2"
+    proof = with_touches(three, NOTHING)
+    assert [c.reason for c in proof.undecided] == [why_not(three)] and not proof.complete
+    stopped = with_touches(Model(TOUCHING), NOTHING, seconds=0.0)
+    assert not stopped.finished and not stopped.complete and stopped.undecided
