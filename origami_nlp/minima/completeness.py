@@ -17,7 +17,14 @@ from origami_nlp.kkt import Solve, polish, project
 from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.numerics import BESIDE, SAME
 from origami_nlp.programme import Model
-from origami_nlp.proof import Cluster, CriticalPoint, Proof, isolated, prove
+from origami_nlp.proof import (
+    Cluster,
+    CriticalPoint,
+    Proof,
+    isolated,
+    prove,
+    why_not as touches_not_proved,
+)
 
 MOST_FREEDOMS = 3
 """Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
@@ -223,9 +230,7 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if model.freedom > MOST_FREEDOMS:
         return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
-    if model.scene.contact != "fold-limits":
-        return "contact between facets is not proved yet, fold limits are (contact = fold-limits)"
-    return ""
+    return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def _cheap(model: Model) -> bool:
@@ -348,6 +353,8 @@ def _disagreement(
 def _stands_alone(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
     """Judge a singular state, isolated by its lemma where that works."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    if model.scene.contact != "fold-limits":
+        return _judged(model, record, cluster, added)
     lemma = isolated(model, 0.5 * (lower + upper), cluster.stratum)
     if not lemma.holds(cluster.lower, cluster.upper):
         return _judged(model, record, cluster, added)

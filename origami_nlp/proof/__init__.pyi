@@ -24,5 +24,5 @@ from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
 from .singular import Isolation as Isolation, isolated as isolated
-from .touches import prove as prove
+from .touches import prove as prove, why_not as why_not
 from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree

@@ -79,7 +79,13 @@ class Stratum:
     start: Boxes
 
 
-def prove(model: Model, *, seconds: float | None = None, record: bool = False) -> Proof:
+def prove(
+    model: Model,
+    *,
+    seconds: float | None = None,
+    most: float = math.inf,
+    record: bool = False,
+) -> Proof:
     """Find every critical point of a scene within fold limits or with full contact.
 
     Parameters
@@ -88,6 +94,8 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
         Of a scene with contact "fold-limits" or "full".
     seconds
         Stop after this time; what is left then is undecided.
+    most
+        Stop after this many boxes, touches apart (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes; with full contact there is none.
 
@@ -110,10 +118,10 @@ def prove(model: Model, *, seconds: float | None = None, record: bool = False) -
     """
     check_type("model", model, Model)
     if model.scene.contact != "full":
-        return prove_within_limits(model, seconds=seconds, record=record)
+        return prove_within_limits(model, seconds=seconds, most=most, record=record)
     started = time.perf_counter()
     limits = prove_within_limits(
-        Model(replace(model.scene, contact="fold-limits")), seconds=seconds
+        Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most
     )
     over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
     return with_touches(model, limits, seconds=over)
