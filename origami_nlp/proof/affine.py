@@ -13,7 +13,8 @@ of x y takes each pair of coefficients of x and y once, that is at most gamma_{n
 sum |slopes| + error. `padded` adds 2 (n + 4) u M(x) M(y) to the error, twice what is needed, for the rounding of M and
 of the sum; it enlarges the error by 2^-40 of itself, and adds 2^-1000, for products that underflow.
 
-What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 absolute.
+What is trusted: IEEE 754 doubles, rounded to nearest; NumPy's sine and cosine to 4 ulp (1 is usual), 2^-50 of
+themselves.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ TINY = 2.0**-1000
 SLIGHTLY = 1.0 + 2.0**-40
 """Factor above what rounding does to sums of up to a thousand errors."""
 TRIGONOMETRIC = 2.0**-50
-"""Error of NumPy's sine and cosine that is allowed for: 4 ulp of 1."""
+"""Relative error of NumPy's sine and cosine that is allowed for: 4 ulp."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +265,7 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
     # |cos t| <= 1, |sin t| <= 1
     error = error + x.error + y.error
     slopes = np.concatenate([by.mean[..., None, :] * x.slopes, new[..., None, :]], axis=-2)
-    total = mx + my
+    total = mx + np.abs(by.slope) * my
     raw = padded(by.mean * x.centre, slopes, error, total, x.slopes.shape[-2] + 8)
     return Affine(raw.centre, raw.slopes, raw.error + (4 * TRIGONOMETRIC) * total)
 
@@ -272,8 +273,8 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
 def mixed(
     x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = TRIGONOMETRIC
 ) -> Affine:
-    """Return a x + b y for numbers a, b [..., K], |a|, |b| <= 1, that are known to within `doubt`."""
-    total = x.magnitude() + y.magnitude()
+    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` of themselves."""
+    total = np.abs(a) * x.magnitude() + np.abs(b) * y.magnitude()
     centre = a * x.centre + b * y.centre
     slopes = a[..., None, :] * x.slopes + b[..., None, :] * y.slopes
     error = np.abs(a) * x.error + np.abs(b) * y.error + doubt * total

@@ -213,11 +213,11 @@ def _shrunk(
     keep = np.flatnonzero(~(out | no))
     batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
     if recorder:
-        used = rows.asked[:, keep].any(axis=0)
+        used = np.asarray(rows.asked[:, keep].any(axis=0))
         recorder.leaves(batch.node[empty & ~used], Kind.EMPTY)
         recorder.leaves(batch.node[empty & used], Kind.NONE)
     share = _shares(batch, lower, upper)
-    carried: np.ndarray = ~empty & (share.min(axis=0) < KEPT)
+    carried = ~empty & (share.min(axis=0) < KEPT)
     node = batch.node.copy()
     if recorder:
         which = np.flatnonzero(carried)
@@ -225,8 +225,8 @@ def _shrunk(
     lower = np.where(carried, lower, batch.lower)
     upper = np.where(carried, upper, batch.upper)
     after = Boxes(lower, upper, batch.pins, node)
-    cut: np.ndarray = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
-    done: np.ndarray = ~empty & (batch.widths.max(axis=0) < small)
+    cut = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
+    done = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
     return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut], recorder)])
 

@@ -160,7 +160,9 @@ class Vertex:
         """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
         left, right = self.sides_of(middle, half, pins)
         back = right.slopes[:, ::-1]  # creases h+1 .. N in order
-        doubt = 2 * self.size * self.doubt_crease
+        # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
+        sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
+        doubt = 2 * self.doubt_crease * sines.sum(axis=0)
         gap = padded(
             left.centre - right.centre,
             np.concatenate([left.slopes, -back], axis=1),
@@ -190,6 +192,8 @@ class Vertex:
         n, boxes = middle.shape
         turn = angle_turns(middle, half, pins)
         on, back = self._next_axes(turn, boxes), self._next_axes(turn, boxes, -1)
+        # a triple product is zero for any sectors where all is flat; its mixed derivatives are at most 2
+        share = np.minimum(1.0, 2.0 * (np.abs(middle) + half).sum(axis=0))
         count = len(self.triples)
         centre, error = np.empty((count, boxes)), np.empty((count, boxes))
         slopes = np.zeros((count, n, boxes))
@@ -202,7 +206,8 @@ class Vertex:
             ax = mixed(x, by.cosine, y, -by.sine)
             ay = mixed(x, by.sine, y, by.cosine)
             t = turned(ay, ax, by)
-            centre[number], error[number] = t.centre, t.error + 2 * (p + q + 1) * self.doubt
+            centre[number] = t.centre
+            error[number] = t.error + 2 * (p + q + 1) * self.doubt * share
             for c in range(p - 1):
                 slopes[number, (j - 1 - c) % n] = t.slopes[:, c]
             for c in range(q - 1):
@@ -219,7 +224,7 @@ class Vertex:
         j = np.arange(n)
         sector = self.sectors if way > 0 else self.sectors[j - 1]
         c, s = np.cos(sector)[:, None], np.sin(sector)[:, None]
-        axis = constant(np.stack([c[:, 0], s[:, 0], 0 * j]), self.doubt, 0, boxes)
+        axis = constant(np.stack([c[:, 0], s[:, 0], 0 * j]), 0.0, 0, boxes)
         found = [axis[1:]]
         near = (j + way) % n
         by = taken(turn, near)
