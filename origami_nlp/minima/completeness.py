@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from origami_nlp.proof import (
 MOST_FREEDOMS = 3
 """Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
 FEW_FREEDOMS = 2
-"""Freedoms up to which it is tried without being asked."""
+"""Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 400_000
 """Boxes after which a proof that nobody asked for gives up."""
 
@@ -95,7 +95,7 @@ class Completeness:
         "unclear" where that, or whether a limit is pushed, is not certified.  Each exists, and outside the regions
         below there are no others.
     held
-        How many more are stationary only while creases are held at +-pi, which they would leave.
+        How many more are stationary only while contacts are held that they would leave.
     minima
         How many are listed, added ones included.
     undecided
@@ -148,7 +148,7 @@ class Completeness:
             still = sum(self.critical_points.values())
             yield (
                 f"  {still} regular state{'s' * (still != 1)} hold{'s' * (still == 1)} still ({many}), "
-                f"{self.held} more only while creases are held at +-pi"
+                f"{self.held} more only while contacts are held"
             )
             if alone:
                 apart = max(u - v for s in alone for u, v in zip(s.upper, s.lower, strict=True)) / 2
@@ -234,7 +234,8 @@ def why_not(model: Model) -> str:
 
 
 def _cheap(model: Model) -> bool:
-    return not why_not(model) and 0 < model.freedom <= FEW_FREEDOMS
+    touching = bool(model.structure.gaps) and model.scene.group.is_trivial
+    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
 
 
 def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
@@ -262,7 +263,12 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    singular = _merged([_stands_alone(model, record, cluster, added) for cluster in proof.singular])
+    limits = model  # what stands alone within fold limits does so among the states that contact admits
+    if model.scene.contact != "fold-limits":
+        limits = Model(replace(model.scene, contact="fold-limits"))
+    singular = _merged(
+        [_stands_alone(model, limits, record, cluster, added) for cluster in proof.singular]
+    )
     undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
@@ -270,7 +276,7 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
                 f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left"
             )
     left = [s for s in singular if s.verdict in ("", "undecided")]
-    still = [p for p in proof.points if 1 not in p.pinned_signs]
+    still = [p for p in proof.points if not _leaves(p)]
     status = _status(proof, undecided, against, left, singular)
     reason = _why_not(proof, undecided, against, left) if status == "not-proved" else ""
     return Completeness(
@@ -303,6 +309,11 @@ def _index(point: CriticalPoint) -> str:
     """Name the index of a state that holds still, if it is certain."""
     unclear = any(s and not sign for s, sign in zip(point.stratum, point.pinned_signs, strict=True))
     return "unclear" if unclear or point.index is None else str(point.index)
+
+
+def _leaves(point: CriticalPoint) -> bool:
+    """Tell whether a point is critical only while contacts are held that it would leave."""
+    return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
 def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
@@ -350,12 +361,14 @@ def _disagreement(
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
 
 
-def _stands_alone(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
+def _stands_alone(
+    model: Model, limits: Model, record: Record, cluster: Cluster, added: list[Answer]
+) -> Open:
     """Judge a singular state, isolated by its lemma where that works."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
-    if model.scene.contact != "fold-limits":
+    if cluster.touches:
         return _judged(model, record, cluster, added)
-    lemma = isolated(model, 0.5 * (lower + upper), cluster.stratum)
+    lemma = isolated(limits, 0.5 * (lower + upper), cluster.stratum)
     if not lemma.holds(cluster.lower, cluster.upper):
         return _judged(model, record, cluster, added)
     x = np.array(lemma.point)

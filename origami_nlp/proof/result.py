@@ -78,6 +78,8 @@ class Cluster:
         Of the stratum's volume.
     energies
         Lowest and highest energy that they may have, in the scene's units.
+    touches
+        Gaps that are closed (positions in `Structure.gaps`); full contact only.
     """
 
     lower: tuple[float, ...]
@@ -87,6 +89,7 @@ class Cluster:
     boxes: int
     share: float
     energies: tuple[float, float]
+    touches: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

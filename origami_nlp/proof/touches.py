@@ -237,6 +237,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         for group in _clusters(rest):
             reason, is_singular = _reason(system, rest[group])
             cluster = _cluster(model, rest[group], f"{reason}; {names}")
+            cluster = replace(cluster, touches=tuple(t.gap for t in touches))
             (singular if is_singular else undecided).append(cluster)
     kept = [p for p in points if p is not None]
     return replace(
