@@ -263,7 +263,9 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    limits = model  # what stands alone within fold limits does so among the states that contact admits
+    limits = (
+        model  # what stands alone within fold limits does so among the states that contact admits
+    )
     if model.scene.contact != "fold-limits":
         limits = Model(replace(model.scene, contact="fold-limits"))
     singular = _merged(
