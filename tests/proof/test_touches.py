@@ -337,3 +337,22 @@ def test_what_is_not_proved_says_so():
     assert [c.reason for c in proof.undecided] == [why_not(three)] and not proof.complete
     stopped = with_touches(Model(TOUCHING), NOTHING, seconds=0.0)
     assert not stopped.finished and not stopped.complete and stopped.undecided
+
+
+def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
+    """0.03 rad from the flat state: its basin is small, its proof costs what any other costs."""
+    sectors = (
+        2.4214943886556686,
+        1.0201364288972075,
+        1.3876798919408413,
+        0.8915850150709898,
+        0.5622895826148795,
+    )
+    stiffness = (0.1756061313, 8.870336233, 0.2666658319, 0.4093952788, 1.480418735)
+    rest = (-1.205064004, -0.7584188864, -2.486820695, -0.6969875421, -2.983049416)
+    scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
+    proof = prove(Model(scene))
+    assert proof.complete and len(proof.minima) == 2
+    near = proof.minima[1]
+    assert max(map(abs, near.x)) < 0.04
+    assert classify(State(Model(scene), np.array(near.x))).verdict == "minimum"
