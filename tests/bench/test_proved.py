@@ -37,7 +37,7 @@ def test_two_hundred_random_scenes_are_proved_complete(family, number):
 
 
 def test_the_cross_has_six():
-    """Four right angles: every spring of a pair of creases on one line is a book fold, and flat foldings are singular."""
+    """Four right angles: pairs of creases on one line are book folds, and flat foldings are singular."""
     found = count_proved(2, ("cross of 90 degrees",)).families[0]
     assert found.statuses.get("not-proved", 0) == 0
     assert {**found.minima, **found.except_singular} == {6: 2}

@@ -15,6 +15,7 @@ from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
 from origami_nlp.proof.system import System
+from tests.computed_once import thinned
 
 DEGREE4 = [family_scene("fold-limits", number) for number in (0, 5, 10, 15, 20)]
 DEGREE5 = [family_scene("fold-limits", number) for number in (1, 6)]
@@ -24,7 +25,7 @@ def states(proof) -> np.ndarray:
     return np.array([p.x for p in proof.minima])
 
 
-@pytest.mark.parametrize("scene", DEGREE4 + DEGREE5)
+@pytest.mark.parametrize("scene", thinned([*DEGREE4, *DEGREE5], 4))
 def test_proved_minima_are_those_of_a_thorough_search(scene):
     proof = prove(Model(scene))
     assert proof.complete and proof.finished and not proof.singular
@@ -230,7 +231,7 @@ def test_morse_sums_do_not_depend_on_the_springs():
     assert len(sums) == 1
 
 
-@pytest.mark.parametrize("index", range(18))
+@pytest.mark.parametrize("index", thinned(range(18), 5))
 def test_panels_leave_no_box(index):
     """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
     scene = replace(examples.panels()[index], contact="fold-limits")

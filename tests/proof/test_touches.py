@@ -17,6 +17,7 @@ from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.touches import touch_strata, why_not, with_touches
 from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
+from tests.computed_once import thinned
 from tests.proof.test_chains import (
     WIDTHS,
     boxes,
@@ -125,7 +126,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     assert seen >= 5
 
 
-@pytest.mark.parametrize("scene", [TOUCHING, uneven(6)])
+@pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING], 2))
 def test_points_with_touches_hold_in_50_digits(scene):
     """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
     proof = prove(Model(scene))
@@ -204,7 +205,7 @@ def side_of(a, x, k, j, point):
     return 0 if abs(far) < 1e-9 else int(mp.sign(far))
 
 
-@pytest.mark.parametrize("scene", [TOUCHING, uneven(1), uneven(6)])
+@pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING, uneven(1)], 3))
 def test_minima_are_those_of_a_thorough_search(scene):
     model = Model(scene)
     proof = prove(model)
