@@ -86,7 +86,7 @@ class Rounds:
         self.every_corner = 0 < vertex_candidates(model) <= effort.corners
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
-        share = 0.6 if self._touch else 1.0  # touches are a third kind of start
+        share = 0.6 if self._touch else 1.25  # touches are a third kind of start
         self._a_round = round(share * effort.a_round * min(2.5 ** max(model.freedom - 1, 0), 64))
 
     def __iter__(self) -> Iterator[Samples]:
