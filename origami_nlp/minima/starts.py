@@ -102,7 +102,7 @@ class Rounds:
         self.every_corner = 0 < vertex_candidates(model) <= effort.corners
         self._touch = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches: TouchStarts | None = None
-        share = 0.6 if self._touch else 1.0  # touches are a third kind of start
+        share = 0.6 if self._touch else 1.25  # touches are a third kind of start
         self._moments = MomentStarts(model, self._rng) if is_chain(model) else None
         self._a_round = round(
             share * effort.a_round * min(2.5 ** min(max(model.freedom - 1, 0), 9), 64)
