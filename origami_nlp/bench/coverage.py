@@ -83,6 +83,7 @@ class Covered:
     """All runs on one scene, by the name of the searcher.
 
     minima: of its union.  once: those that a single run behind the union found: how sure it is to be complete.
+    proved: whether the union is proved to be complete, a `Completeness.status`; "" where that was not tried.
     """
 
     family: str
@@ -91,6 +92,7 @@ class Covered:
     minima: int = 0
     once: int = 0
     runs: dict[str, list[Searched]] = field(default_factory=dict)
+    proved: str = ""
 
 
 NOW, BEFORE = "this package", "before"
@@ -184,6 +186,7 @@ def judge(
     family: str, scene: Scene, union: Union, jobs: dict[str, list[Job]], ends: Sequence[Ends]
 ) -> Covered:
     """Say what each run found; what is new is verified, and joins the union first."""
+    before = len(union.members)
     model = Model(scene)
     for name, of in jobs.items():
         for seed, job in enumerate(of):
@@ -191,7 +194,8 @@ def judge(
     claims = [_claimed(model, e) for e in ends]
     false = [_false(model, union, e, c) for e, c in zip(ends, claims, strict=True)]
     once = sum(len(m.found_by) == 1 for m in union.members)
-    out = Covered(family, scene.name or "", scene.degree, len(union.members), once)
+    known = union.proved if len(union.members) == before else ""
+    out = Covered(family, scene.name or "", scene.degree, len(union.members), once, proved=known)
     for name, of in jobs.items():
         out.runs[name] = [_of_job(union, seed, job) for seed, job in enumerate(of)]
     for e, c, wrong in zip(ends, claims, false, strict=True):

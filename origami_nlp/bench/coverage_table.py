@@ -210,6 +210,9 @@ def coverage_markdown(data: dict[str, Any]) -> str:
         "each foreign search.  Shares are of the union of everything that anything found, each member polished and "
         "classified (found once: by a single one of the runs behind it).  Medians with [quartiles] over scenes."
     )
+    scenes = [c for of in scenes_of(data).values() for c in of]
+    proved = sum(c.proved == "proved" for c in scenes)
+    begin += f"  The unions of {proved} of {len(scenes)} scenes are proved complete."
     parts = [begin]
     for title, heads, rows in (
         ("What is found", SHARE_HEADS, share_rows(data)),

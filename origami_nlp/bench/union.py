@@ -42,6 +42,8 @@ SCATTERED = 200
 
 Tell = Callable[[str], None]
 Folder = str | os.PathLike[str]
+FEW_FREEDOMS = 2
+"""Freedoms up to which a union is proved."""
 UNION_SEEDS = 10
 """Thorough runs of the main job behind a union."""
 SECONDS = {4: 1.0, 5: 4.0, 6: 8.0, 7: 14.0, 8: 20.0}
@@ -71,11 +73,12 @@ class Task:
 
 @dataclass
 class Union:
-    """The minima of a scene, and the runs behind them."""
+    """The minima of a scene, the runs behind them, and whether they are proved to be all (`Completeness.status`)."""
 
     scene: Scene
     members: list[Member] = field(default_factory=list)
     tasks: list[Task] = field(default_factory=list)
+    proved: str = ""
 
     @property
     def states(self) -> np.ndarray:
@@ -210,7 +213,24 @@ def complete(scene: Scene, folder: Folder, tell: Tell = lambda text: None) -> Un
         effort = thorough()
         name = f"find_minima, {effort.get('effort', 'default')}, seed {seed}"
         tasks.append((name, _bound(ours, scene, seed, **effort)))
-    return build_union(scene, folder, tasks, tell)
+    union = build_union(scene, folder, tasks, tell)
+    if not union.proved and 0 < model.freedom <= FEW_FREEDOMS:
+        _prove(union, folder, tell)
+    return union
+
+
+def _prove(union: Union, folder: Folder, tell: Tell) -> None:
+    """Prove that the minima of a union are all; what it lacks joins."""
+    begin = time.process_time()
+    result = find_minima(union.scene, prove=True)
+    found = [Member(m.fold_angles, m.energy, m.kind, []) for m in result.minima]
+    task = union.add("proof", found, time.process_time() - begin)
+    assert result.completeness is not None
+    union.proved = result.completeness.status
+    if len(result.minima) < len(union.members):  # a member that the proof does not know
+        union.proved = "not-proved"
+    write_union(union, folder)
+    tell(f"{union.scene.name}: {union.proved}, {task.new} new, {task.seconds:.1f} s")
 
 
 def thorough() -> dict[str, Any]:
@@ -249,7 +269,12 @@ def read_union(source: Folder) -> Union:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise OptionError(f"{str(source)!r} is not a union of schema {SCHEMA}")
     members = [Member(**{**m, "fold_angles": tuple(m["fold_angles"])}) for m in data["minima"]]
-    return Union(scene_from_dict(data["scene"]), members, [Task(**t) for t in data["tasks"]])
+    return Union(
+        scene_from_dict(data["scene"]),
+        members,
+        [Task(**t) for t in data["tasks"]],
+        data.get("proved", ""),
+    )
 
 
 def write_union(union: Union, folder: Folder) -> None:
@@ -259,6 +284,7 @@ def write_union(union: Union, folder: Folder) -> None:
         "scene": scene_to_dict(union.scene),
         "minima": [asdict(m) for m in sorted(union.members, key=lambda m: m.energy)],
         "tasks": [asdict(t) for t in union.tasks],
+        "proved": union.proved,
     }
     path = union_path(folder, union.scene.name or "scene")
     path.parent.mkdir(parents=True, exist_ok=True)
