@@ -20,7 +20,7 @@ class _Command(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Fill in what is left out."""
         filled = []
-        for arg, following in zip(args, [*args[1:], ""], strict=True):
+        for arg, following in zip(args, [*args, ""][1:], strict=True):
             filled.append(arg)
             if arg in MAY_LACK_VALUE and not _is_number(following):
                 filled.append(WITHOUT_VALUE)

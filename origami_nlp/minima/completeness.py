@@ -228,6 +228,10 @@ def why_not(model: Model) -> str:
     """Say why a scene is not tried to be proved complete; "" where it is."""
     if not model.has_limits:
         return "without fold limits fold angles are not bounded by +-pi"
+    if not model.scene.vertex.flat:
+        return "the paper does not lie flat: proofs are for flat sheets"
+    if model.freedom <= 0:
+        return "nothing can move: the states listed are all that were looked for"
     if model.freedom > MOST_FREEDOMS:
         return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""

@@ -132,13 +132,17 @@ def why_not(model: Model) -> str:
     s, freedom = model.structure, model.freedom
     if max(model.scene.vertex.sector_angles) >= math.pi - 1e-9:
         return "a sector of 180 degrees or more"
+    rays = len(s.has_crease)
+    if s.kind == "C" and s.order > 1:
+        return f"touches with symmetry {model.symmetry} are not proved"
+    if s.kind == "D" and rays < 3:
+        return f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
     if not s.gaps:
         return ""
     if freedom > 2:
         return f"{freedom} freedoms: touches are proved for at most 2"
-    rays = len(s.has_crease)
     if s.kind == "C":
-        return "" if s.order == 1 else f"touches with symmetry {model.symmetry} are not proved"
+        return ""
     fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
     return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
 

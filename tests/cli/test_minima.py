@@ -21,7 +21,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert "stable state" not in table and "full space: not asked" in table
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/1"
-    assert set(data) == {"schema", "scene", "model", "search", "minima"}
+    assert set(data) == {"schema", "scene", "model", "search", "completeness", "minima"}
     assert set(data["model"]) == {
         "variables",
         "equalities",
@@ -66,6 +66,7 @@ def test_the_same_seed_gives_the_same_answer(scene, tmp_path):
         run("minima", scene, "--json", out, "--seed", 3, "--max-starts", 24)
         data = json.loads(out.read_text())
         data["search"].pop("seconds")
+        data["completeness"].pop("seconds")
         answers.append(data)
     assert answers[0] == answers[1]
 
