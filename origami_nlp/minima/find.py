@@ -31,7 +31,6 @@ from origami_nlp.kkt import (
     rest_state,
     rigid_states,
 )
-from origami_nlp.minima.completeness import check_prove, prove_complete
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.hinges import hinge_minima
@@ -39,6 +38,7 @@ from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.proved import check_prove, prove_complete
 from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import Search

@@ -68,7 +68,7 @@ class MomentMap:
     >>> from origami_nlp.programme import MomentMap
     >>> scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
     >>> shot = MomentMap(Model(scene)).shoot(np.zeros((1, 3)))
-    >>> shot.x.tolist(), bool((abs(shot.miss) < 1e-15).all())
+    >>> shot.x.tolist(), bool((abs(shot.miss) < 1e-14).all())
     ([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]], True)
     """
 

@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import completeness, find, result_from_dict, result_to_dict
+from origami_nlp.minima import find, proved, result_from_dict, result_to_dict
 from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove
 from tests.computed_once import thinned
@@ -31,7 +31,7 @@ def generic(seed, degree, contact="fold-limits"):
 
 def forget(monkeypatch, chosen):
     """Let the search forget the minima that `chosen(minima)` names, before the proof."""
-    true = completeness.prove_complete
+    true = proved.prove_complete
     forgotten = []
 
     def forgetful(model, record, wanted):
@@ -89,18 +89,18 @@ def test_all_minima_come_back_if_the_search_found_none(monkeypatch):
 def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
     """A minimum 0.1 degrees from the flat state, in which 206 starts of a usual search do not end."""
     scene = generic(24, 5)
-    searched, proved = find_minima(scene, prove=False), find_minima(scene)
-    (missed,) = proved.completeness.added
-    assert len(proved.minima) == len(searched.minima) + 1
+    searched, whole = find_minima(scene, prove=False), find_minima(scene)
+    (missed,) = whole.completeness.added
+    assert len(whole.minima) == len(searched.minima) + 1
     assert np.abs(states(searched) - missed.fold_angles).max(axis=1).min() > 1e-3
-    assert missed.fold_angles in [m.fold_angles for m in proved.minima]
-    assert "a minimum that the search had missed, found by the proof" in repr(proved)
+    assert missed.fold_angles in [m.fold_angles for m in whole.minima]
+    assert "a minimum that the search had missed, found by the proof" in repr(whole)
 
 
 def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     """A saddle that a broken judge calls a minimum: the proof refutes it, and says so."""
     scene = generic(3, 5)
-    true = completeness.prove_complete
+    true = proved.prove_complete
 
     def prove_wrong(model, record, wanted):
         saddle = next(p for p in prove(model).points if p.index and 1 not in p.pinned_signs)

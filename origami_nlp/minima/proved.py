@@ -1,0 +1,320 @@
+"""A `Proof` over the whole box of fold angles, held against what a search found."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_number
+from origami_nlp.kkt import Solve, polish, project
+from origami_nlp.minima.completeness import Added, Completeness, Open
+from origami_nlp.minima.record import Answer, Record, judge, listed
+from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.programme import Model
+from origami_nlp.proof import (
+    Cluster,
+    CriticalPoint,
+    Proof,
+    isolated,
+    prove,
+    why_not as touches_not_proved,
+)
+
+MOST_FREEDOMS = 3
+"""Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
+FEW_FREEDOMS = 2
+"""Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
+UNASKED = 100_000
+"""Boxes after which a proof that nobody asked for gives up."""
+
+
+def check_prove(name: str, value: object) -> None:
+    """Complain about what is neither None, a flag nor a positive number of seconds.
+
+    Raises
+    ------
+    OptionError
+        With the name, the value and what it must be.
+    """
+    if value is None or isinstance(value, bool | np.bool_):
+        return
+    check_number(name, value, 0.0, math.inf)
+
+
+def prove_complete(
+    model: Model, record: Record, wanted: bool | float | None
+) -> Completeness | None:
+    """Try to prove that the minima on record are all; what is missing is added to the record.
+
+    Parameters
+    ----------
+    model
+        The scene.
+    record
+        Of the search; gets further answers.
+    wanted
+        True, or seconds that it may take; None: where it is cheap; False: not at all.
+
+    Returns
+    -------
+    Completeness or None
+        None where it was not tried.
+    """
+    if wanted is False or (wanted is None and not _cheap(model)):
+        return None
+    refused = why_not(model)
+    if refused:
+        return Completeness("not-proved", refused)
+    if wanted is None:
+        proof = prove(model, most=UNASKED)
+    else:
+        proof = prove(model, seconds=None if wanted is True else float(wanted))
+    return hold_against(model, record, proof)
+
+
+def why_not(model: Model) -> str:
+    """Say why a scene is not tried to be proved complete; "" where it is."""
+    if not model.has_limits:
+        return "without fold limits fold angles are not bounded by +-pi"
+    if not model.scene.vertex.flat:
+        return "the paper does not lie flat: proofs are for flat sheets"
+    if model.freedom <= 0:
+        return "nothing can move: the states listed are all that were looked for"
+    if model.freedom > MOST_FREEDOMS:
+        return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
+    return touches_not_proved(model) if model.scene.contact == "full" else ""
+
+
+def _cheap(model: Model) -> bool:
+    touching = bool(model.structure.gaps) and model.scene.group.is_trivial
+    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
+
+
+def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
+    """Hold what a search has on record against a proof; what the proof has and the record lacks is judged and filed.
+
+    Parameters
+    ----------
+    model
+        The scene.
+    record
+        Of the search; gets further answers.
+    proof
+        Of the same model.
+
+    Returns
+    -------
+    Completeness
+        A minimum counts as missing where no answer on record is that state, to `SAME` and the proof's own radius.
+    """
+    against: list[str] = []
+    added: list[Answer] = []
+    undecided: list[Open] = []
+    for point in proof.points:
+        answer, new = _answer_at(model, record, point)
+        if new and answer is not None and answer.is_minimum:
+            added.append(answer)
+        undecided += _disagreement(model, point, answer, against)
+    limits = (
+        model  # what stands alone within fold limits does so among the states that contact admits
+    )
+    if model.scene.contact != "fold-limits":
+        limits = Model(replace(model.scene, contact="fold-limits"))
+    singular = _merged(
+        [_stands_alone(model, limits, record, cluster, added) for cluster in proof.singular]
+    )
+    undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
+    for answer in record.minima:
+        if not _covered(answer.polished.x, proof):
+            against.append(
+                f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left"
+            )
+    left = [s for s in singular if s.verdict in ("", "undecided")]
+    still = [p for p in proof.points if not _leaves(p)]
+    status = _status(proof, undecided, against, left, singular)
+    reason = _why_not(proof, undecided, against, left) if status == "not-proved" else ""
+    return Completeness(
+        status,
+        reason,
+        proof.boxes,
+        proof.seconds,
+        dict(sorted(Counter(map(_index, still)).items())),
+        len(proof.points) - len(still),
+        len(record.minima),
+        tuple(undecided),
+        tuple(singular),
+        tuple(
+            Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist()))
+            for a in added
+        ),
+    )
+
+
+def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:
+    """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
+    x = np.array(point.x)
+    near = _nearest(record, x, point.radius + SAME)
+    if near is not None or point.is_minimum is False:
+        return near, False
+    return _file(model, record, x)
+
+
+def _index(point: CriticalPoint) -> str:
+    """Name the index of a state that holds still, if it is certain."""
+    unclear = any(s and not sign for s, sign in zip(point.stratum, point.pinned_signs, strict=True))
+    return "unclear" if unclear or point.index is None else str(point.index)
+
+
+def _leaves(point: CriticalPoint) -> bool:
+    """Tell whether a point is critical only while contacts are held that it would leave."""
+    return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
+
+
+def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
+    """Polish, file and judge a state; tells whether it is new."""
+    end = Solve(x, "", 0, math.nan, np.ones(model.size), None)
+    answer, new = record.file(model, polish(model, end))
+    if new:
+        answer.listed = True
+        judge(model, answer)
+    return answer, new
+
+
+def _singular(model: Model, x: np.ndarray) -> Answer:
+    """Judge the closed state beside x whose fold angles next to 0 and +-pi are these."""
+    flat = math.pi * np.round(x / math.pi)
+    frozen = np.abs(x - flat) <= BESIDE
+    return listed(model, project(model, np.where(frozen, flat, x), frozen=frozen)[0])
+
+
+def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
+    """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
+    distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
+    return (
+        record.answers[int(np.argmin(distance))]
+        if min(distance, default=math.inf) <= within
+        else None
+    )
+
+
+def _disagreement(
+    model: Model, point: CriticalPoint, answer: Answer | None, against: list[str]
+) -> Iterator[Open]:
+    """Say what stays open at a critical point: unclear to the proof and to the judge, or seen differently by them."""
+    verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
+    where = f"at {model.energy(np.array(point.x)):.9g} J"
+    moved = answer is not None and np.abs(answer.polished.x - point.x).max() > point.radius + BESIDE
+    if point.is_minimum is False and verdict == "minimum":
+        against.append(f"the proof refutes a listed minimum {where}")
+    elif point.is_minimum and (verdict != "minimum" or moved):
+        against.append(
+            f"the judge does not confirm a proved minimum {where}: {verdict or 'not found'}"
+        )
+    elif point.is_minimum is None and (moved or verdict in ("", "undecided")):
+        lower, upper = (np.array(point.x) + s * point.unique_radius for s in (-1, 1))
+        yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
+
+
+def _stands_alone(
+    model: Model, limits: Model, record: Record, cluster: Cluster, added: list[Answer]
+) -> Open:
+    """Judge a singular state, isolated by its lemma where that works."""
+    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    if cluster.touches:
+        return _judged(model, record, cluster, added)
+    lemma = isolated(limits, 0.5 * (lower + upper), cluster.stratum)
+    if not lemma.holds(cluster.lower, cluster.upper):
+        return _judged(model, record, cluster, added)
+    x = np.array(lemma.point)
+    answer = _nearest(record, x, SAME)
+    if answer is None:
+        answer = listed(model, x)
+        record.answers.append(answer)
+        added += [answer] * answer.is_minimum
+    assert answer.what is not None
+    core = lemma.core
+    return _region(model, x - core, x + core, cluster.reason, answer.what.verdict, lemma.reason)
+
+
+def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
+    """Judge the state in a small cluster: that on record, else the polished middle."""
+    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    if (upper - lower).max() > BESIDE:
+        return _region(model, lower, upper, cluster.reason)
+    inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
+    if not inside:
+        answer, new = _file(model, record, 0.5 * (lower + upper))
+        if not _within(answer.polished.x, lower, upper):
+            answer, new = _singular(model, 0.5 * (lower + upper)), True
+            record.answers.append(answer)
+        if new and answer.is_minimum:
+            added.append(answer)
+        inside = [answer] if _within(answer.polished.x, lower, upper) else []
+    verdicts = {a.what.verdict for a in inside if a.what is not None}
+    return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
+
+
+def _region(
+    model: Model,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    reason: str,
+    verdict: str = "",
+    isolated: str = "",
+) -> Open:
+    low, high = model.expand(lower), model.expand(upper)
+    energy = model.energy(0.5 * (lower + upper))
+    return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict, isolated)
+
+
+def _merged(regions: list[Open]) -> list[Open]:
+    """Name each state once: it is a cluster on several strata if they have it in common; what is not judged first."""
+    kept: list[Open] = []
+    for r in sorted(regions, key=lambda r: (r.verdict not in ("", "undecided"), r.energy)):
+        middle = np.add(r.lower, r.upper) / 2
+        same = [k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= SAME]
+        if not any((k.verdict, bool(k.isolated)) == (r.verdict, bool(r.isolated)) for k in same):
+            kept.append(r)
+    return kept
+
+
+def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
+    return bool(((x >= lower - SAME) & (x <= upper + SAME)).all())
+
+
+def _covered(x: np.ndarray, proof: Proof) -> bool:
+    """Tell whether a state is a critical point of the proof, or in what it leaves open."""
+    points = (p for p in proof.points if p.is_minimum is not False)
+    if any(np.abs(np.array(p.x) - x).max() <= p.radius + SAME for p in points):
+        return True
+    return any(_within(x, np.array(c.lower), np.array(c.upper)) for c in _open(proof))
+
+
+def _open(proof: Proof) -> Iterable[Cluster]:
+    return (*proof.singular, *proof.undecided)
+
+
+def _status(
+    proof: Proof, undecided: list[Open], against: list[str], left: list[Open], singular: list[Open]
+) -> str:
+    if undecided or against or left or not proof.finished:
+        return "not-proved"
+    return "proved" if all(s.isolated for s in singular) else "proved-except-singular"
+
+
+def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
+    why = [*against]
+    if not proof.finished:
+        why.append("time was up")
+    if undecided:
+        energies = [r.energy for r in undecided]
+        many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"
+        why.append(f"{many} left open, energies {min(energies):.6g} to {max(energies):.6g} J")
+    if left:
+        many = "a singular state is" if len(left) == 1 else f"{len(left)} singular states are"
+        why.append(f"{many} not decided")
+    return "; ".join(why)
