@@ -29,7 +29,7 @@ from origami_nlp.proof.tree import Kind, Recorder
 from origami_nlp.proof.wedges import Wedge
 
 TOGETHER = 20 * SMALL
-"""Boxes of a stratum that are no further apart [rad] are one cluster."""
+"""Side [rad] of the cells by which boxes are grouped into clusters."""
 SMALLER = (1e-7, 1e-9)
 """Widths [rad] to which boxes are bisected where `SMALL` ones hold no certified root, though closure has full rank."""
 MOST = 20_000
@@ -259,22 +259,19 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
 
 
 def _clusters(boxes: Boxes) -> Iterator[np.ndarray]:
-    """Group boxes of one stratum that are close to each other."""
+    """Group boxes of one stratum that are close to each other: whose cells of side `TOGETHER` are no two apart."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     for group in _by_stratum(boxes):
-        open_ = list(group)
-        while open_:
-            found = [open_.pop(0)]
-            for i in found:
-                near = (
-                    np.maximum(
-                        boxes.lower[:, open_] - boxes.upper[:, [i]],
-                        boxes.lower[:, [i]] - boxes.upper[:, open_],
-                    ).max(axis=0)
-                    <= TOGETHER
-                )
-                found += [j for j, n in zip(open_, near, strict=True) if n]
-                open_ = [j for j, n in zip(open_, near, strict=True) if not n]
-            yield np.array(sorted(found))
+        middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
+        cells, cell = np.unique(np.floor(middle.T / TOGETHER), axis=0, return_inverse=True)
+        near = cKDTree(cells).query_pairs(2.5, p=math.inf, output_type="ndarray")
+        graph = coo_array((np.ones(len(near)), near.T), shape=(len(cells), len(cells)))
+        count, label = connected_components(graph, directed=False)
+        for k in range(count):
+            yield group[label[cell.ravel()] == k]
 
 
 def _by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
