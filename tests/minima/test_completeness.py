@@ -12,6 +12,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.minima import find, proved, result_from_dict, result_to_dict
 from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove
+from tests.command_line import run, scene_file
 from tests.computed_once import thinned
 
 pi = math.pi
@@ -162,6 +163,22 @@ def test_when_time_is_up_nothing_is_claimed():
     c = result.completeness
     assert c.status == "not-proved" and "time was up" in c.reason and c.boxes > 0 and c.undecided
     assert "complete: proved" not in repr(result)
+
+
+def test_the_command_proves_and_writes_what_check_proof_confirms(tmp_path):
+    scene, out = scene_file(tmp_path, generic(1, 4)), tmp_path / "proof.json"
+    code, table, _ = run("minima", scene, "--prove", "--certificate", out)
+    assert code == 0 and "complete: proved: all 2 minima are listed" in table
+    code, checked, _ = run("check-proof", out)
+    assert code == 0 and "checked: complete - 2 minima" in checked
+    code, table, _ = run("minima", "--prove", "60", scene)
+    assert code == 0 and "complete: proved" in table
+    code, table, _ = run("minima", scene, "--prove", "0")
+    assert code == 0 and "complete: proved" not in table
+    for wrong in (("--prove", "-1"), ("--prove", "0", "--certificate", tmp_path / "b.json")):
+        code, _, err = run("minima", scene, *wrong)
+        assert code == 2 and "prove" in err
+        assert not (tmp_path / "b.json").exists()
 
 
 @pytest.mark.parametrize("value", [-1, "yes", math.nan])
