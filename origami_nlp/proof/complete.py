@@ -86,7 +86,7 @@ def prove(
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
     left = prune(posed, start, flat=near, most=most, seconds=seconds, recorder=recorder)
     system = System(model)
-    roots, held, number, rest, more = _certified(system, posed, left.candidates, near, recorder)
+    roots, held, number, rest, more = certified(system, posed, left.candidates, near, recorder)
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
     inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
     ends = np.flatnonzero(~inside.all(axis=1))
@@ -102,21 +102,21 @@ def prove(
         group = held[number == i]
         leaves.append((group.node, Kind.SINGULAR, len(singular)))
         singular.append(
-            _cluster(model, group, "free angles at their limits: a state of other strata")
+            cluster_of(model, group, "free angles at their limits: a state of other strata")
         )
-    for group in [rest[g] for g in _clusters(rest)]:
-        reason, is_singular = _reason(system, group)
+    for group in [rest[g] for g in clusters(rest)]:
+        reason, is_singular = reason_of(system, group)
         kept = singular if is_singular else undecided
         leaves.append((group.node, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
-        kept.append(_cluster(model, group, reason))
+        kept.append(cluster_of(model, group, reason))
     if recorder:
         recorder.leaves(held.node, Kind.ROOT, position[number])
         for nodes, kind, place in leaves:
             recorder.leaves(nodes, kind, place)
-    for group in [left.open[g] for g in _by_stratum(left.open)]:
+    for group in [left.open[g] for g in by_stratum(left.open)]:
         if recorder:
             recorder.leaves(group.node, Kind.UNDECIDED, len(undecided))
-        undecided.append(_cluster(model, group, "time was up"))
+        undecided.append(cluster_of(model, group, "time was up"))
     if left.flat and not flat.radius:
         undecided.append(_near_flat(model, near))
     return Proof(
@@ -174,7 +174,7 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     return Wedge(group.order, p.sectors, crease, k, p.rest), flat
 
 
-def _certified(
+def certified(
     system: System, posed: Posed, boxes: Boxes, flat: float, recorder: Recorder | None
 ) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
@@ -258,13 +258,13 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
     )
 
 
-def _clusters(boxes: Boxes) -> Iterator[np.ndarray]:
+def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: whose cells of side `TOGETHER` are no two apart."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    for group in _by_stratum(boxes):
+    for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
         cells, cell = np.unique(np.floor(middle.T / TOGETHER), axis=0, return_inverse=True)
         near = cKDTree(cells).query_pairs(2.5, p=math.inf, output_type="ndarray")
@@ -274,7 +274,7 @@ def _clusters(boxes: Boxes) -> Iterator[np.ndarray]:
             yield group[label[cell.ravel()] == k]
 
 
-def _by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
+def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
     """Numbers of the boxes of each stratum that has some."""
     if not len(boxes):
         return
@@ -283,7 +283,7 @@ def _by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
         yield np.flatnonzero(inverse.ravel() == s)
 
 
-def _reason(system: System, boxes: Boxes) -> tuple[str, bool]:
+def reason_of(system: System, boxes: Boxes) -> tuple[str, bool]:
     """Say why no root was certified, and whether that is because closure loses rank."""
     pins = boxes.pins[:, 0]
     free = pins == 0
@@ -296,7 +296,7 @@ def _reason(system: System, boxes: Boxes) -> tuple[str, bool]:
     return "no root was certified", False
 
 
-def _cluster(model: Model, boxes: Boxes, reason: str) -> Cluster:
+def cluster_of(model: Model, boxes: Boxes, reason: str) -> Cluster:
     """Describe boxes of one stratum."""
     free = boxes.pins[:, 0] == 0
     sides = np.where(boxes.pins == 0, (boxes.upper - boxes.lower) / (2 * math.pi), 1.0)
@@ -323,4 +323,4 @@ def _near_flat(model: Model, radius: float) -> Cluster:
         np.zeros((n, 1), np.int8),
         np.zeros(1, int),
     )
-    return _cluster(model, box, "near the flat state")
+    return cluster_of(model, box, "near the flat state")

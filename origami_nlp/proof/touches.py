@@ -41,12 +41,12 @@ from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
 from origami_nlp.proof.complete import (
-    _by_stratum,
-    _certified,
-    _cluster,
-    _clusters,
-    _reason,
+    by_stratum,
+    certified,
+    cluster_of,
+    clusters,
     prove as prove_within_limits,
+    reason_of,
 )
 from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
@@ -214,7 +214,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     singular, undecided = list(limits.singular), list(limits.undecided)
     points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
-        undecided.append(_cluster(model, strata(model.size)[:1], why))
+        undecided.append(cluster_of(model, strata(model.size)[:1], why))
     for stratum in () if why else touch_strata(model):
         touches, names = stratum.touches, _names(model, stratum.touches)
         left = prune(
@@ -225,22 +225,22 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         )
         boxes += left.boxes
         finished &= not len(left.open)
-        for group in _by_stratum(left.open):
-            undecided.append(_cluster(model, left.open[group], f"time was up; {names}"))
+        for group in by_stratum(left.open):
+            undecided.append(cluster_of(model, left.open[group], f"time was up; {names}"))
         if len(left.candidates) > MOST:
-            for group in _by_stratum(left.candidates):
-                undecided.append(_cluster(model, left.candidates[group], f"a curve; {names}"))
+            for group in by_stratum(left.candidates):
+                undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
         system = TouchSystem(model, tuple(t.gap for t in touches))
-        roots, _, _, rest, more = _certified(system, stratum.posed, left.candidates, 0.0, None)
+        roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, None)
         boxes += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
         new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]
         which = np.array(new, dtype=int)
         points += _judged(model, roots[which], tuple(found[i] for i in new), touches)
-        for group in _clusters(rest):
-            reason, is_singular = _reason(system, rest[group])
-            cluster = _cluster(model, rest[group], f"{reason}; {names}")
+        for group in clusters(rest):
+            reason, is_singular = reason_of(system, rest[group])
+            cluster = cluster_of(model, rest[group], f"{reason}; {names}")
             cluster = replace(cluster, touches=tuple(t.gap for t in touches))
             (singular if is_singular else undecided).append(cluster)
     kept = [p for p in points if p is not None]
