@@ -12,6 +12,7 @@ from origami_nlp.programme import Kinematics
 from origami_nlp.proof import isolated, pose, prove
 from origami_nlp.proof.blow_up import Site
 from origami_nlp.proof.singular import RADII
+from tests.computed_once import thinned
 from tests.proof.singular_scenes import (
     CROSS,
     HANDLES,
@@ -55,7 +56,7 @@ def handle_slope(model: Model, x: np.ndarray, a: int, b: int) -> float:
     return -float(jacobian[:, a] @ jacobian[:, b] / (jacobian[:, b] @ jacobian[:, b]))
 
 
-@pytest.mark.parametrize("ratio", examples.RATIOS)
+@pytest.mark.parametrize("ratio", thinned(examples.RATIOS, 3))
 def test_facets_at_right_angles_to_the_mirror_stand_alone(ratio: float) -> None:
     """Where closure of the wedge loses rank beyond a crease that is turned by pi/2."""
     model = Model(examples.degree6("pi/3", ratio, contact="fold-limits"))
@@ -79,7 +80,7 @@ def test_flat_foldings_with_random_springs_stand_alone_on_every_stratum(
 
 
 @pytest.mark.parametrize("alpha", examples.DEGREE6_ALPHAS)
-@pytest.mark.parametrize("ratio", examples.RATIOS)
+@pytest.mark.parametrize("ratio", thinned(examples.RATIOS, 3))
 def test_flat_foldings_of_the_panels_stand_alone(alpha: str, ratio: float) -> None:
     model = Model(examples.degree6(alpha, ratio, contact="fold-limits"))
     found = [isolated(model, x, s) for x in flat_foldings(model) for s in touched(x)]
