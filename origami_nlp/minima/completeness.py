@@ -121,7 +121,10 @@ class Completeness:
             )
             listed = "the one minimum is" if self.minima == 1 else f"all {self.minima} minima are"
             yield f"complete: proved{but}: {listed} listed ({work})"
-            many = ", ".join(f"{n} of index {k}" for k, n in self.critical_points.items())
+            many = ", ".join(
+                f"{n} judged by its cone" if k == "unclear" else f"{n} of index {k}"
+                for k, n in self.critical_points.items()
+            )
             still = sum(self.critical_points.values())
             yield (
                 f"  {still} regular state{'s' * (still != 1)} hold{'s' * (still == 1)} still ({many}), "

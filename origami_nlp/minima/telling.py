@@ -12,7 +12,7 @@ from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.minima.stopping import unseen_share
-from origami_nlp.numerics import BALANCED
+from origami_nlp.numerics import BALANCED, EPS
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words
 
@@ -43,8 +43,9 @@ def contact_words(contact: ContactForce) -> str:
 
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
     """Say which moment passes round the vertex, or that there is no such one."""
-    vector = ", ".join(f"{v:.6g}" for v in moment)
-    if residual > BALANCED * (1 + max(map(abs, moment))):
+    largest = max(map(abs, moment))
+    vector = ", ".join(f"{v:.6g}" if abs(v) > EPS * largest else "0" for v in moment)
+    if residual > BALANCED * (1 + largest):
         return (
             f"no one moment passes round the vertex: ({vector}) N m leaves up to {residual:.2g} N m at a free "
             "crease, which facets that touch carry"
