@@ -108,7 +108,7 @@ def verify(result):
         assert np.abs(left[free]).max() <= 1e-9 * (1 + np.abs(minimum.moment).max())
         assert (np.sign(x[~free]) * left[~free] <= 1e-9).all()
         move = 1e-3 * rng.normal(size=(12, len(x))) / math.sqrt(len(x))
-        opens = rng.random(move.shape) < 0.5
+        opens = rng.random(move.shape) < min(0.5, 5 / len(x))
         inward = -np.sign(x) * (np.abs(move) + 3e-4) * opens
         y = x + np.where(free, move, inward)
         y, residual = project(model, y, frozen=np.abs(y) == math.pi, steps=6)
