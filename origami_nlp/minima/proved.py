@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_number
 from origami_nlp.kkt import Solve, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import Answer, Record, judge, listed
-from origami_nlp.numerics import BESIDE, SAME
+from origami_nlp.numerics import BESIDE, CLOSES, SAME
 from origami_nlp.programme import Model
 from origami_nlp.proof import (
     Cluster,
@@ -119,21 +119,32 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    limits = (
-        model  # what stands alone within fold limits does so among the states that contact admits
-    )
+    # what stands alone within fold limits does so among the states that contact admits
+    limits = model
     if model.scene.contact != "fold-limits":
         limits = Model(replace(model.scene, contact="fold-limits"))
     singular = _merged(
         [_stands_alone(model, limits, record, cluster, added) for cluster in proof.singular]
     )
+    if proof.flat_radius and proof.flat_is_minimum is None:
+        flat = np.zeros(model.size)
+        singular.append(
+            _region(
+                model,
+                flat,
+                flat,
+                "the flat state",
+                _verdict_at(model, record, flat, added),
+                proof.flat,
+            )
+        )
     undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
             against.append(
                 f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left"
             )
-    left = [s for s in singular if s.verdict in ("", "undecided")]
+    left = [s for s in singular if _is_open(s)]
     still = [p for p in proof.points if not _leaves(p)]
     status = _status(proof, undecided, against, left, singular)
     reason = _why_not(proof, undecided, against, left) if status == "not-proved" else ""
@@ -184,11 +195,12 @@ def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
     return answer, new
 
 
-def _singular(model: Model, x: np.ndarray) -> Answer:
-    """Judge the closed state beside x whose fold angles next to 0 and +-pi are these."""
+def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
+    """Return the state beside x whose fold angles next to 0 and +-pi are these; None where none closes."""
     flat = math.pi * np.round(x / math.pi)
     frozen = np.abs(x - flat) <= BESIDE
-    return listed(model, project(model, np.where(frozen, flat, x), frozen=frozen)[0])
+    y, residual = project(model, np.where(frozen, flat, x), frozen=frozen)
+    return y if residual <= CLOSES else None
 
 
 def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
@@ -229,15 +241,20 @@ def _stands_alone(
     lemma = isolated(limits, 0.5 * (lower + upper), cluster.stratum)
     if not lemma.holds(cluster.lower, cluster.upper):
         return _judged(model, record, cluster, added)
-    x = np.array(lemma.point)
-    answer = _nearest(record, x, SAME)
+    x, core = np.array(lemma.point), lemma.core
+    verdict = _verdict_at(model, record, x, added)
+    return _region(model, x - core, x + core, cluster.reason, verdict, lemma.reason)
+
+
+def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[Answer]) -> str:
+    """Return what an exact singular state is; one that is not on record is judged and filed."""
+    answer = record.known(x)
     if answer is None:
         answer = listed(model, x)
         record.answers.append(answer)
         added += [answer] * answer.is_minimum
     assert answer.what is not None
-    core = lemma.core
-    return _region(model, x - core, x + core, cluster.reason, answer.what.verdict, lemma.reason)
+    return answer.what.verdict
 
 
 def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
@@ -245,16 +262,16 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
     if (upper - lower).max() > BESIDE:
         return _region(model, lower, upper, cluster.reason)
+    middle = 0.5 * (lower + upper)
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
     if not inside:
-        answer, new = _file(model, record, 0.5 * (lower + upper))
-        if not _within(answer.polished.x, lower, upper):
-            answer, new = _singular(model, 0.5 * (lower + upper)), True
-            record.answers.append(answer)
-        if new and answer.is_minimum:
-            added.append(answer)
+        answer, new = _file(model, record, middle)
+        added += [answer] * (new and answer.is_minimum)
         inside = [answer] if _within(answer.polished.x, lower, upper) else []
     verdicts = {a.what.verdict for a in inside if a.what is not None}
+    exact = None if inside else _singular(model, middle)
+    if exact is not None and _within(exact, lower, upper):
+        verdicts = {_verdict_at(model, record, exact, added)}
     return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
 
 
@@ -271,10 +288,15 @@ def _region(
     return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict, isolated)
 
 
+def _is_open(region: Open) -> bool:
+    """Tell whether nothing decides what is in a region: no state was judged there, or one of them without success."""
+    return not region.verdict or "undecided" in region.verdict
+
+
 def _merged(regions: list[Open]) -> list[Open]:
     """Name each state once: it is a cluster on several strata if they have it in common; what is not judged first."""
     kept: list[Open] = []
-    for r in sorted(regions, key=lambda r: (r.verdict not in ("", "undecided"), r.energy)):
+    for r in sorted(regions, key=lambda r: (not _is_open(r), r.energy)):
         middle = np.add(r.lower, r.upper) / 2
         same = [k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= SAME]
         if not any((k.verdict, bool(k.isolated)) == (r.verdict, bool(r.isolated)) for k in same):
@@ -290,6 +312,8 @@ def _covered(x: np.ndarray, proof: Proof) -> bool:
     """Tell whether a state is a critical point of the proof, or in what it leaves open."""
     points = (p for p in proof.points if p.is_minimum is not False)
     if any(np.abs(np.array(p.x) - x).max() <= p.radius + SAME for p in points):
+        return True
+    if proof.flat_radius and proof.flat_is_minimum is None and np.abs(x).max() <= SAME:
         return True
     return any(_within(x, np.array(c.lower), np.array(c.upper)) for c in _open(proof))
 
@@ -309,7 +333,7 @@ def _status(
 def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
     why = [*against]
     if not proof.finished:
-        why.append("time was up")
+        why.append("time was up, or the number of boxes")
     if undecided:
         energies = [r.energy for r in undecided]
         many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"
