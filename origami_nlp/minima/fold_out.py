@@ -24,7 +24,7 @@ from origami_nlp.folding import fold_vertex, layer_problem, ordered
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import TOUCHES
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
+from origami_nlp.pattern import PRELOAD_KEY, REST_KEY, STIFFNESS_KEY, Scene
 from origami_nlp.version import __version__
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
@@ -51,6 +51,7 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
         "faces_vertices": [[0, i, i % n + 1] for i in rim],
         STIFFNESS_KEY: [*scene.stiffness, *[None] * n],
         REST_KEY: [*(math.degrees(a) for a in scene.rest_angles), *[None] * n],
+        **({PRELOAD_KEY: [*scene.preload, *[None] * n]} if scene.preload else {}),
         "origaminlp:symmetry": scene.symmetry,
         "origaminlp:contact": scene.contact,
     }

@@ -17,7 +17,7 @@ from origami_nlp.minima.stability import asked, count_words, not_asked_words, ve
 from origami_nlp.minima.telling import (
     contact_words,
     freedom_words,
-    geometry_lines,
+    scene_lines,
     search_lines,
     undecided_lines,
 )
@@ -105,6 +105,6 @@ def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, proved: 
         *search_lines(s),
         *[more] * bool(more),
         *undecided_lines(s),
-        *geometry_lines(scene),
+        *scene_lines(scene),
     ]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

@@ -15,7 +15,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.telling import (
-    geometry_lines,
+    scene_lines,
     search_lines,
     state_lines,
     states_table,
@@ -70,7 +70,7 @@ class MinimaResult(Told):
         yield self.table()
         yield from state_lines(self.scene, self.minima)
         yield from undecided_lines(self.search)
-        yield from geometry_lines(self.scene)
+        yield from scene_lines(self.scene)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
         yield from (Words(line, "dim") for line in search_lines(self.search))

@@ -12,6 +12,7 @@ from .crease_pattern import (
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
+    PRELOAD_KEY as PRELOAD_KEY,
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
     Frame as Frame,

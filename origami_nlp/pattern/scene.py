@@ -26,6 +26,8 @@ MOST_PAIRED = 400
 LARGEST_RATIO = 1e8
 """Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
 a line of states that only soft springs order, every point seems to balance, and a search never ends."""
+MOST_WOUND = 1e3
+"""Largest |wound angle| [rad]: the energy of such a spring is 1e6 times that of one radian, and loses 6 digits."""
 SMALLEST, LARGEST = 1e-300, 1e300
 """Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
 
@@ -58,6 +60,10 @@ class Scene:
         group; `adjusted` says by how much.
     name
         A title for tables and figures.
+    preload
+        Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
+        A torque that no rest angle in [-pi, pi] gives: the spring is wound to `wound_angles` = phi0_i + m_i/k_i, at
+        most 1,000 rad.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -67,6 +73,8 @@ class Scene:
     ----------
     group
         The symmetry that was found or asked for.
+    wound_angles
+        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]; the rest angles without preload.
     adjusted
         Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for.
 
@@ -95,6 +103,7 @@ class Scene:
     mirror: int | None = None
     name: str | None = None
     symmetry_tolerance: float = TYPED
+    preload: tuple[float, ...] = ()
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -123,7 +132,7 @@ class Scene:
             if abs(a) > math.pi * (1 + 1e-15):
                 raise SceneError(
                     f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
-                    "valley positive"
+                    "valley positive; a torque beyond is stated as preload"
                 )
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
@@ -141,6 +150,7 @@ class Scene:
             raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
+        object.__setattr__(self, "preload", _read_preload(self.preload, stiffness, rest))
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
             relations = find_relations(self.vertex.sector_angles)
             object.__setattr__(self, "relations", relations)
@@ -155,13 +165,13 @@ class Scene:
                 f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
         wanted = self.symmetry, self.mirror, tolerance
-        group = find_symmetry(self.vertex, stiffness, rest, *wanted)
+        group = find_symmetry(self.vertex, stiffness, (rest, self.wound_angles), *wanted)
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
 
     def _make_symmetric(self, *wanted: Any) -> None:
-        """Average sector angles, stiffness and rest angles over the group, then cut the piece anew.
+        """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
 
         What differs by no more than rounding stays as it is.
         """
@@ -170,10 +180,14 @@ class Scene:
         vertex = Vertex(sectors, self.vertex.flat)
         k = averaged(self.stiffness, elements, facets=False)
         rest = averaged(self.rest_angles, elements, facets=False)
+        preload = averaged(self.preload, elements, facets=False) if self.preload else ()
         changes = [
             np.abs(np.subtract(sectors, self.vertex.sector_angles)),
             np.abs(np.subtract(rest, self.rest_angles)),
             np.abs(np.divide(k, self.stiffness) - 1),
+            np.abs(np.subtract(preload, self.preload)) / self.stiffness
+            if preload
+            else np.zeros(len(k)),
         ]
         if np.max(changes) <= SUMMED:
             return
@@ -184,7 +198,17 @@ class Scene:
         object.__setattr__(self, "relations", record)
         object.__setattr__(self, "stiffness", k)
         object.__setattr__(self, "rest_angles", rest)
-        object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
+        object.__setattr__(self, "preload", preload)
+        group = find_symmetry(vertex, k, (rest, self.wound_angles), *wanted)
+        object.__setattr__(self, "group", group)
+
+    @property
+    def wound_angles(self) -> tuple[float, ...]:
+        """Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]."""
+        if not self.preload:
+            return self.rest_angles
+        springs = zip(self.rest_angles, self.preload, self.stiffness, strict=True)
+        return tuple(rest + m / k for rest, m, k in springs)
 
     @property
     def label(self) -> str:
@@ -196,8 +220,23 @@ class Scene:
         """Number of creases N."""
         return self.vertex.degree
 
+    @property
+    def load_lines(self) -> list[str]:
+        """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
+        if not self.preload:
+            return []
+        wound = zip(self.preload, self.wound_angles, strict=True)
+        at = [f"crease {i} {m:g} N m ({w:.6g} rad)" for i, (m, w) in enumerate(wound, 1) if m]
+        return [
+            "preload (and the angle to which it winds the spring): " + ", ".join(at),
+            "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
+        ]
+
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy).
+        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy), phi0 the `wound_angles`.
+
+        With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
+        wind the springs counts, so that the energy is never negative.
 
         Parameters
         ----------
@@ -215,7 +254,7 @@ class Scene:
             If `fold_angles` are not numbers [rad], N a state (NaN is allowed: its energy is NaN).
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
-        k, rest = np.array(self.stiffness), np.array(self.rest_angles)
+        k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
         return float(energy) if energy.ndim == 0 else energy
 
@@ -223,9 +262,11 @@ class Scene:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
+        preload = ", ".join(f"{v:.6g}" for v in self.preload)
         return (
             f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
-            f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
+            + (f"\n  preload=[{preload}] N m," if preload else "")
+            + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 
 
@@ -244,6 +285,24 @@ def _check_range(stiffness: Sequence[float]) -> None:
             f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
             "the facets at the stiff crease"
         )
+
+
+def _read_preload(
+    values: object, stiffness: Sequence[float], rest: Sequence[float]
+) -> tuple[float, ...]:
+    """Read the preload [N m] of each crease; () where there is none."""
+    if isinstance(values, tuple) and not values:
+        return ()
+    preload = _numbers(values, "preload", len(stiffness))
+    for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
+        if not math.isfinite(m):
+            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
+        if abs(a + m / k) > MOST_WOUND:
+            raise SceneError(
+                f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
+                f"{MOST_WOUND:g} rad, beyond which energies lose digits"
+            )
+    return preload if any(preload) else ()
 
 
 def _same_length(values: Sequence[float], name: str, degree: int) -> None:

@@ -20,7 +20,7 @@ from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
-    "creases": ("stiffness", "rest_angles", "rest_angles_deg"),
+    "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
     "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance"),
 }
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
@@ -145,7 +145,8 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
-    return Scene(the_vertex, creases["stiffness"], rest, **dict(data.get("model", {})))
+    more = {"preload": creases["preload"]} if "preload" in creases else {}
+    return Scene(the_vertex, creases["stiffness"], rest, **more, **dict(data.get("model", {})))
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -182,6 +183,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         "creases": {
             "stiffness": list(scene.stiffness),
             "rest_angles": [_exact(a) for a in scene.rest_angles],
+            **({"preload": list(scene.preload)} if scene.preload else {}),
         },
         "model": model,
     }

@@ -19,7 +19,7 @@ class Parameters:
     stiffness
         Of the n variables, summed over the creases that each stands for, over `Model.scale`, shape [n].
     rest
-        Rest angles [rad], shape [n].
+        Angles without torque [rad], shape [n]: `Scene.wound_angles`, the rest angles where nothing is preloaded.
     load
         Moment conjugate to each variable over `Model.scale`: the energy is U - load . phi, shape [n].
     """

@@ -59,7 +59,7 @@ class Posed:
         self.multiplicity = np.bincount(self.variable_of_crease)
         # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
         k = np.bincount(self.variable_of_crease, scene.stiffness)
-        rest = np.bincount(self.variable_of_crease, scene.rest_angles) / self.multiplicity
+        rest = np.bincount(self.variable_of_crease, scene.wound_angles) / self.multiplicity
         self.scale = 2.0 ** round(math.log2(k.mean()))
         sectors = [ray.sector for ray in group.rays]
         if group.kind == "D":
@@ -337,6 +337,7 @@ class Posed:
                 f"                  facets {i} and {j}: a separating plane, 4 rows "
                 "(3 more variables and |n| = 1, only while a solve needs it)"
             )
+        lines += [f"  load          {line}" for line in scene.load_lines]
         lines.append(
             f"  parameters    {self.parameters.vector.size}: sector angles, stiffness, rest angles, load"
         )
