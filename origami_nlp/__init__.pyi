@@ -18,6 +18,7 @@ from .minima import (
     write_fold as write_fold,
     write_mesh as write_mesh,
 )
+from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
     Scene as Scene,
     Vertex as Vertex,

@@ -25,6 +25,7 @@ _DRAWN = {
     "Space": ("space", "draw_space"),
     "ExactLandscape": ("landscape", "draw_landscape"),
     "SegmentReport": ("contact", "draw_segments"),
+    "Modes": ("modes", "draw_modes"),
     "PhaseDiagram": ("cone", "draw_phase"),
 }
 _READ = {
@@ -44,7 +45,7 @@ def draw(result: object, path: str | PathLike[str] | None = None) -> Figure:
     Parameters
     ----------
     result
-        Minima, barriers, an admissible space, a landscape, metastable segments, or the phase diagram of a cone.
+        Minima, barriers, an admissible space, a landscape, metastable segments, modes, or the phase diagram of a cone.
     path
         Where to save it (.png, .pdf or .svg), if anywhere.
 

@@ -18,6 +18,7 @@ from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
+from origami_nlp.cli.modes import modes
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
@@ -27,7 +28,7 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 
 app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
-app.add(minima, check_proof, contacts, barriers, critical, space, landscape, transitions)
+app.add(minima, check_proof, contacts, modes, barriers, critical, space, landscape, transitions)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
 app.add(sweep)

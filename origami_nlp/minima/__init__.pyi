@@ -22,6 +22,8 @@ from .full_space import (
     full_scene as full_scene,
     hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
+    mode_symmetry as mode_symmetry,
+    permutations as permutations,
 )
 from .ipopt import (
     OPTIONS as OPTIONS,
