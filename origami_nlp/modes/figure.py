@@ -7,6 +7,7 @@ import os
 import textwrap
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.files import save_figure
@@ -15,6 +16,8 @@ from origami_nlp.show import label_text
 
 COLOURS = ("#1d3557", "#c1121f", "#2a9d8f", "#b5179e", "#e07a00", "#577590", "#7f5539", "#6a994e")
 MOST_STATES = 6
+MOST_MEDIANS = 3.0
+"""The axis ends at this many medians of the distances to contact; numbers of longer modes are in the legend."""
 
 
 def draw_modes(found: Modes, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -83,19 +86,23 @@ def _energies(axis: Any, state: StateModes) -> None:
     """Energy along each mode, to where something touches."""
     for k, (mode, colour) in enumerate(zip(state.modes, itertools.cycle(COLOURS)), start=1):
         dashed = mode.block == BREAKING
-        words = f" {mode.block}" if mode.block else ""
+        low, high = mode.along.ends
+        words = f"{k} {mode.block}: {low.s:.2f} to {high.s:.2f}"
         line = "--" if dashed else "-"
         s, rise = mode.along.s, mode.along.rise
-        axis.plot(
-            s, rise, color=colour, ls=line, lw=1.6, label=f"{k}{words}", zorder=3 if dashed else 2
-        )
+        axis.plot(s, rise, color=colour, ls=line, lw=1.6, label=words, zorder=3 if dashed else 2)
         axis.plot(s, 0.5 * mode.eigenvalue * s**2, color=colour, lw=0.6, alpha=0.6)
         for end in mode.along.ends:
             face = colour if end.contacts else "w"
             axis.plot(end.s, end.rise, "o", ms=4.5, color=colour, mfc=face)
-    top = max(float(m.along.rise.max()) for m in state.modes)
-    low = min(0.0, *(float(m.along.rise.min()) for m in state.modes))
-    axis.set_ylim(low - 0.05 * top, 1.12 * top)
+    ends = [end.s for mode in state.modes for end in mode.along.ends]
+    far = MOST_MEDIANS * float(np.median(np.abs(ends)))  # a long mode would hide the others
+    left, right = max(min(ends), -far), min(max(ends), far)
+    pad = 0.04 * (right - left)
+    axis.set_xlim(left - pad, right + pad)
+    seen = [m.along.rise[(m.along.s >= left) & (m.along.s <= right)] for m in state.modes]
+    low, high = min(float(r.min()) for r in seen), max(float(r.max()) for r in seen)
+    axis.set_ylim(low - 0.05 * (high - low), high + 0.12 * (high - low))
     axis.set_ylabel("U − U₀  [J]", fontsize=9)
     axis.set_title(
         "dots: something touches; thin: eigenvalue alone"
@@ -104,5 +111,11 @@ def _energies(axis: Any, state: StateModes) -> None:
         ),
         fontsize=8.5,
     )
-    axis.legend(fontsize=8, framealpha=0.8, loc="best")
+    axis.legend(
+        fontsize=7.5,
+        framealpha=0.8,
+        loc="upper center",
+        title="to contact [rad]",
+        title_fontsize=7.5,
+    )
     axis.tick_params(labelsize=8)

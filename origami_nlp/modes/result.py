@@ -99,6 +99,13 @@ class Modes(Told):
         All minima.
     states
         Modes of those that were looked at.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_modes(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), state=1)
+    >>> [round(value, 5) for value in found.states[0].eigenvalues("breaking")]
+    [0.25223]
     """
 
     result: MinimaResult
