@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.numerics import SUMMED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Structure
 from origami_nlp.programme.contact import Contact, gap_weights
@@ -65,6 +67,26 @@ class Posed:
         if group.kind == "D":
             sectors = sectors[:-1]
         self.parameters = Parameters(np.array(sectors), k / self.scale, rest, np.zeros(self.size))
+
+    def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
+        """Return the same programme with other numbers; it shares the compiled functions.
+
+        Parameters
+        ----------
+        parameters
+            Of the programme, over the same `scale`.
+        sector_angles
+            Of the whole vertex, shape [N] [rad], where they change; special relations are not made exact.
+        """
+        other = copy.copy(self)
+        for name in ("own_symmetries", "_chain"):  # they depend on the numbers
+            vars(other).pop(name, None)
+        other.parameters = parameters
+        if sector_angles is not None:
+            other.scene = copy.copy(self.scene)
+            vertex = Vertex(tuple(sector_angles.tolist()), self.scene.vertex.flat)
+            object.__setattr__(other.scene, "vertex", vertex)
+        return other
 
     @property
     def size(self) -> int:
