@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT, STATIONARY, TOUCHES
+from origami_nlp.numerics import BESIDE, ENDS, NEAR_CONTACT, STATIONARY, TOUCHES
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.path.halves import PULLS, closes, is_equilibrium
+from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates
 from origami_nlp.programme import Contact
 
 BISECTIONS = 24
@@ -156,20 +156,28 @@ def _closing(
             bad = frame or bad
         if high - low <= NEAR_CONTACT:
             break
-    best: tuple[float, Equilibrium, Contact] | None = None
+    met: list[tuple[float, float, Equilibrium, Contact]] = []
     for contact in _candidates(good, bad):
         frame = curve.where_closed(good, contact, a.tangent)
         if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > BESIDE:
             continue
-        h = _step(a, frame, curve.root)
-        if (best is None or h < best[0]) and not frame.programme.refuses(frame.state):
-            best = h, frame, contact
-    if best is None:
+        if not frame.programme.refuses(frame.state):
+            rate = _rate(curve, frame, contact)
+            met.append((_step(a, frame, curve.root), rate, frame, contact))
+    if not met:
         why = bad.programme.refuses(bad.state) or "closure"
         return good, Found("refused", good, None, np.nan, False, why)
-    _, frame, contact = best
+    first = min(h for h, *_ in met)
+    # of contacts that close together, the one that does so to first order knows best where
+    _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
     opening = frame.programme.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
+
+
+def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:
+    """Return how fast a contact closes along the curve."""
+    slopes, moved = opening_rates(curve, frame.x, (contact,))
+    return abs(float(slopes[0] @ frame.tangent[:-1] + moved[0] * frame.ahead))
 
 
 def _candidates(good: Equilibrium, bad: Equilibrium) -> list[Contact]:

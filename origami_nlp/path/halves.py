@@ -144,7 +144,7 @@ def _along(
         return
     n = len(point) - 1
     others = tuple(c for c in piece if c not in hold.contacts)
-    slopes, moved = _opening_rates(curve, point, others)
+    slopes, moved = opening_rates(curve, point, others)
     weak = system.multipliers[len(hold.closure) :] <= BALANCED * system.size
     for sign in (1.0, -1.0):
         v = sign * null
@@ -160,7 +160,7 @@ def _along(
             yield half
 
 
-def _opening_rates(
+def opening_rates(
     curve: EquilibriumCurve, point: np.ndarray, contacts: tuple[Contact, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how openings change with the state, [r, n] in the metric, and with w s, [r]."""
