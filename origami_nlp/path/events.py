@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import BESIDE, ENDS, NEAR_CONTACT, STATIONARY, TOUCHES
+from origami_nlp.numerics import BESIDE, ENDS, NEAR_CONTACT, STATIONARY, TOUCHES, bracketed_roots
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates
 from origami_nlp.programme import Contact
@@ -62,23 +62,15 @@ def _step(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
 def root_between(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
 ) -> Equilibrium | None:
-    """Return the point between a and b at which a function changes sign, by Brent's method in the arclength."""
-    from scipy.optimize import brentq
+    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength."""
+    known: dict[float, Equilibrium | None] = {}
 
-    known: dict[float, Equilibrium] = {}
+    def at(h: np.ndarray) -> np.ndarray:
+        frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
+        return np.array([np.nan if frame is None else value(frame)])
 
-    def at(h: float) -> float:
-        frame = curve.beside(a, h)
-        if frame is None:
-            raise ArithmeticError
-        known[h] = frame
-        return value(frame)
-
-    try:
-        h = brentq(at, 0.0, _step(a, b, curve.root), xtol=1e-16, rtol=1e-15)
-    except (ArithmeticError, ValueError):
-        return None
-    return known.get(h) or curve.beside(a, h)
+    h = float(bracketed_roots(at, [0.0], [_step(a, b, curve.root)])[0])
+    return known.get(h)
 
 
 def folds_and_branchings(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.numerics import SETTLED, STATIONARY
+from origami_nlp.numerics import RANK, SETTLED, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
 from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
 from origami_nlp.path.halves import Half, half_branches, is_equilibrium, judged, turned
@@ -24,7 +24,7 @@ STEPS = Steps(first=1e-3, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
-RANGE, EVENT = "range", "event"
+START, RANGE, EVENT = "start", "range", "event"
 
 
 @dataclass(eq=False)
@@ -147,15 +147,23 @@ class Web:
         return [(k, frame) for k, frame in found if frame is not None]
 
     def add(self, x: np.ndarray, s: float, verdict: str = "") -> bool:
-        """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is none.
+        """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
+        none.
 
         verdict: of a state that no multipliers judge, see `half_branches`.
         """
         point = np.append(x, s)
         before = len(self.arcs)
-        node = Node("start", point, halves=half_branches(self.line, point, self.tally, verdict))
+        node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
         self.nodes.append(node)
-        todo = [(len(self.nodes) - 1, k) for k in range(len(node.halves))]
+        ends = {1.0: self.high, -1.0: self.low}
+        inside = [k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))]
+        if len(inside) < len(node.halves):
+            node.type = RANGE
+        node.used += [k for k in range(len(node.halves)) if k not in inside]
+        if not inside:
+            node.type, node.why = "singular", "no equilibrium goes on from there: a state of this value alone"
+        todo = [(len(self.nodes) - 1, k) for k in inside]
         while todo and len(self.arcs) - before < MOST_ARCS:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
@@ -163,7 +171,7 @@ class Web:
                 todo += self._follow(number, self.nodes[number].halves[k])
         if todo:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
-        return bool(node.halves)
+        return bool(inside)
 
     def _follow(self, start: int, half: Half) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
@@ -236,7 +244,7 @@ class Web:
         """Return the node of an event, and whether it was there before."""
         point = event.frame.x
         for k, node in enumerate(self.nodes):
-            if node.type != "start" and _near(self.root, node.point, point):
+            if node.type != START and event.type != RANGE and _near(self.root, node.point, point):
                 return k, True
         node = Node(
             event.type,
@@ -269,7 +277,10 @@ class Web:
         node.used += came
         onward = [k for k in range(len(node.halves)) if k not in came]
         ahead = [node.halves[k].frame.ahead for k in onward]
-        if not onward:
+        same = [k for k in onward if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)]
+        if len(onward) == 1 and same and stop.type == "leaves":
+            node.type = "corner"  # another contact of a dependent set takes over
+        elif not onward:
             node.why = node.why or "no equilibrium goes on from there"
         elif all(v * back.frame.ahead > 0 for v in ahead):
             node.type = "nonsmooth-fold"

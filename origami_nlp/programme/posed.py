@@ -13,7 +13,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.numerics import SUMMED
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.pattern import Scene
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Structure
 from origami_nlp.programme.contact import Contact, gap_weights
@@ -83,8 +83,9 @@ class Posed:
             vars(other).pop(name, None)
         other.parameters = parameters
         if sector_angles is not None:
-            other.scene = copy.copy(self.scene)
-            vertex = Vertex(tuple(sector_angles.tolist()), self.scene.vertex.flat)
+            # unseen: a step may look beyond the angles that make a vertex before it comes back
+            other.scene, vertex = copy.copy(self.scene), copy.copy(self.scene.vertex)
+            object.__setattr__(vertex, "sector_angles", tuple(sector_angles.tolist()))
             object.__setattr__(other.scene, "vertex", vertex)
         return other
 
