@@ -52,6 +52,7 @@ class Functions:
     rays(x, p): deformed rays, shape [3, rays].
     sheet(x, p): positive on the sheet q = +1.
     evaluators: the same functions by name, called with NumPy arrays.
+    drift: how the KKT system changes with the parameters.
     """
 
     x: ca.SX
@@ -72,6 +73,19 @@ class Functions:
             f.name(): evaluator(f)
             for f in (self.closure, self.local, self.hessian, self.rays, self.sheet)
         }
+
+    @cached_property
+    def drift(self) -> Evaluate:
+        """Return drift(x, p, lam, mu, dp): how grad(U - lam . equations - mu . gaps), equations and gaps change with p.
+
+        Built when a path over parameters first asks for it.
+        """
+        x, p, g, gaps = self.x, self.p, self.piece.equations, self.gaps
+        lam, mu = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0])
+        step = ca.SX.sym("dp", p.shape[0])
+        lagrangian = self.energy - ca.dot(lam, g) - ca.dot(mu, gaps)
+        moved = [ca.jtimes(v, p, step) for v in (ca.gradient(lagrangian, x), g, gaps)]
+        return evaluator(ca.Function("drift", [x, p, lam, mu, step], [ca.densify(v) for v in moved]))
 
 
 @lru_cache(maxsize=64)

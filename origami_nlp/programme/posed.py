@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -65,6 +67,27 @@ class Posed:
         if group.kind == "D":
             sectors = sectors[:-1]
         self.parameters = Parameters(np.array(sectors), k / self.scale, rest, np.zeros(self.size))
+
+    def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
+        """Return the same programme with other numbers; it shares the compiled functions.
+
+        Parameters
+        ----------
+        parameters
+            Of the programme, over the same `scale`.
+        sector_angles
+            Of the whole vertex, shape [N] [rad], where they change; special relations are not made exact.
+        """
+        other = copy.copy(self)
+        for name in ("own_symmetries", "_chain"):  # they depend on the numbers
+            vars(other).pop(name, None)
+        other.parameters = parameters
+        if sector_angles is not None:
+            # unseen: a step may look beyond the angles that make a vertex before it comes back
+            other.scene, vertex = copy.copy(self.scene), copy.copy(self.scene.vertex)
+            object.__setattr__(vertex, "sector_angles", tuple(sector_angles.tolist()))
+            object.__setattr__(other.scene, "vertex", vertex)
+        return other
 
     @property
     def size(self) -> int:

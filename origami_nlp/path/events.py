@@ -1,0 +1,180 @@
+"""Events between two points of a curve of equilibria, each located in its own function.
+
+fold            ds/dl = 0 along the curve: the parameter turns back
+branching       an eigenvalue of the reduced Hessian is zero, and the parameter does not turn
+leaves          the multiplier of a held contact is zero
+closes          the opening of another contact is zero
+breaks-symmetry the smallest eigenvalue across the symmetry, in the space without it, is zero
+
+These, and `singular` (closure or contacts lose rank), are the generic ways in which a one-parameter family of
+programmes changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter back,
+a minimum meets a saddle there without any eigenvalue that tells: `nonsmooth-fold`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.kkt import State
+from origami_nlp.numerics import BESIDE, ENDS, NEAR_CONTACT, STATIONARY, TOUCHES, bracketed_roots
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates
+from origami_nlp.programme import Contact
+
+BISECTIONS = 24
+"""Of a step in which a state is refused: what then closes is looked for by Newton."""
+Value = Callable[[Equilibrium], float]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An event on a curve.
+
+    type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
+    comes there.  contact: that closes or leaves.  value: of its own function there.  located: whether value and KKT
+    residual are rounding.  why: in words, where it is not located.
+    """
+
+    type: str
+    frame: Equilibrium
+    contact: Contact | None
+    value: float
+    located: bool
+    why: str = ""
+
+
+def found_at(
+    type: str, frame: Equilibrium, value: float, contact: Contact | None = None, why: str = ""
+) -> Found:
+    """Return an event, located where its function and the KKT system vanish."""
+    located = abs(value) <= STATIONARY and frame.system.residual <= STATIONARY
+    why = why if located or why else f"its function is {value:.1e} there"
+    return Found(type, frame, contact, value, located, why)
+
+
+def _step(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
+    return float(a.tangent @ (root * (b.x - a.x)))
+
+
+def root_between(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
+) -> Equilibrium | None:
+    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength."""
+    known: dict[float, Equilibrium | None] = {}
+
+    def at(h: np.ndarray) -> np.ndarray:
+        frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
+        return np.array([np.nan if frame is None else value(frame)])
+
+    h = float(bracketed_roots(at, [0.0], [_step(a, b, curve.root)])[0])
+    return known.get(h)
+
+
+def folds_and_branchings(
+    curve: EquilibriumCurve,
+    a: Equilibrium,
+    b: Equilibrium,
+    others: Sequence[tuple[str, Value]] = (),
+) -> list[Found]:
+    """Return the events inside a step that leave the contacts as they are, in order.
+
+    others: further functions, by the type of event that a change of their sign is.
+    """
+    out: list[Found] = []
+    turns = a.ahead * b.ahead < 0
+    if turns:
+        frame = root_between(curve, a, b, lambda f: f.ahead)
+        if frame is not None:
+            out.append(found_at("fold", frame, frame.ahead))
+    crossing = range(min(a.index, b.index), max(a.index, b.index))
+    # an odd number of eigenvalues passes zero where the parameter turns: the fold's own, and pairs beside it
+    for k in crossing if not turns else crossing[1:]:
+        frame = root_between(curve, a, b, lambda f, k=k: float(f.eigenvalues[k]))  # type: ignore[misc]
+        if frame is not None:
+            out.append(found_at("branching", frame, float(frame.eigenvalues[k])))
+    for type, value in others:
+        if value(a) * value(b) < 0:
+            frame = root_between(curve, a, b, value)
+            if frame is not None:
+                out.append(found_at(type, frame, value(frame)))
+    return sorted(out, key=lambda e: _step(a, e.frame, curve.root))
+
+
+def first_contact_event(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
+) -> tuple[Equilibrium, Found | None]:
+    """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
+    leaving = _first_leaving(curve, a, b)
+    beyond = b if leaving is None else leaving.frame
+    if not beyond.programme.refuses(beyond.state) and closes(beyond):
+        if leaving is None:
+            return a, Found("refused", a, None, np.nan, False, "no event was found in a step")
+        return leaving.frame, leaving
+    return _closing(curve, a, beyond)
+
+
+def _first_leaving(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
+) -> Found | None:
+    first: tuple[float, Found] | None = None
+    for k in np.flatnonzero(b.forces < PULLS * b.system.size):
+        frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
+        if frame is None:
+            continue
+        h = _step(a, frame, curve.root)
+        if first is None or h < first[0]:
+            event = found_at(
+                "leaves", frame, float(frame.forces[k]) / frame.system.size, a.hold.contacts[k]
+            )
+            first = h, event
+    return None if first is None else first[1]
+
+
+def _closing(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
+) -> tuple[Equilibrium, Found]:
+    """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
+    low, high, good, bad = 0.0, _step(a, b, curve.root), a, b
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        frame = curve.beside(a, middle)
+        if frame is not None and is_equilibrium(frame):
+            low, good = middle, frame
+        else:
+            high = middle
+            bad = frame or bad
+        if high - low <= NEAR_CONTACT:
+            break
+    met: list[tuple[float, float, Equilibrium, Contact]] = []
+    for contact in _candidates(good, bad):
+        frame = curve.where_closed(good, contact, a.tangent)
+        if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > BESIDE:
+            continue
+        if not frame.programme.refuses(frame.state):
+            rate = _rate(curve, frame, contact)
+            met.append((_step(a, frame, curve.root), rate, frame, contact))
+    if not met:
+        why = bad.programme.refuses(bad.state) or "closure"
+        return good, Found("refused", good, None, np.nan, False, why)
+    first = min(h for h, *_ in met)
+    # of contacts that close together, the one that does so to first order knows best where
+    _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
+    opening = frame.programme.local(frame.state).openings((contact,))[0][0]
+    return frame, found_at("closes", frame, float(opening), contact)
+
+
+def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:
+    """Return how fast a contact closes along the curve."""
+    slopes, moved = opening_rates(curve, frame.x, (contact,))
+    return abs(float(slopes[0] @ frame.tangent[:-1] + moved[0] * frame.ahead))
+
+
+def _candidates(good: Equilibrium, bad: Equilibrium) -> list[Contact]:
+    """Return the contacts that may have closed: nearly closed before, or passed."""
+    near = State(good.programme, good.state, BESIDE).contacts
+    rows = [*near.base, *(c for branch in near.branches for option in branch for c in option)]
+    rows += bad.programme.beyond(bad.state, TOUCHES)
+    return [c for c in dict.fromkeys(rows) if c not in good.hold.contacts]
