@@ -20,6 +20,7 @@ from .minima import (
 )
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
+    Load as Load,
     Scene as Scene,
     Vertex as Vertex,
     examples as examples,

@@ -192,8 +192,7 @@ class Family:
 
 def _posed_as(whole: Model, model: Model) -> Model:
     """Return a model with the structure and the scale of another."""
-    p, share = model.parameters, model.scale / whole.scale
-    parameters = replace(p, stiffness=p.stiffness * share, load=p.load * share)
+    parameters = model.parameters.scaled(model.scale / whole.scale)
     return whole.varied(parameters, np.array(model.scene.vertex.sector_angles))
 
 

@@ -47,7 +47,8 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     Returns
     -------
     PassingMoment or None
-        None where the free creases lie in a plane, or fewer than three are free: there the moment is not known across.
+        None where the free creases lie in a plane, or fewer than three are free: there the moment is not known across;
+        and where forces pull at facets.
 
     Examples
     --------
@@ -58,6 +59,8 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     >>> passing_moment(scene, lowest.fold_angles).residual < 1e-12
     True
     """
+    if scene.loads:
+        return None
     phi = np.asarray(fold_angles, dtype=float)
     creases, _ = fold_vertex(scene.vertex, phi)
     stiffness = np.array(scene.stiffness)

@@ -52,6 +52,14 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
         STIFFNESS_KEY: [*scene.stiffness, *[None] * n],
         REST_KEY: [*(math.degrees(a) for a in scene.rest_angles), *[None] * n],
         **({PRELOAD_KEY: [*scene.preload, *[None] * n]} if scene.preload else {}),
+        **(
+            {
+                "origaminlp:loads": [load.to_dict() for load in scene.loads],
+                "origaminlp:heldFacet": scene.held_facet,
+            }
+            if scene.loads
+            else {}
+        ),
         "origaminlp:symmetry": scene.symmetry,
         "origaminlp:contact": scene.contact,
     }

@@ -6,6 +6,7 @@ followed in s = ln r.  Several lines can be added: two parameters, or several cr
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,6 +47,7 @@ class ParameterLine:
             a.stiffness * np.exp(s * d.stiffness),
             a.rest + s * d.rest,
             a.load + s * d.load,
+            None if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
         )
         sectors = None
         if self.sector_angles is not None and self.sector_change is not None:
@@ -57,7 +59,7 @@ class ParameterLine:
         """Return the derivative of `Parameters.vector` by s."""
         a, d = self.start, self.direction
         stiffness = a.stiffness * np.exp(s * d.stiffness) * d.stiffness
-        return np.concatenate([d.sectors, stiffness, d.rest, d.load])
+        return replace(d, stiffness=stiffness).vector
 
     def from_here(self, s: float) -> ParameterLine:
         """Return the same line with s = 0 where it is s now."""
@@ -79,6 +81,7 @@ def line_between(a: Programme, b: Programme, length: float, weight: float = 0.3)
         np.log(q.stiffness / p.stiffness) / length,
         (q.rest - p.rest) / length,
         (q.load - p.load) / length,
+        None if p.dead is None or q.dead is None else q.dead.moved(p.dead, -1.0).divided(length),
     )
     return ParameterLine(a, p, direction, weight=weight)
 
@@ -86,5 +89,6 @@ def line_between(a: Programme, b: Programme, length: float, weight: float = 0.3)
 def load_line(programme: Programme, load: np.ndarray, weight: float = 0.3) -> ParameterLine:
     """Return the line along which the load `load` [n] is multiplied by s, over `scale`, and added to what is there."""
     p = programme.parameters
-    still = Parameters(*(np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest)), load)
+    dead = None if p.dead is None else p.dead.divided(math.inf)
+    still = Parameters(*(np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest)), load, dead)
     return ParameterLine(programme, p, still, weight=weight)

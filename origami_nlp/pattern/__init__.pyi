@@ -21,6 +21,13 @@ from .fold_file import (
 )
 from .fold_scene import read_fold_scene as read_fold_scene
 from .labels import Labels as Labels, canonical_labels as canonical_labels
+from .loads import (
+    DeadLoads as DeadLoads,
+    Load as Load,
+    dead_loads as dead_loads,
+    flat_points as flat_points,
+    followed as followed,
+)
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

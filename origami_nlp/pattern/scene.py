@@ -10,10 +10,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
-from origami_nlp.errors import SceneError
+from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.files import is_unicode, printable
 from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
@@ -64,6 +65,12 @@ class Scene:
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
         A torque that no rest angle in [-pi, pi] gives: the spring is wound to `wound_angles` = phi0_i + m_i/k_i, at
         most 1,000 rad.
+    loads
+        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`.  Forces ask
+        for `held_facet`, and for states without symmetry.
+    held_facet
+        Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
+        depends on it.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -104,6 +111,8 @@ class Scene:
     name: str | None = None
     symmetry_tolerance: float = TYPED
     preload: tuple[float, ...] = ()
+    loads: tuple[Load, ...] = ()
+    held_facet: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -150,7 +159,7 @@ class Scene:
             raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
-        object.__setattr__(self, "preload", _read_preload(self.preload, stiffness, rest))
+        self._read_loads(stiffness, rest)
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
             relations = find_relations(self.vertex.sector_angles)
             object.__setattr__(self, "relations", relations)
@@ -165,10 +174,43 @@ class Scene:
                 f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
         wanted = self.symmetry, self.mirror, tolerance
-        group = find_symmetry(self.vertex, stiffness, (rest, self.wound_angles), *wanted)
+        group = self._find_symmetry(stiffness, rest, *wanted)
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
+
+    def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
+        """Read preload, loads and the facet that is held."""
+        loads = read_loads(self.loads, self.vertex.sector_angles)
+        forces = tuple(load for load in loads if load.force is not None)
+        given: object = self.preload
+        if len(forces) < len(loads):
+            total = list(_read_preload(given, stiffness, rest) or (0.0,) * len(stiffness))
+            for load in loads:
+                total[load.number - 1] += load.torque or 0.0
+            given = tuple(total)
+        object.__setattr__(self, "preload", _read_preload(given, stiffness, rest))
+        object.__setattr__(self, "loads", forces)
+        held, n = self.held_facet, len(stiffness)
+        if held is None and not forces:
+            return
+        if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= n:
+            raise SceneError(
+                f"held_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
+                "facet is held"
+            )
+
+    def _find_symmetry(
+        self, stiffness: tuple[float, ...], rest: tuple[float, ...], *wanted: Any
+    ) -> Symmetry:
+        """Find the group; forces in space, with one facet held, leave none."""
+        if self.loads and wanted[0] not in ("auto", "none"):
+            raise SymmetryError(
+                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.held_facet} held: "
+                "use none or auto"
+            )
+        wanted = ("none", *wanted[1:]) if self.loads else wanted
+        return find_symmetry(self.vertex, stiffness, (rest, self.wound_angles), *wanted)
 
     def _make_symmetric(self, *wanted: Any) -> None:
         """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
@@ -199,7 +241,7 @@ class Scene:
         object.__setattr__(self, "stiffness", k)
         object.__setattr__(self, "rest_angles", rest)
         object.__setattr__(self, "preload", preload)
-        group = find_symmetry(vertex, k, (rest, self.wound_angles), *wanted)
+        group = self._find_symmetry(k, rest, *wanted)
         object.__setattr__(self, "group", group)
 
     @property
@@ -220,23 +262,50 @@ class Scene:
         """Number of creases N."""
         return self.vertex.degree
 
+    def check_no_forces(self, what: str) -> None:
+        """Complain where forces pull in space, which `what` does not know.
+
+        Parameters
+        ----------
+        what
+            Of the scene, in words.
+
+        Raises
+        ------
+        OptionError
+            If the scene has such loads.
+        """
+        if self.loads:
+            raise OptionError(
+                f"{what}: not decided for scenes with dead loads ({self.loads[0].words}); torques on creases, "
+                "as preload, are known there"
+            )
+
     @property
     def load_lines(self) -> list[str]:
         """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
-        if not self.preload:
-            return []
-        wound = zip(self.preload, self.wound_angles, strict=True)
-        at = [f"crease {i} {m:g} N m ({w:.6g} rad)" for i, (m, w) in enumerate(wound, 1) if m]
-        return [
-            "preload (and the angle to which it winds the spring): " + ", ".join(at),
-            "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
-        ]
+        lines = []
+        if self.preload:
+            wound = enumerate(zip(self.preload, self.wound_angles, strict=True), start=1)
+            at = [f"crease {i} {m:g} N m ({w:.6g} rad)" for i, (m, w) in wound if m]
+            lines = [
+                "preload (and the angle to which it winds the spring): " + ", ".join(at),
+                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
+            ]
+        if self.loads:
+            lines += [load.words for load in self.loads]
+            lines.append(
+                f"facet {self.held_facet} is held: x along crease {self.held_facet}, z its normal (creases run "
+                "counter-clockwise seen from there); energies are U - sum force . position"
+            )
+        return lines
 
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy), phi0 the `wound_angles`.
+        """Energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy), phi0 the `wound_angles`, less the work of loads.
 
         With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
-        wind the springs counts, so that the energy is never negative.
+        wind the springs counts, so that the elastic energy is never negative.  Forces f at points p add -sum f . p,
+        p in the frame of the held facet.
 
         Parameters
         ----------
@@ -256,6 +325,8 @@ class Scene:
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
+        if (dead := dead_loads(self.loads, self.held_facet)) is not None:
+            energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
 
     def __repr__(self) -> str:
@@ -266,6 +337,9 @@ class Scene:
         return (
             f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
+            + "".join(
+                f"\n  load: {load.words}, facet {self.held_facet} held," for load in self.loads
+            )
             + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 

@@ -189,9 +189,7 @@ class Model(Posed):
         if name == "hessian":
             weight, lam, _ = more
             h = chain.closure_hessian(at, np.broadcast_to(lam, (k, 3)))
-            i = np.arange(n)
-            h[:, i, i] += np.reshape(weight, (-1, 1)) * self.parameters.stiffness
-            return [h]
+            return [h + np.reshape(weight, (-1, 1, 1)) * self.parameters.hessian(x)]
         value, jacobian = chain.closure(at)
         if name == "closure":
             return [value[..., None], jacobian]

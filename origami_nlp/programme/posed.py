@@ -13,7 +13,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.numerics import SUMMED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Structure
 from origami_nlp.programme.contact import Contact, gap_weights
@@ -54,6 +54,9 @@ class Posed:
             gaps=gaps,
             pairs=pairs,
             flat_sheet=scene.vertex.flat,
+            dead=()
+            if (dead := dead_loads(scene.loads, scene.held_facet)) is None
+            else (dead.held, *dead.facets),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}
@@ -66,7 +69,8 @@ class Posed:
         sectors = [ray.sector for ray in group.rays]
         if group.kind == "D":
             sectors = sectors[:-1]
-        self.parameters = Parameters(np.array(sectors), k / self.scale, rest, np.zeros(self.size))
+        springs = Parameters(np.array(sectors), k, rest, np.zeros(self.size), dead)
+        self.parameters = springs.scaled(1 / self.scale)
 
     def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
         """Return the same programme with other numbers; it shares the compiled functions.
@@ -141,12 +145,12 @@ class Posed:
         """Maps x -> sign x[order] [n] that the springs and sectors have without being imposed, the identity first.
 
         Turned about the vertex, reflected in a plane across the sheet, or reflected in the sheet (which changes the
-        sign of every fold).  Only the identity where a symmetry is imposed already.
+        sign of every fold).  Only the identity where a symmetry is imposed already, or forces pull in space.
         """
         n, i = self.size, np.arange(self.size)
         p = self.parameters
         found = [(i, 1)]
-        if not self.scene.group.is_trivial:
+        if not self.scene.group.is_trivial or p.dead is not None:
             return tuple(found)
         a = p.sectors
         for shift, mirrored, sign in itertools.product(range(n), (False, True), (1, -1)):
