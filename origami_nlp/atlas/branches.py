@@ -77,7 +77,9 @@ def branches_of(
     shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
     shown.sort(key=lambda k: web.nodes[k].s)
     ids = {k: i for i, k in enumerate(shown, start=1)}
-    events = tuple(_event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown)
+    events = tuple(
+        _event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown
+    )
     branches = tuple(
         _branch(web, over, number, chain, parts, across, ids)
         for number, chain in enumerate(chains, start=1)
@@ -149,7 +151,11 @@ def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
     if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
         if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
             whole = KindRange(
-                (old.t[0], new.t[1]), old.kind, old.index, old.certificate, (old.points[0], new.points[1])
+                (old.t[0], new.t[1]),
+                old.kind,
+                old.index,
+                old.certificate,
+                (old.points[0], new.points[1]),
             )
             return [*ranges[:-1], whole]
     return [*ranges, new]
@@ -161,9 +167,7 @@ def _end(web: Web, node: int, ids: dict[int, int]) -> BranchEnd:
     return BranchEnd(why, ids.get(node))
 
 
-def point_of(
-    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float]
-) -> PathPoint:
+def point_of(frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float]) -> PathPoint:
     """Return a state of a branch in the scene's units."""
     p = frame.programme
     forces = []
@@ -173,7 +177,9 @@ def point_of(
             unit = p.scale / p.weight(contact)
             low, high = _spread(state, contact, value)
             forces.append(
-                Multiplier(p.words(contact, frame.state).text, value * unit, (low * unit, high * unit))
+                Multiplier(
+                    p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
+                )
             )
     eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
     return PathPoint(

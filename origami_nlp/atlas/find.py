@@ -167,6 +167,7 @@ class _Survey:
         begin = time.perf_counter()
         scene = self.family.scene(t)
         result = find_minima(scene, prove=False, **self._search)  # type: ignore[arg-type]
+        morse = self._identity(scene, result) if self._morse else ""
         seconds = time.perf_counter() - begin
         self._begin += seconds
         model = Model(scene)
@@ -176,7 +177,9 @@ class _Survey:
             x = model.reduce(np.array(minimum.fold_angles))
             if _nearest(self._minima(s), x) > SETTLED:
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
-                    self.alarms.append(f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles")
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
+                    )
                     continue
                 new += self.web.add(x, s, "minimum")
             met.append(x)
@@ -189,7 +192,6 @@ class _Survey:
                     self.alarms.append(
                         f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
                     )
-        morse = self._identity(scene, result) if self._morse else ""
         self.checks.append(
             Check(
                 t,

@@ -96,7 +96,9 @@ def states_at(atlas: Atlas, value: float) -> tuple[StateAt, ...]:
                     what.kind,
                     what.reason,
                     what.contacts,
-                    model.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan,
+                    model.scale * float(frame.eigenvalues[0])
+                    if len(frame.eigenvalues)
+                    else math.nan,
                     frame.system.residual,
                     state.residual,
                     _stays(atlas, branch, value) if what.verdict == "minimum" else None,

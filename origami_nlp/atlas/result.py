@@ -10,8 +10,8 @@ from typing import Any
 
 from origami_nlp.atlas.family import Family, Over
 from origami_nlp.kkt import ContactForce, Kind
-from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.path import Web
+from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 
 SCHEMA = "origami-nlp/atlas/1"
@@ -397,7 +397,9 @@ class Atlas(Told):
             (str(e.id), e.type, self._shown(e.t, 12), e.contact or "-", self._angles(e.fold_angles))
             for e in self.events
         ]
-        yield Table(("event", "type", self.over.name, "contact", "fold angles [deg]"), rows, columns="rllLL")
+        yield Table(
+            ("event", "type", self.over.name, "contact", "fold angles [deg]"), rows, columns="rllLL"
+        )
         for b in self.branches:
             parts = "; ".join(
                 f"{r.kind} {self._shown(r.t[0])} to {self._shown(r.t[1])}" for r in b.kind_ranges

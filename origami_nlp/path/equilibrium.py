@@ -198,7 +198,7 @@ class EquilibriumCurve:
             length = float(np.linalg.norm(self.root * step))
             if length > LONGEST:
                 return None
-            if length <= SETTLED and length >= 0.5 * before or length <= ROUNDED:
+            if (length <= SETTLED and length >= 0.5 * before) or length <= ROUNDED:
                 # steps no longer shrink: this is rounding
                 return (point, system) if system.residual <= STATIONARY else None
             before, point = length, point + step

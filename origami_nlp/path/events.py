@@ -116,9 +116,7 @@ def first_contact_event(
     return _closing(curve, a, beyond)
 
 
-def _first_leaving(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> Found | None:
+def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
     first: tuple[float, Found] | None = None
     for k in np.flatnonzero(b.forces < PULLS * b.system.size):
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
@@ -133,9 +131,7 @@ def _first_leaving(
     return None if first is None else first[1]
 
 
-def _closing(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, Found]:
+def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, _step(a, b, curve.root), a, b
     for _ in range(BISECTIONS):

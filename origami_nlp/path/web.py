@@ -157,12 +157,17 @@ class Web:
         node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
         self.nodes.append(node)
         ends = {1.0: self.high, -1.0: self.low}
-        inside = [k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))]
+        inside = [
+            k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
+        ]
         if len(inside) < len(node.halves):
             node.type = RANGE
         node.used += [k for k in range(len(node.halves)) if k not in inside]
         if not inside:
-            node.type, node.why = "singular", "no equilibrium goes on from there: a state of this value alone"
+            node.type, node.why = (
+                "singular",
+                "no equilibrium goes on from there: a state of this value alone",
+            )
         todo = [(len(self.nodes) - 1, k) for k in inside]
         while todo and len(self.arcs) - before < MOST_ARCS:
             number, k = todo.pop()
@@ -272,12 +277,17 @@ class Web:
         came = [
             k
             for k, h in enumerate(node.halves)
-            if h.is_like(back.frame) and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
+            if h.is_like(back.frame)
+            and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
         ]
         node.used += came
         onward = [k for k in range(len(node.halves)) if k not in came]
         ahead = [node.halves[k].frame.ahead for k in onward]
-        same = [k for k in onward if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)]
+        same = [
+            k
+            for k in onward
+            if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
+        ]
         if len(onward) == 1 and same and stop.type == "leaves":
             node.type = "corner"  # another contact of a dependent set takes over
         elif not onward:

@@ -85,7 +85,9 @@ class Functions:
         step = ca.SX.sym("dp", p.shape[0])
         lagrangian = self.energy - ca.dot(lam, g) - ca.dot(mu, gaps)
         moved = [ca.jtimes(v, p, step) for v in (ca.gradient(lagrangian, x), g, gaps)]
-        return evaluator(ca.Function("drift", [x, p, lam, mu, step], [ca.densify(v) for v in moved]))
+        return evaluator(
+            ca.Function("drift", [x, p, lam, mu, step], [ca.densify(v) for v in moved])
+        )
 
 
 @lru_cache(maxsize=64)
