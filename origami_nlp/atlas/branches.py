@@ -131,7 +131,8 @@ def _branch(
         frames = arc.frames if forward else arc.frames[::-1]
         last = len(frames) - 1
         begin = len(points) - bool(points)  # arcs share the point at which they meet
-        points += [point_of(f, over, across) for f in frames[bool(points) :]]
+        unique = _unique(arc.frames[last // 2])
+        points += [point_of(f, over, across, unique) for f in frames[bool(points) :]]
         for part in parts[k] if forward else reversed(parts[k]):
             a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
             t = over.t_of(frames[a].s), over.t_of(frames[b].s)
@@ -167,15 +168,17 @@ def _end(web: Web, node: int, ids: dict[int, int]) -> BranchEnd:
     return BranchEnd(why, ids.get(node))
 
 
-def point_of(frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float]) -> PathPoint:
-    """Return a state of a branch in the scene's units."""
+def point_of(
+    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float], unique: bool
+) -> PathPoint:
+    """Return a state of a branch in the scene's units; unique: whether its multipliers are."""
     p = frame.programme
     forces = []
     if frame.hold.contacts:
         state = State(p, frame.state)
         for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
             unit = p.scale / p.weight(contact)
-            low, high = _spread(state, contact, value)
+            low, high = (value, value) if unique else _spread(state, contact, value)
             forces.append(
                 Multiplier(
                     p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
@@ -190,6 +193,14 @@ def point_of(frame: Equilibrium, over: Over, across: Callable[[Equilibrium], flo
         eigenvalue,
         across(frame),
     )
+
+
+def _unique(frame: Equilibrium) -> bool:
+    """Tell whether the contacts that are closed at a state determine their multipliers."""
+    if not frame.hold.contacts:
+        return True
+    state = State(frame.programme, frame.state)
+    return all(state.on(piece).multiplier_set.unique for piece in state.pieces)
 
 
 def _spread(state: State, contact: object, value: float) -> tuple[float, float]:

@@ -258,18 +258,12 @@ def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
 
 def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
     sectors = np.array(scene.vertex.sector_angles)
-    for change, start in FAMILIES.values():
-        if len(change) == len(sectors):
-            if np.abs(np.array(start) + sectors[0] * np.array(change) - sectors).max() <= RESOLVED:
-
-                def at(
-                    alpha: float,
-                    change: np.ndarray = np.array(change),
-                    start: np.ndarray = np.array(start),
-                ) -> Scene:
-                    return replace(scene, vertex=Vertex(tuple((start + alpha * change).tolist())))
-
-                return at
+    for slope, start in FAMILIES.values():
+        if len(slope) != len(sectors):
+            continue
+        change, origin = np.array(slope), np.array(start)
+        if np.abs(origin + sectors[0] * change - sectors).max() <= RESOLVED:
+            return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * change).tolist())))
     raise OptionError(
         "over = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
     )

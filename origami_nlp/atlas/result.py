@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator
@@ -281,7 +282,7 @@ class StateAt:
     Attributes
     ----------
     branch
-        Its number.
+        Its number; 0 for a state of this value alone.
     fold_angles
         All N [rad].
     energy
@@ -346,7 +347,7 @@ class Atlas(Told):
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
         cuts = sorted({self.over.low, self.over.high, *(t for r in ranges for t in r.t)})
         out: list[Interval] = []
-        for a, b in zip(cuts, cuts[1:], strict=False):
+        for a, b in itertools.pairwise(cuts):
             middle = 0.5 * (a + b)
             kinds = Counter(r.kind for r in ranges if r.low < middle < r.high)
             found = Interval((a, b), sum(kinds.values()), dict(sorted(kinds.items())))

@@ -73,6 +73,11 @@ class System:
         balance = float(np.abs(self.imbalance).max(initial=0.0)) / self.size
         return max(balance, float(np.abs(self.values).max(initial=0.0)))
 
+    @property
+    def least(self) -> float:
+        """Smallest singular value of closure and contacts."""
+        return float(np.linalg.svd(self.jacobian, compute_uv=False).min(initial=1.0))
+
     @cached_property
     def matrix(self) -> np.ndarray:
         """Derivative of the system by (y, nu, w s), shape [n + k, n + k + 1]."""

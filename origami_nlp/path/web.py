@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.numerics import RANK, SETTLED, STATIONARY
+from origami_nlp.numerics import RANK, ROUNDED, SETTLED, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
 from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
 from origami_nlp.path.halves import Half, half_branches, is_equilibrium, judged, turned
@@ -146,6 +146,15 @@ class Web:
         found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
         return [(k, frame) for k, frame in found if frame is not None]
 
+    def alone_at(self, s: float) -> list[Equilibrium]:
+        """Return the states that were given at s and from which no equilibrium goes on."""
+        ended = {k for arc in self.arcs for k in (arc.start, arc.end)}
+        return [
+            node.halves[0].frame
+            for k, node in enumerate(self.nodes)
+            if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
+        ]
+
     def add(self, x: np.ndarray, s: float, verdict: str = "") -> bool:
         """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
         none.
@@ -220,7 +229,9 @@ class Web:
             stop.append(event)
             return frame
 
-        frames, _, why = trace_ahead(curve, half.frame, self.steps, [End(before, EVENT, meet)])
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+        frames, _, why = trace_ahead(curve, half.frame, steps, [End(before, EVENT, meet)])
         if stop:
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
