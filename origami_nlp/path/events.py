@@ -86,18 +86,21 @@ def _towards(
     low, high = 0.0, _step(a, b, curve.root)
     first, last = value(a), value(b)
     best: Equilibrium | None = None
+    share = (
+        1.0  # of the way to where the line through both values is zero: Newton may fail just there
+    )
     for _ in range(BISECTIONS):
-        h = low - first * (high - low) / (last - first)
-        frame = curve.beside(a, h)
+        frame = curve.beside(a, low - share * first * (high - low) / (last - first))
         if frame is None:
-            break
-        best, v = frame, value(frame)
+            share *= 0.9
+            continue
+        v = value(frame)
+        if (v > 0) != (first > 0):
+            high, last = _step(a, frame, curve.root), v
+            continue
+        low, first, best = _step(a, frame, curve.root), v, frame
         if abs(v) <= within:
             break
-        if (v > 0) == (first > 0):
-            low, first = h, v
-        else:
-            high, last = h, v
     return best
 
 
