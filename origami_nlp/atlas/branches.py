@@ -77,7 +77,9 @@ def branches_of(
     shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
     shown.sort(key=lambda k: web.nodes[k].s)
     ids = {k: i for i, k in enumerate(shown, start=1)}
-    events = tuple(_event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown)
+    events = tuple(
+        _event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown
+    )
     branches = tuple(
         _branch(web, over, number, chain, parts, across, ids)
         for number, chain in enumerate(chains, start=1)
@@ -129,7 +131,8 @@ def _branch(
         frames = arc.frames if forward else arc.frames[::-1]
         last = len(frames) - 1
         begin = len(points) - bool(points)  # arcs share the point at which they meet
-        points += [point_of(f, over, across) for f in frames[bool(points) :]]
+        unique = _unique(arc.frames[last // 2])
+        points += [point_of(f, over, across, unique) for f in frames[bool(points) :]]
         for part in parts[k] if forward else reversed(parts[k]):
             a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
             t = over.t_of(frames[a].s), over.t_of(frames[b].s)
@@ -149,7 +152,11 @@ def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
     if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
         if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
             whole = KindRange(
-                (old.t[0], new.t[1]), old.kind, old.index, old.certificate, (old.points[0], new.points[1])
+                (old.t[0], new.t[1]),
+                old.kind,
+                old.index,
+                old.certificate,
+                (old.points[0], new.points[1]),
             )
             return [*ranges[:-1], whole]
     return [*ranges, new]
@@ -162,18 +169,20 @@ def _end(web: Web, node: int, ids: dict[int, int]) -> BranchEnd:
 
 
 def point_of(
-    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float]
+    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float], unique: bool
 ) -> PathPoint:
-    """Return a state of a branch in the scene's units."""
+    """Return a state of a branch in the scene's units; unique: whether its multipliers are."""
     p = frame.programme
     forces = []
     if frame.hold.contacts:
         state = State(p, frame.state)
         for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
             unit = p.scale / p.weight(contact)
-            low, high = _spread(state, contact, value)
+            low, high = (value, value) if unique else _spread(state, contact, value)
             forces.append(
-                Multiplier(p.words(contact, frame.state).text, value * unit, (low * unit, high * unit))
+                Multiplier(
+                    p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
+                )
             )
     eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
     return PathPoint(
@@ -184,6 +193,14 @@ def point_of(
         eigenvalue,
         across(frame),
     )
+
+
+def _unique(frame: Equilibrium) -> bool:
+    """Tell whether the contacts that are closed at a state determine their multipliers."""
+    if not frame.hold.contacts:
+        return True
+    state = State(frame.programme, frame.state)
+    return all(state.on(piece).multiplier_set.unique for piece in state.pieces)
 
 
 def _spread(state: State, contact: object, value: float) -> tuple[float, float]:

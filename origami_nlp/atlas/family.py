@@ -176,7 +176,9 @@ class Family:
     def _check(self, posed: list[Model], where: np.ndarray) -> None:
         """Complain where the numbers of scenes are not linear in s."""
         numbers = [
-            np.concatenate([m.parameters.sectors, np.log(m.parameters.stiffness), m.parameters.rest])
+            np.concatenate(
+                [m.parameters.sectors, np.log(m.parameters.stiffness), m.parameters.rest]
+            )
             for m in posed
         ]
         change = np.diff(numbers, axis=0)
@@ -246,25 +248,21 @@ def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
     side = np.where(mountain, 0.5, -0.5)
 
     def at(ratio: float) -> Scene:
-        return replace(scene, stiffness=tuple((k * np.exp(side * (math.log(ratio) - now))).tolist()))
+        return replace(
+            scene, stiffness=tuple((k * np.exp(side * (math.log(ratio) - now))).tolist())
+        )
 
     return at
 
 
 def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
     sectors = np.array(scene.vertex.sector_angles)
-    for change, start in FAMILIES.values():
-        if len(change) == len(sectors):
-            if np.abs(np.array(start) + sectors[0] * np.array(change) - sectors).max() <= RESOLVED:
-
-                def at(
-                    alpha: float,
-                    change: np.ndarray = np.array(change),
-                    start: np.ndarray = np.array(start),
-                ) -> Scene:
-                    return replace(scene, vertex=Vertex(tuple((start + alpha * change).tolist())))
-
-                return at
+    for slope, start in FAMILIES.values():
+        if len(slope) != len(sectors):
+            continue
+        change, origin = np.array(slope), np.array(start)
+        if np.abs(origin + sectors[0] * change - sectors).max() <= RESOLVED:
+            return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * change).tolist())))
     raise OptionError(
         "over = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
     )
@@ -274,7 +272,10 @@ def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
     """Return the creases, or facets, that a symmetry of the scene makes of one."""
     n = scene.degree
     return sorted(
-        {((s - entry - facet) if mirrored else entry + s) % n for s, mirrored in scene.group.elements}
+        {
+            ((s - entry - facet) if mirrored else entry + s) % n
+            for s, mirrored in scene.group.elements
+        }
     )
 
 
@@ -287,7 +288,9 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
             if what.startswith("vertex"):
                 others = [i for i in range(len(sectors)) if i not in images]
                 if scene.vertex.flat and not others:
-                    raise OptionError(f"{what}[{entry + 1}]: its images are all facets of the sheet")
+                    raise OptionError(
+                        f"{what}[{entry + 1}]: its images are all facets of the sheet"
+                    )
                 if scene.vertex.flat:  # the others give way alike
                     sectors[others] -= len(images) * (t - sectors[entry]) / len(others)
                 sectors[images] = t

@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
 from origami_nlp.atlas.family import Family, Over, family_of, parse_over
-from origami_nlp.atlas.judging import breaking_eigenvalue, parts_of
+from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.atlas.result import Atlas, Check, Cost
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
@@ -138,6 +138,7 @@ class _Survey:
         low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
         self._scene = family.scene(self.over.low)
         self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
+        self._touching: Touching = {}
         symmetric = not self._scene.group.is_trivial
         functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
         more = {} if steps is None else {"steps": steps}
@@ -159,7 +160,9 @@ class _Survey:
         if self._full_line is None:
             return float("nan")
         if frame not in self._across:
-            self._across[frame] = breaking_eigenvalue(frame, self._full_line, self._scene)
+            self._across[frame] = breaking_eigenvalue(
+                frame, self._full_line, self._scene, self._touching
+            )
         return self._across[frame]
 
     def check(self, t: float) -> None:
@@ -167,6 +170,7 @@ class _Survey:
         begin = time.perf_counter()
         scene = self.family.scene(t)
         result = find_minima(scene, prove=False, **self._search)  # type: ignore[arg-type]
+        morse = self._identity(scene, result) if self._morse else ""
         seconds = time.perf_counter() - begin
         self._begin += seconds
         model = Model(scene)
@@ -176,7 +180,9 @@ class _Survey:
             x = model.reduce(np.array(minimum.fold_angles))
             if _nearest(self._minima(s), x) > SETTLED:
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
-                    self.alarms.append(f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles")
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
+                    )
                     continue
                 new += self.web.add(x, s, "minimum")
             met.append(x)
@@ -189,7 +195,6 @@ class _Survey:
                     self.alarms.append(
                         f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
                     )
-        morse = self._identity(scene, result) if self._morse else ""
         self.checks.append(
             Check(
                 t,
@@ -207,7 +212,7 @@ class _Survey:
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
         out: list[Equilibrium] = []
-        for _, frame in self.web.states_at(s):
+        for frame in (*(f for _, f in self.web.states_at(s)), *self.web.alone_at(s)):
             if not frame.index and _nearest(out, frame.state) > SETTLED:
                 out.append(frame)
         return out

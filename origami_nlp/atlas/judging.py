@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,16 +11,19 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import hessian_spectra
-from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Arc, Equilibrium, ParameterLine
+from origami_nlp.numerics import SETTLED, TOUCHES
+from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.programme import Contact, Model
 
 if TYPE_CHECKING:
     from origami_nlp.atlas.result import Atlas, StateAt
 
 BISECTIONS = 40
 """Of a part of an arc on which the verdict changes."""
+
+
+Touching = dict[Hold, tuple[Contact, ...]]
 
 
 class Part(NamedTuple):
@@ -39,7 +43,7 @@ def parts_of(arc: Arc) -> list[Part]:
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
     known = {k: _judged(arc.frames[k]) for k in inner}
     cuts = [0]
-    for a, b in zip(inner, inner[1:], strict=False):
+    for a, b in itertools.pairwise(inner):
         if known[a][0] == known[b][0]:
             continue
         low, high = a, b
@@ -60,10 +64,17 @@ def _judged(frame: Equilibrium) -> tuple[str, str]:
     return (what.kind or what.verdict, what.reason)
 
 
-def breaking_eigenvalue(frame: Equilibrium, line: ParameterLine, scene: Scene) -> float:
-    """Return the smallest eigenvalue across the symmetry, in the space without it; nan where it has none."""
+def breaking_eigenvalue(
+    frame: Equilibrium, line: ParameterLine, scene: Scene, touching: Touching
+) -> float:
+    """Return the smallest eigenvalue across the symmetry, in the space without it; nan where it has none.
+
+    touching: what closes in that space where contacts are held, as far as it is known.
+    """
     full = State(line.at(frame.s), frame.programme.expand(frame.state))
-    contacts = None if frame.hold.contacts else ()
+    contacts = touching.get(frame.hold, () if not frame.hold.contacts else None)
+    if contacts is None or np.abs(full.local.openings(contacts)[0]).max(initial=0.0) > TOUCHES:
+        contacts = touching[frame.hold] = full.pieces[0]
     return min(hessian_spectra(full, scene, contacts)[1], default=math.nan)
 
 
@@ -79,12 +90,13 @@ def states_at(atlas: Atlas, value: float) -> tuple[StateAt, ...]:
     scene = atlas.family.scene(value)
     model = Model(scene)
     out: list[tuple[np.ndarray, StateAt]] = []
-    for number, frame in web.states_at(over.s_of(value)):
+    s = over.s_of(value)
+    for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
         if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
             continue  # two arcs that meet there
         state = State(model, frame.state)
         what = classify(state)
-        branch = atlas.branch_of_arc[number]
+        branch = atlas.branch_of_arc.get(number, 0)
         out.append(
             (
                 frame.state,
@@ -96,7 +108,9 @@ def states_at(atlas: Atlas, value: float) -> tuple[StateAt, ...]:
                     what.kind,
                     what.reason,
                     what.contacts,
-                    model.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan,
+                    model.scale * float(frame.eigenvalues[0])
+                    if len(frame.eigenvalues)
+                    else math.nan,
                     frame.system.residual,
                     state.residual,
                     _stays(atlas, branch, value) if what.verdict == "minimum" else None,
@@ -108,6 +122,8 @@ def states_at(atlas: Atlas, value: float) -> tuple[StateAt, ...]:
 
 def _stays(atlas: Atlas, branch: int, value: float) -> tuple[float, float] | None:
     """Return the range over which a minimum of a branch can be followed from a value without losing stability."""
+    if not branch:
+        return value, value
     parts = atlas.branches[branch - 1].kind_ranges
     here = [k for k, r in enumerate(parts) if r.stable and r.low <= value <= r.high]
     if not here:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator
@@ -10,8 +11,8 @@ from typing import Any
 
 from origami_nlp.atlas.family import Family, Over
 from origami_nlp.kkt import ContactForce, Kind
-from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.path import Web
+from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 
 SCHEMA = "origami-nlp/atlas/1"
@@ -281,7 +282,7 @@ class StateAt:
     Attributes
     ----------
     branch
-        Its number.
+        Its number; 0 for a state of this value alone.
     fold_angles
         All N [rad].
     energy
@@ -346,7 +347,7 @@ class Atlas(Told):
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
         cuts = sorted({self.over.low, self.over.high, *(t for r in ranges for t in r.t)})
         out: list[Interval] = []
-        for a, b in zip(cuts, cuts[1:], strict=False):
+        for a, b in itertools.pairwise(cuts):
             middle = 0.5 * (a + b)
             kinds = Counter(r.kind for r in ranges if r.low < middle < r.high)
             found = Interval((a, b), sum(kinds.values()), dict(sorted(kinds.items())))
@@ -397,7 +398,9 @@ class Atlas(Told):
             (str(e.id), e.type, self._shown(e.t, 12), e.contact or "-", self._angles(e.fold_angles))
             for e in self.events
         ]
-        yield Table(("event", "type", self.over.name, "contact", "fold angles [deg]"), rows, columns="rllLL")
+        yield Table(
+            ("event", "type", self.over.name, "contact", "fold angles [deg]"), rows, columns="rllLL"
+        )
         for b in self.branches:
             parts = "; ".join(
                 f"{r.kind} {self._shown(r.t[0])} to {self._shown(r.t[1])}" for r in b.kind_ranges

@@ -14,6 +14,7 @@ from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
 from origami_nlp.cli.example import example
+from origami_nlp.cli.follow import follow
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
@@ -29,6 +30,7 @@ from origami_nlp.files import printable
 
 app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
 app.add(minima, check_proof, contacts, modes, barriers, critical, space, landscape, transitions)
+app.add(follow)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
 app.add(sweep)

@@ -16,7 +16,13 @@ from .find import (
     check_options as check_options,
     find_minima as find_minima,
 )
-from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
+from .fold_out import (
+    check_mesh as check_mesh,
+    fold_data as fold_data,
+    folded_frame as folded_frame,
+    write_fold as write_fold,
+    write_mesh as write_mesh,
+)
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,

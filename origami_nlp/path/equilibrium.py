@@ -10,12 +10,12 @@ follow from the state where closure and contacts are independent.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, CURVED, DEPENDENT, ROUNDED, SETTLED, STATIONARY, null_space
+from origami_nlp.numerics import CURVED, DEPENDENT, ROUNDED, SAME, SETTLED, STATIONARY, null_space
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.programme import Contact, Programme
 
@@ -72,6 +72,11 @@ class System:
         """Largest entry of the KKT system, torques relative to the largest."""
         balance = float(np.abs(self.imbalance).max(initial=0.0)) / self.size
         return max(balance, float(np.abs(self.values).max(initial=0.0)))
+
+    @property
+    def least(self) -> float:
+        """Smallest singular value of closure and contacts."""
+        return float(np.linalg.svd(self.jacobian, compute_uv=False).min(initial=1.0))
 
     @cached_property
     def matrix(self) -> np.ndarray:
@@ -171,11 +176,15 @@ Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumCurve:
-    """Equilibria over a line of parameters with contacts held; see `tracer.Curve`."""
+    """Equilibria over a line of parameters with contacts held; see `tracer.Curve`.
+
+    known: the last point that Newton reached, with its system.
+    """
 
     line: ParameterLine
     hold: Hold
     tally: Tally
+    known: list[tuple[np.ndarray, System]] = field(default_factory=list)
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -189,7 +198,6 @@ class EquilibriumCurve:
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
-        before = np.inf
         for _ in range(NEWTON):
             system = self.system(point)
             step = system.step(*row(point, system))
@@ -198,13 +206,16 @@ class EquilibriumCurve:
             length = float(np.linalg.norm(self.root * step))
             if length > LONGEST:
                 return None
-            if length <= SETTLED and length >= 0.5 * before or length <= ROUNDED:
-                # steps no longer shrink: this is rounding
-                return (point, system) if system.residual <= STATIONARY else None
-            before, point = length, point + step
-        system = self.system(point)
-        good = system.residual <= STATIONARY and before <= CLOSES**0.5
-        return (point, system) if good else None
+            if length <= ROUNDED:
+                break
+            point = point + step
+            if length <= SAME:  # its square is rounding
+                system = self.system(point)
+                break
+        else:
+            return None
+        self.known[:] = [(point, system)]
+        return (point, system) if system.residual <= STATIONARY else None
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move (x, s) [n + 1] onto the curve by steps across it."""
@@ -219,7 +230,8 @@ class EquilibriumCurve:
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:
         """Return the point (x, s) with its tangent on the side of `along` [n + 1]; None where it has none."""
-        return self.frame_of(x, self.system(x), along)
+        known = [system for point, system in self.known if point is x]
+        return self.frame_of(x, known[0] if known else self.system(x), along)
 
     def frame_of(self, x: np.ndarray, system: System, along: np.ndarray) -> Equilibrium | None:
         """Return the frame of a point whose system is known."""

@@ -26,6 +26,8 @@ from origami_nlp.programme import Contact
 
 BISECTIONS = 24
 """Of a step in which a state is refused: what then closes is looked for by Newton."""
+POLE = 1e-4
+"""An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
 
 
@@ -60,10 +62,15 @@ def _step(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
 
 
 def root_between(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value, within: float = 0.0
 ) -> Equilibrium | None:
-    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength."""
+    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength.
+
+    within: stop where the function is no larger; the nearest point reached where the curve cannot be followed further.
+    """
     known: dict[float, Equilibrium | None] = {}
+    if within:
+        return _towards(curve, a, b, value, within)
 
     def at(h: np.ndarray) -> np.ndarray:
         frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
@@ -71,6 +78,30 @@ def root_between(
 
     h = float(bracketed_roots(at, [0.0], [_step(a, b, curve.root)])[0])
     return known.get(h)
+
+
+def _towards(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value, within: float
+) -> Equilibrium | None:
+    low, high = 0.0, _step(a, b, curve.root)
+    first, last = value(a), value(b)
+    best: Equilibrium | None = None
+    share = (
+        1.0  # of the way to where the line through both values is zero: Newton may fail just there
+    )
+    for _ in range(BISECTIONS):
+        frame = curve.beside(a, low - share * first * (high - low) / (last - first))
+        if frame is None:
+            share *= 0.9
+            continue
+        v = value(frame)
+        if (v > 0) != (first > 0):
+            high, last = _step(a, frame, curve.root), v
+            continue
+        low, first, best = _step(a, frame, curve.root), v, frame
+        if abs(v) <= within:
+            break
+    return best
 
 
 def folds_and_branchings(
@@ -92,15 +123,31 @@ def folds_and_branchings(
     crossing = range(min(a.index, b.index), max(a.index, b.index))
     # an odd number of eigenvalues passes zero where the parameter turns: the fold's own, and pairs beside it
     for k in crossing if not turns else crossing[1:]:
-        frame = root_between(curve, a, b, lambda f, k=k: float(f.eigenvalues[k]))  # type: ignore[misc]
-        if frame is not None:
-            out.append(found_at("branching", frame, float(frame.eigenvalues[k])))
+        out += _eigenvalue_passes(curve, a, b, k)
     for type, value in others:
         if value(a) * value(b) < 0:
             frame = root_between(curve, a, b, value)
             if frame is not None:
                 out.append(found_at(type, frame, value(frame)))
     return sorted(out, key=lambda e: _step(a, e.frame, curve.root))
+
+
+def _eigenvalue_passes(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int
+) -> list[Found]:
+    """Return the event at which eigenvalue k of the reduced Hessian changes sign: through zero, or through infinity."""
+    frame = root_between(curve, a, b, lambda f: float(f.eigenvalues[k]))
+    if frame is not None and abs(frame.eigenvalues[k]) <= STATIONARY:
+        return [found_at("branching", frame, float(frame.eigenvalues[k]))]
+    stiff = lambda f: f.eigenvalues[-1] if f.index == min(a.index, b.index) else f.eigenvalues[0]  # noqa: E731
+    frame = root_between(curve, a, b, lambda f: 1.0 / float(stiff(f)), POLE)
+    if frame is None:
+        frame = min(a, b, key=lambda f: abs(1.0 / float(stiff(f))))
+    why = (
+        f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
+        "multipliers grow without bound: the equilibria on both sides are followed, each by itself"
+    )
+    return [Found("singular", frame, None, frame.system.least, False, why)]
 
 
 def first_contact_event(
@@ -116,9 +163,7 @@ def first_contact_event(
     return _closing(curve, a, beyond)
 
 
-def _first_leaving(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> Found | None:
+def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
     first: tuple[float, Found] | None = None
     for k in np.flatnonzero(b.forces < PULLS * b.system.size):
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
@@ -133,9 +178,7 @@ def _first_leaving(
     return None if first is None else first[1]
 
 
-def _closing(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, Found]:
+def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, _step(a, b, curve.root), a, b
     for _ in range(BISECTIONS):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.numerics import RANK, SETTLED, STATIONARY
+from origami_nlp.numerics import RANK, ROUNDED, SETTLED, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
 from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
 from origami_nlp.path.halves import Half, half_branches, is_equilibrium, judged, turned
@@ -146,6 +146,15 @@ class Web:
         found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
         return [(k, frame) for k, frame in found if frame is not None]
 
+    def alone_at(self, s: float) -> list[Equilibrium]:
+        """Return the states that were given at s and from which no equilibrium goes on."""
+        ended = {k for arc in self.arcs for k in (arc.start, arc.end)}
+        return [
+            node.halves[0].frame
+            for k, node in enumerate(self.nodes)
+            if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
+        ]
+
     def add(self, x: np.ndarray, s: float, verdict: str = "") -> bool:
         """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
         none.
@@ -157,12 +166,17 @@ class Web:
         node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
         self.nodes.append(node)
         ends = {1.0: self.high, -1.0: self.low}
-        inside = [k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))]
+        inside = [
+            k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
+        ]
         if len(inside) < len(node.halves):
             node.type = RANGE
         node.used += [k for k in range(len(node.halves)) if k not in inside]
         if not inside:
-            node.type, node.why = "singular", "no equilibrium goes on from there: a state of this value alone"
+            node.type, node.why = (
+                "singular",
+                "no equilibrium goes on from there: a state of this value alone",
+            )
         todo = [(len(self.nodes) - 1, k) for k in inside]
         while todo and len(self.arcs) - before < MOST_ARCS:
             number, k = todo.pop()
@@ -215,7 +229,9 @@ class Web:
             stop.append(event)
             return frame
 
-        frames, _, why = trace_ahead(curve, half.frame, self.steps, [End(before, EVENT, meet)])
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+        frames, _, why = trace_ahead(curve, half.frame, steps, [End(before, EVENT, meet)])
         if stop:
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
@@ -272,12 +288,17 @@ class Web:
         came = [
             k
             for k, h in enumerate(node.halves)
-            if h.is_like(back.frame) and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
+            if h.is_like(back.frame)
+            and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
         ]
         node.used += came
         onward = [k for k in range(len(node.halves)) if k not in came]
         ahead = [node.halves[k].frame.ahead for k in onward]
-        same = [k for k in onward if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)]
+        same = [
+            k
+            for k in onward
+            if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
+        ]
         if len(onward) == 1 and same and stop.type == "leaves":
             node.type = "corner"  # another contact of a dependent set takes over
         elif not onward:
