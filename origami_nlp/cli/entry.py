@@ -17,6 +17,7 @@ from origami_nlp.cli.example import example
 from origami_nlp.cli.follow import follow
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
+from origami_nlp.cli.load import load
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.modes import modes
@@ -30,7 +31,7 @@ from origami_nlp.files import printable
 
 app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
 app.add(minima, check_proof, contacts, modes, barriers, critical, space, landscape, transitions)
-app.add(follow)
+app.add(follow, load)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
 app.add(sweep)
