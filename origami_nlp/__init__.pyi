@@ -10,6 +10,7 @@ from .errors import OrigamiError as OrigamiError
 from .folding import examine as examine
 from .kkt import State as State, Stratum as Stratum, classify as classify
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
+from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     MinimaResult as MinimaResult,
     Minimum as Minimum,

@@ -26,6 +26,7 @@ _DRAWN = {
     "ExactLandscape": ("landscape", "draw_landscape"),
     "SegmentReport": ("contact", "draw_segments"),
     "Modes": ("modes", "draw_modes"),
+    "LoadPath": ("loading", "draw_load"),
     "PhaseDiagram": ("cone", "draw_phase"),
 }
 _READ = {
@@ -45,7 +46,7 @@ def draw(result: object, path: str | PathLike[str] | None = None) -> Figure:
     Parameters
     ----------
     result
-        Minima, barriers, an admissible space, a landscape, metastable segments, modes, or the phase diagram of a cone.
+        Minima, barriers, an admissible space, a landscape, metastable segments, modes, a load path, or the phase diagram of a cone.
     path
         Where to save it (.png, .pdf or .svg), if anywhere.
 

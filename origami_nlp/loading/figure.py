@@ -68,12 +68,21 @@ def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> F
     return figure
 
 
+def _range(path: LoadPath) -> tuple[float, float]:
+    """Loads that are shown: those of the path, but not far beyond its last event."""
+    loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
+    low, high = min(loads), max(loads)
+    events = [0.0, *(e.t for e in path.events if low <= e.t <= high)]
+    more = 0.3 * (max(events) - min(events)) or high - low
+    low, high = max(low, min(events) - more), min(high, max(events) + more)
+    room = 0.08 * (high - low) or 1.0
+    return low - room, high + room
+
+
 def _shown_events(path: LoadPath) -> list[Any]:
-    """Events of branches that the path runs on, or that end at its snaps."""
-    low = min((p.t for leg in path.legs for p in leg.points), default=path.low)
-    high = max((p.t for leg in path.legs for p in leg.points), default=path.high)
-    room = 0.1 * (high - low)
-    return [e for e in path.events if low - room <= e.t <= high + room]
+    """Events at loads that are shown."""
+    low, high = _range(path)
+    return [e for e in path.events if low <= e.t <= high]
 
 
 def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
@@ -111,10 +120,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         face = "white" if event.type == "leaves" else "black"
         axes.plot(x, event.t, MARKS[event.type], color="black", ms=4.5, mfc=face, zorder=5)
         axes.annotate(str(event.id), (x, event.t), (4, 4), textcoords="offset points", fontsize=8)
-    ends = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
-    low, high = min(ends), max(ends)
-    room = 0.1 * (high - low) or 1.0
-    axes.set_ylim(low - room, high + room)
+    axes.set_ylim(*_range(path))
     axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
     where = path.driver.coordinate.replace("[rad]", "[deg]")
     axes.set_xlabel(where)
@@ -143,4 +149,4 @@ def _energy(axes: Any, path: LoadPath) -> None:
     axes.set_ylabel("energy without the load  [J]")
     axes.grid(True, lw=0.3, color="#dddddd")
     axes.tick_params(labelsize=8)
-    axes.margins(0.06)
+    axes.set_xlim(*_range(path))

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, shown
-from origami_nlp.atlas import Over, PathEvent, branches_of, breaking_eigenvalue, chains_of, parts_of
+from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, classify
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.result import Confirmed, Leg, LoadPath, LoadPoint, Snap
 from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
 from origami_nlp.minima import find_minima, full_scene
+from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, Steps, Web
 from origami_nlp.pattern import Scene
@@ -118,7 +120,6 @@ class _Job:
         if full_space and not scene.group.is_trivial:
             self._full = driver.line(full_scene(scene))
         self._known: dict[int, tuple[Equilibrium, float]] = {}
-        self._touching: dict[Any, Any] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
         more = {} if steps is None else {"steps": steps}
         self.web = Web(line, low, high, functions=functions, **more)
@@ -131,9 +132,35 @@ class _Job:
         if self._full is None:
             return math.nan
         if id(frame) not in self._known:
-            value = breaking_eigenvalue(frame, self._full, self.driver.scene, self._touching)
+            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)
             self._known[id(frame)] = frame, value
         return self._known[id(frame)][1]
+
+    def _in_full_space(self, frame: Equilibrium) -> State:
+        assert self._full is not None
+        return State(self._full.at(frame.s), frame.programme.expand(frame.state))
+
+    def _judged(self, way: Way) -> tuple[str, float | None]:
+        """Say what the states of a way are without the symmetry, and from which load on; it may snap at its end."""
+        if self._full is None:
+            return "", None
+        last = max(len(way.frames) - 1 - (way.why != "range"), 0)
+
+        def verdict(k: int) -> str:
+            return classify(self._in_full_space(way.frames[k])).verdict
+
+        good = -1
+        for k in sorted({0, last // 2, last}):
+            bad = verdict(k)
+            if bad == "minimum":
+                good = k
+                continue
+            while k - good > 1:
+                middle = (k + good) // 2
+                found = verdict(middle)
+                good, k, bad = (middle, k, bad) if found == "minimum" else (good, middle, found)
+            return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
+        return "stable", None
 
     def begin(self, x: np.ndarray, s: float) -> None:
         """Follow all that comes of the minimum x at s."""
@@ -146,7 +173,7 @@ class _Job:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives."""
         toward = 1.0 if end > s else -1.0
         for _ in range(MOST_SNAPS):
-            way = walk(self.web, x, s, toward, end)
+            way = walk(self.web, x, s, toward, end, self.across)
             if way is None:
                 self.alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
@@ -206,7 +233,7 @@ class _Job:
                     low,
                 )
             )
-        return Leg(int(toward), tuple(points), way.why, snap)
+        return Leg(int(toward), tuple(points), way.why, snap, *self._judged(way))
 
     def _snap(self, k: int, events: tuple[PathEvent, ...], search: dict[str, Any] | None) -> Snap:
         node, s, landed, kind, certificate = self.falls[k]

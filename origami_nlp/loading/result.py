@@ -16,6 +16,11 @@ from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 
 SCHEMA = "origami-nlp/load/1"
+WHY = {
+    "range": "stable to the end of the range",
+    "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
+}
+"""Why a leg ends, in words, where the name alone does not say it."""
 
 
 @dataclass(frozen=True)
@@ -115,12 +120,19 @@ class Leg:
         ``range``, ``snap``, ``breaks-symmetry``, or what stopped it.
     snap
         Number (1-based) of the snap that ends it, or None.
+    full_space
+        ``stable``, ``unstable`` or ``undecided`` without the symmetry, judged at both ends and in the middle; empty
+        where none is imposed, or it was not asked for.
+    full_space_from
+        First load at which it is not stable there; None where it is.
     """
 
     toward: int
     points: tuple[LoadPoint, ...] = field(repr=False)
     why: str
     snap: int | None
+    full_space: str
+    full_space_from: float | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -200,7 +212,10 @@ class LoadPath(Told):
         unit = f" {self.driver.unit}" if self.driver.unit else ""
         for leg in self.legs:
             a, b = leg.points[0].t, leg.points[-1].t
-            yield f"from {a:.9g} to {b:.9g}{unit}: {leg.why}"
+            full = f"; in the full space {leg.full_space}" if leg.full_space else ""
+            if leg.full_space_from is not None:
+                full += f" from {leg.full_space_from:.6g}{unit} on"
+            yield f"from {a:.9g} to {b:.9g}{unit}: {WHY.get(leg.why, leg.why)}{full}"
             if leg.snap is not None:
                 yield from self._snap_lines(leg.snap)
         if self.snaps:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,10 +40,18 @@ def position(web: Web, x: np.ndarray, s: float) -> tuple[int, Equilibrium] | Non
     return None
 
 
-def walk(web: Web, start: np.ndarray, s: float, toward: float, end: float) -> Way | None:
+def walk(
+    web: Web,
+    start: np.ndarray,
+    s: float,
+    toward: float,
+    end: float,
+    across: Callable[[Equilibrium], float] = lambda frame: math.nan,
+) -> Way | None:
     """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
 
-    None where it is not in the web.
+    None where it is not in the web.  across: smallest eigenvalue across the symmetry; where it changes sign to below
+    zero the way ends.
     """
     arcs = [
         k for k, f in web.states_at(s) if not f.index and np.abs(f.state - start).max() <= SETTLED
@@ -71,9 +81,12 @@ def walk(web: Web, start: np.ndarray, s: float, toward: float, end: float) -> Wa
             if j != k and node in (other.start, other.end) and not other.index
             and (_far(web, j, toward) - web.nodes[node].s) * toward > 0
         ]  # fmt: skip
-        if why == "range" or web.nodes[node].type == "breaks-symmetry" or not onward:
+        if why == "range" or not onward:
             return Way(tuple(frames), node, why)
         k = onward[0]
+        beyond = web.arcs[k].frames
+        if why == "breaks-symmetry" and across(beyond[len(beyond) // 2]) < 0:
+            return Way(tuple(frames), node, why)
 
 
 def _far(web: Web, arc: int, toward: float) -> float:

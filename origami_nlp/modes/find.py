@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
@@ -9,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, Minimum, full_scene, mode_symmetry, permutations
 from origami_nlp.modes.geodesic import geodesic
-from origami_nlp.modes.result import Mode, Modes, StateModes
+from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
@@ -88,6 +90,33 @@ def modes_of(model: Model, scene: Scene, number: int, minimum: Minimum) -> State
     return StateModes(number, minimum, names, tuple(modes), coupling * model.scale, "")
 
 
+def breaking_stiffness(state: State, scene: Scene) -> float:
+    """Return the smallest stiffness of a state against motions that break the symmetry of a scene.
+
+    Parameters
+    ----------
+    state
+        Of all N fold angles.
+    scene
+        Whose symmetry the state keeps.
+
+    Returns
+    -------
+    float
+        Smallest eigenvalue of the block that `find_modes` calls breaking [N m/rad]; inf where nothing breaks it and
+        keeps the loaded contacts closed, nan where the state has no one Hessian.
+    """
+    held, _ = _loaded(state)
+    if held is None:
+        return math.nan
+    z = held.tangent
+    h = z.T @ held.hessian @ z
+    for name, basis in _blocks(z, h, scene)[0] if z.shape[1] else ():
+        if name == BREAKING:
+            return float(np.linalg.eigvalsh(basis.T @ h @ basis)[0] * state.programme.scale)
+    return math.inf
+
+
 def _loaded(state: State) -> tuple[Stratum | None, str]:
     """Return a state with its loaded contacts held, or None and why it has no one Hessian."""
     if not state.regular:
@@ -120,5 +149,5 @@ def _blocks(
     breaking, kept = vectors[:, share <= 0.5], vectors[:, share > 0.5]
     between = np.abs(kept.T @ h @ breaking).max(initial=0.0)
     mixed = np.minimum(np.abs(share), np.abs(share - 1)).max() * np.abs(h).max()
-    blocks = [("symmetric", kept), ("breaking", breaking)]
+    blocks = [("symmetric", kept), (BREAKING, breaking)]
     return [(name, b) for name, b in blocks if b.shape[1]], float(max(between, mixed))

@@ -14,7 +14,7 @@ from tests.command_line import run
 from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
-RESULT = find_minima(SCENE, max_starts=64, prove=False)
+RESULT = find_minima(SCENE, max_starts=32, prove=False)
 MODES = find_modes(RESULT)
 
 
@@ -73,7 +73,7 @@ def test_distances_converge_with_the_square_of_the_step():
 
 def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
     pinned = find_minima(
-        replace(SCENE, preload=(-0.138, 0, 0, 0, 0, 0)), max_starts=64, prove=False
+        replace(SCENE, preload=(-0.138, 0, 0, 0, 0, 0)), max_starts=32, prove=False
     )
     found = find_modes(pinned, state=1).states[0]
     assert found.minimum.kind == "contact-pinned" and found.modes
@@ -81,7 +81,7 @@ def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
     for mode in found.modes:
         assert np.abs(mode.along.states[:, (2, 4)] + np.pi).max() == 0
         assert not {c.index for end in mode.along.ends for c in end.contacts if c.is_limit} & {2, 4}
-    singular = find_modes(find_minima(examples.degree6("pi/3"), max_starts=32, prove=False))
+    singular = find_modes(find_minima(examples.degree6("pi/3"), max_starts=16, prove=False))
     assert all(s.why and not s.modes for s in singular.states)
     with pytest.raises(OptionError, match="1 to 3"):
         find_modes(pinned, state=4)
@@ -90,7 +90,7 @@ def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
 def test_the_command_writes_numbers_and_a_figure(tmp_path):
     scene, figure = tmp_path / "scene.toml", tmp_path / "modes.png"
     scene.write_text(format_scene(SCENE))
-    code, out, err = run("modes", scene, "--state", "2", "--max-starts", "32", "--json", "-")
+    code, out, err = run("modes", scene, "--state", "2", "--max-starts", "16", "--json", "-")
     assert code == 0, err
     data = json.loads(out)
     (state,) = data["states"]
