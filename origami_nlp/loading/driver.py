@@ -114,17 +114,17 @@ class Driver:
             return load_line(model, np.bincount(loaded, minlength=model.size) / model.scale)
         assert p.dead is not None
         still = replace(p.dead, points=np.zeros_like(p.dead.points))
-        zeros = (np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load))
-        return ParameterLine(model, replace(p, dead=p.dead.times(0.0)), Parameters(*zeros, still))
+        zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
+        change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)
+        return ParameterLine(model, replace(p, dead=p.dead.times(0.0)), change)
 
     def scene_at(self, t: float) -> Scene:
         """Return the scene under the load t; its energy may differ from the path's by a constant."""
         name = f"{self.scene.label + ', ' if self.scene.label else ''}{self.name} = {t:.10g}"
         if self.crease is None:
-            loads = [
-                replace(d, force=tuple(t * f for f in d.force or ())) for d in self.scene.loads
-            ]
-            return replace(self.scene, loads=tuple(loads), name=name)
+            scaled = [(load, *(t * f for f in load.force or ())) for load in self.scene.loads]
+            loads = tuple(replace(load, force=(x, y, z)) for load, x, y, z in scaled)
+            return replace(self.scene, loads=loads, name=name)
         preload = np.array(self.scene.preload or np.zeros(self.scene.degree))
         preload[np.array(self.creases) - 1] += t
         return replace(self.scene, preload=tuple(preload.tolist()), name=name)

@@ -116,10 +116,10 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     for event in path.events:
         if event.id not in shown:
             continue
-        x = float(_angles(path, event.fold_angles))
+        at = float(_angles(path, event.fold_angles))
         face = "white" if event.type == "leaves" else "black"
-        axes.plot(x, event.t, MARKS[event.type], color="black", ms=4.5, mfc=face, zorder=5)
-        axes.annotate(str(event.id), (x, event.t), (4, 4), textcoords="offset points", fontsize=8)
+        axes.plot(at, event.t, MARKS[event.type], color="black", ms=4.5, mfc=face, zorder=5)
+        axes.annotate(str(event.id), (at, event.t), (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
     axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
     where = path.driver.coordinate.replace("[rad]", "[deg]")

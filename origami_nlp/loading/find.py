@@ -22,6 +22,8 @@ from origami_nlp.pattern import Scene
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
+STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
+"""Such that curves look smooth."""
 SIDE = 0.01
 """Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
 
@@ -121,8 +123,7 @@ class _Job:
             self._full = driver.line(full_scene(scene))
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
-        more = {} if steps is None else {"steps": steps}
-        self.web = Web(line, low, high, functions=functions, **more)
+        self.web = Web(line, low, high, steps=steps or STEPS, functions=functions)
         self.ways: list[tuple[Way, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
@@ -270,10 +271,9 @@ class _Job:
         at = self.web.nodes[way.node].s
         scale = self.web.line.programme.scale if self.driver.crease else abs(at)
         loads = (at - toward * SIDE * scale, at + toward * SIDE * scale)
-        known = self._nearest(way, loads[0]), None
         onward = walk(self.web, landed, s, toward, loads[1])
-        if onward is not None:
-            known = known[0], self._nearest(onward, loads[1])
+        after = None if onward is None else self._nearest(onward, loads[1])
+        known = self._nearest(way, loads[0]), after
         minima, found = [], []
         for t, state in zip(loads, known, strict=True):
             result = find_minima(self.driver.scene_at(t), prove=False, **search)

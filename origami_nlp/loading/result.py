@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from origami_nlp.atlas import PathBranch, PathEvent
 from origami_nlp.loading.driver import Driver
 from origami_nlp.pattern import Scene, scene_to_dict
@@ -194,7 +196,7 @@ class LoadPath(Told):
                 e.type,
                 f"{e.t:.12g}",
                 e.contact or "-",
-                f"{float(self.driver.conjugate(e.fold_angles)):.6g}",
+                f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}",
                 "" if e.located else "not located",
             ]
             for e in self.events

@@ -101,8 +101,8 @@ def _energies(axis: Any, state: StateModes) -> None:
     pad = 0.04 * (right - left)
     axis.set_xlim(left - pad, right + pad)
     seen = [m.along.rise[(m.along.s >= left) & (m.along.s <= right)] for m in state.modes]
-    low, high = min(float(r.min()) for r in seen), max(float(r.max()) for r in seen)
-    axis.set_ylim(low - 0.05 * (high - low), high + 0.12 * (high - low))
+    least, most = min(float(r.min()) for r in seen), max(float(r.max()) for r in seen)
+    axis.set_ylim(least - 0.05 * (most - least), most + 0.12 * (most - least))
     axis.set_ylabel("U − U₀  [J]", fontsize=9)
     axis.set_title(
         "dots: something touches; thin: eigenvalue alone"

@@ -90,5 +90,6 @@ def load_line(programme: Programme, load: np.ndarray, weight: float = 0.3) -> Pa
     """Return the line along which the load `load` [n] is multiplied by s, over `scale`, and added to what is there."""
     p = programme.parameters
     dead = None if p.dead is None else p.dead.divided(math.inf)
-    still = Parameters(*(np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest)), load, dead)
+    sectors, stiffness, rest = (np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest))
+    still = Parameters(sectors, stiffness, rest, load, dead)
     return ParameterLine(programme, p, still, weight=weight)

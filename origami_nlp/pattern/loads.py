@@ -309,10 +309,10 @@ def flat_points(
     """
     azimuth: Any = 0.0
     axes, before = [], held
-    for c in chain:
+    for crease in chain:
         azimuth = azimuth + sectors[before]
         axes.append((cos(azimuth), sin(azimuth), 0.0))
-        before = c
+        before = crease
     c, s = (cos(azimuth), sin(azimuth)) if chain else (1.0, 0.0)
     return axes, (c * point[0] - s * point[1], s * point[0] + c * point[1], 0.0)
 

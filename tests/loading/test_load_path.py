@@ -50,13 +50,14 @@ def test_searches_on_both_sides_confirm_it():
         assert count in LOOP.snaps[0].confirmed.minima
 
 
-@pytest.mark.parametrize("longest", [0.02, 0.05, 0.11])
+@pytest.mark.parametrize("longest", [pytest.param(0.02, marks=pytest.mark.slow), 0.05, 0.11])
 def test_the_snap_does_not_depend_on_the_steps(longest):
     steps = Steps(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
     path = load_path(SCENE, 1, to=-0.139, steps=steps, **QUICK)
     assert path.snaps[0].t == pytest.approx(LOOP.snaps[0].t, abs=1e-13)
 
 
+@pytest.mark.slow
 def test_the_path_from_behind_finds_the_same_events():
     """From a scene that bears the load as preload: on to the snap, and back from beyond it."""
     behind = replace(SCENE, preload=(-0.13, 0, 0, 0, 0, 0))
