@@ -7,10 +7,11 @@ from .family import (
 from .figure import draw_atlas as draw_atlas
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
-from .result import (
-    Atlas as Atlas,
+from .records import (
+    Check as Check,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,
     StateAt as StateAt,
 )
+from .result import Atlas as Atlas

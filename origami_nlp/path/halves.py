@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK
+from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.tracer import ALIGNED, advance
@@ -24,7 +24,7 @@ MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
 TRIALS = (1e-3, 1e-5)
 """Steps after which a direction must still be an equilibrium: the second where an event follows soon."""
-PULLS = -1e-11
+PULLS = -STATIONARY
 """A multiplier that is smaller, relative to the largest torque, pulls."""
 
 
