@@ -103,10 +103,8 @@ class System:
         n = len(self.imbalance)
         whole = np.vstack([self.matrix, row])
         minus = -np.concatenate([self.imbalance, self.values, [-right]])
-        try:
-            d = np.linalg.solve(whole, minus)
-        except np.linalg.LinAlgError:
-            return None
+        # at a branching the matrix is singular: no step along the other branch
+        d = np.linalg.lstsq(whole, minus, rcond=DEPENDENT)[0]
         if not np.isfinite(d).all():
             return None
         return np.append(d[:n] / self.programme.root, d[-1] / self.line.weight)

@@ -187,6 +187,18 @@ def _frozen(
             yield Half(frame, False)
 
 
+def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
+    """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
+    n = len(frame.state)
+    whole = np.vstack([frame.system.matrix, np.zeros(frame.system.matrix.shape[1])])
+    whole[-1, :n], whole[-1, -1] = frame.tangent[:-1], frame.tangent[-1]
+    v = np.linalg.svd(whole)[2][-1]
+    across = np.append(v[:n], v[-1])
+    across = across / np.linalg.norm(across)
+    both = (Half(replace(frame, tangent=sign * across), True) for sign in (1.0, -1.0))
+    return [half for half in both if goes_on(curve, half)]
+
+
 def goes_on(curve: EquilibriumCurve, half: Half) -> bool:
     """Tell whether a short step in this direction ends at an equilibrium."""
     for h in TRIALS:
