@@ -166,7 +166,7 @@ def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, 
     def eigenvalue(f: Equilibrium) -> float:
         return float(f.eigenvalues[k])
 
-    frame = root_between(curve, a, b, eigenvalue)
+    frame = root_between(replace(curve, short=True), a, b, eigenvalue)
     if frame is not None and _is_zero(eigenvalue, frame, a, b):
         return found_at("branching", _between(frame, a, b), eigenvalue(frame))
     fewer = min(a.index, b.index)  # one side has it as the largest, the other as the smallest
