@@ -8,11 +8,12 @@ from .family import (
 from .figure import COLOURS as COLOURS, MARKS as MARKS, draw_atlas as draw_atlas
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
-from .judging import breaking_eigenvalue as breaking_eigenvalue, parts_of as parts_of
-from .result import (
-    Atlas as Atlas,
+from .judging import parts_of as parts_of
+from .records import (
+    Check as Check,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,
     StateAt as StateAt,
 )
+from .result import Atlas as Atlas

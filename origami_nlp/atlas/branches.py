@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.atlas.family import Over
 from origami_nlp.atlas.judging import Part
-from origami_nlp.atlas.result import (
+from origami_nlp.atlas.records import (
     BranchEnd,
     KindRange,
     Multiplier,

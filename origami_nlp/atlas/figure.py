@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_path, check_type
-from origami_nlp.atlas.result import Atlas, PathPoint
+from origami_nlp.atlas.records import PathPoint
+from origami_nlp.atlas.result import Atlas
 from origami_nlp.files import save_figure
 from origami_nlp.show import label_text
 

@@ -12,7 +12,8 @@ from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
 from origami_nlp.atlas.family import Family, Over, family_of, parse_over
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
-from origami_nlp.atlas.result import Atlas, Check, Cost
+from origami_nlp.atlas.records import Check, Cost
+from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
+from origami_nlp.atlas.records import PathBranch, StateAt
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import hessian_spectra
 from origami_nlp.numerics import SETTLED, TOUCHES
-from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine
+from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine, Web
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-
-if TYPE_CHECKING:
-    from origami_nlp.atlas.result import Atlas, StateAt
 
 BISECTIONS = 40
 """Of a part of an arc on which the verdict changes."""
@@ -78,53 +75,46 @@ def breaking_eigenvalue(
     return min(hessian_spectra(full, scene, contacts)[1], default=math.nan)
 
 
-def states_at(atlas: Atlas, value: float) -> tuple[StateAt, ...]:
-    """Return the states of all branches at one value of the parameter, see `Atlas.at`."""
-    from origami_nlp.atlas.result import StateAt
-
-    over, web = atlas.over, atlas.web
-    if not over.low <= value <= over.high:
-        raise OptionError(
-            f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
-        )
-    scene = atlas.family.scene(value)
+def states_at(
+    scene: Scene,
+    value: float,
+    s: float,
+    web: Web,
+    branches: tuple[PathBranch, ...],
+    branch_of_arc: dict[int, int],
+) -> tuple[StateAt, ...]:
+    """Return the states of all branches at one value t = value of the parameter, where s is followed."""
     model = Model(scene)
     out: list[tuple[np.ndarray, StateAt]] = []
-    s = over.s_of(value)
     for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
         if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
             continue  # two arcs that meet there
         state = State(model, frame.state)
         what = classify(state)
-        branch = atlas.branch_of_arc.get(number, 0)
-        out.append(
-            (
-                frame.state,
-                StateAt(
-                    branch,
-                    tuple(state.fold_angles.tolist()),
-                    state.energy,
-                    what.verdict,
-                    what.kind,
-                    what.reason,
-                    what.contacts,
-                    model.scale * float(frame.eigenvalues[0])
-                    if len(frame.eigenvalues)
-                    else math.nan,
-                    frame.system.residual,
-                    state.residual,
-                    _stays(atlas, branch, value) if what.verdict == "minimum" else None,
-                ),
-            )
+        branch = branch_of_arc.get(number, 0)
+        stable = what.verdict == "minimum"
+        found = StateAt(
+            branch,
+            tuple(state.fold_angles.tolist()),
+            state.energy,
+            what.verdict,
+            what.kind,
+            what.reason,
+            what.contacts,
+            model.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan,
+            frame.system.residual,
+            state.residual,
+            _stays(branches[branch - 1] if branch else None, value) if stable else None,
         )
+        out.append((frame.state, found))
     return tuple(sorted((s for _, s in out), key=lambda s: (s.energy, s.fold_angles)))
 
 
-def _stays(atlas: Atlas, branch: int, value: float) -> tuple[float, float] | None:
+def _stays(branch: PathBranch | None, value: float) -> tuple[float, float] | None:
     """Return the range over which a minimum of a branch can be followed from a value without losing stability."""
-    if not branch:
+    if branch is None:
         return value, value
-    parts = atlas.branches[branch - 1].kind_ranges
+    parts = branch.kind_ranges
     here = [k for k, r in enumerate(parts) if r.stable and r.low <= value <= r.high]
     if not here:
         return None

@@ -98,13 +98,20 @@ class System:
         size = float(np.hypot(np.linalg.norm(v[:n]), v[-1]))
         return v / size if size > SETTLED * np.linalg.norm(v) else None
 
-    def step(self, row: np.ndarray, right: float) -> np.ndarray | None:
-        """Return Newton's step in (x, s) under one more equation, row . (dy, dnu, w ds) = right."""
+    def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
+        """Return Newton's step in (x, s) under one more equation, row . (dy, dnu, w ds) = right.
+
+        short: the shortest one where the matrix is all but singular.
+        """
         n = len(self.imbalance)
         whole = np.vstack([self.matrix, row])
         minus = -np.concatenate([self.imbalance, self.values, [-right]])
         try:
-            d = np.linalg.solve(whole, minus)
+            # at a branching the matrix is singular: no step along the other branch
+            if short:
+                d = np.linalg.lstsq(whole, minus, rcond=DEPENDENT)[0]
+            else:
+                d = np.linalg.solve(whole, minus)
         except np.linalg.LinAlgError:
             return None
         if not np.isfinite(d).all():
@@ -178,12 +185,13 @@ Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
 class EquilibriumCurve:
     """Equilibria over a line of parameters with contacts held; see `tracer.Curve`.
 
-    known: the last point that Newton reached, with its system.
+    short: see `System.step`.  known: the last point that Newton reached, with its system.
     """
 
     line: ParameterLine
     hold: Hold
     tally: Tally
+    short: bool = False
     known: list[tuple[np.ndarray, System]] = field(default_factory=list)
 
     @cached_property
@@ -200,7 +208,7 @@ class EquilibriumCurve:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
         for _ in range(NEWTON):
             system = self.system(point)
-            step = system.step(*row(point, system))
+            step = system.step(*row(point, system), self.short)
             if step is None:
                 return None
             length = float(np.linalg.norm(self.root * step))

@@ -14,12 +14,20 @@ a minimum meets a saddle there without any eigenvalue that tells: `nonsmooth-fol
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import BESIDE, ENDS, NEAR_CONTACT, STATIONARY, TOUCHES, bracketed_roots
+from origami_nlp.numerics import (
+    BESIDE,
+    ENDS,
+    NEAR_CONTACT,
+    SETTLED,
+    STATIONARY,
+    TOUCHES,
+    bracketed_roots,
+)
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates
 from origami_nlp.programme import Contact
@@ -37,7 +45,7 @@ class Found:
 
     type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
     comes there.  contact: that closes or leaves.  value: of its own function there.  located: whether value and KKT
-    residual are rounding.  why: in words, where it is not located.
+    residual are rounding.  why: in words, where it is not.  beyond: a point on the other side of a singular state.
     """
 
     type: str
@@ -46,6 +54,7 @@ class Found:
     value: float
     located: bool
     why: str = ""
+    beyond: Equilibrium | None = None
 
 
 def found_at(
@@ -62,15 +71,10 @@ def _step(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
 
 
 def root_between(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value, within: float = 0.0
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
 ) -> Equilibrium | None:
-    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength.
-
-    within: stop where the function is no larger; the nearest point reached where the curve cannot be followed further.
-    """
+    """Return the point between a and b at which a function changes sign, by regula falsi in the arclength."""
     known: dict[float, Equilibrium | None] = {}
-    if within:
-        return _towards(curve, a, b, value, within)
 
     def at(h: np.ndarray) -> np.ndarray:
         frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
@@ -81,14 +85,13 @@ def root_between(
 
 
 def _towards(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value, within: float
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
 ) -> Equilibrium | None:
+    """Return the last point before a zero between a and b that Newton reaches; None where it reaches none."""
     low, high = 0.0, _step(a, b, curve.root)
     first, last = value(a), value(b)
     best: Equilibrium | None = None
-    share = (
-        1.0  # of the way to where the line through both values is zero: Newton may fail just there
-    )
+    share = 1.0  # of the way to where the line through both values is zero: Newton may fail there
     for _ in range(BISECTIONS):
         frame = curve.beside(a, low - share * first * (high - low) / (last - first))
         if frame is None:
@@ -99,7 +102,7 @@ def _towards(
             high, last = _step(a, frame, curve.root), v
             continue
         low, first, best = _step(a, frame, curve.root), v, frame
-        if abs(v) <= within:
+        if abs(v) <= POLE:
             break
     return best
 
@@ -118,36 +121,56 @@ def folds_and_branchings(
     turns = a.ahead * b.ahead < 0
     if turns:
         frame = root_between(curve, a, b, lambda f: f.ahead)
-        if frame is not None:
+        if frame is not None and (a.index - b.index) % 2:
             out.append(found_at("fold", frame, frame.ahead))
+        elif frame is not None:  # a pitchfork, passed along the branch that turns there
+            out.append(found_at("branching", _between(frame, a, b), frame.ahead))
     crossing = range(min(a.index, b.index), max(a.index, b.index))
     # an odd number of eigenvalues passes zero where the parameter turns: the fold's own, and pairs beside it
     for k in crossing if not turns else crossing[1:]:
-        out += _eigenvalue_passes(curve, a, b, k)
+        out.append(_eigenvalue_passes(curve, a, b, k))
     for type, value in others:
         if value(a) * value(b) < 0:
             frame = root_between(curve, a, b, value)
-            if frame is not None:
+            if frame is not None and _is_zero(value, frame, a, b):
                 out.append(found_at(type, frame, value(frame)))
+            elif not any(e.type == "singular" for e in out):
+                out.append(_pole(curve, a, b, value))
     return sorted(out, key=lambda e: _step(a, e.frame, curve.root))
 
 
-def _eigenvalue_passes(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int
-) -> list[Found]:
-    """Return the event at which eigenvalue k of the reduced Hessian changes sign: through zero, or through infinity."""
-    frame = root_between(curve, a, b, lambda f: float(f.eigenvalues[k]))
-    if frame is not None and abs(frame.eigenvalues[k]) <= STATIONARY:
-        return [found_at("branching", frame, float(frame.eigenvalues[k]))]
-    stiff = lambda f: f.eigenvalues[-1] if f.index == min(a.index, b.index) else f.eigenvalues[0]  # noqa: E731
-    frame = root_between(curve, a, b, lambda f: 1.0 / float(stiff(f)), POLE)
-    if frame is None:
-        frame = min(a, b, key=lambda f: abs(1.0 / float(stiff(f))))
+def _is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> bool:
+    """Tell whether a function that changes sign between a and b does so through zero, and not through infinity."""
+    return abs(value(frame)) <= SETTLED * max(abs(value(a)), abs(value(b)))
+
+
+def _pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> Found:
+    """Return the singular state at which a function passes infinity, as the nearest point that Newton reaches."""
+    frame = _towards(curve, a, b, lambda f: 1.0 / value(f)) or a
     why = (
         f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
         "multipliers grow without bound: the equilibria on both sides are followed, each by itself"
     )
-    return [Found("singular", frame, None, frame.system.least, False, why)]
+    return Found("singular", frame, None, frame.system.least, False, why, b)
+
+
+def _between(frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> Equilibrium:
+    """Return a branching with the tangent of its neighbours: there the system has two null vectors."""
+    along = a.tangent + b.tangent
+    return replace(frame, tangent=along / np.linalg.norm(along))
+
+
+def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int) -> Found:
+    """Return the event at which eigenvalue k of the reduced Hessian changes sign: through zero, or through infinity."""
+
+    def eigenvalue(f: Equilibrium) -> float:
+        return float(f.eigenvalues[k])
+
+    frame = root_between(replace(curve, short=True), a, b, eigenvalue)
+    if frame is not None and _is_zero(eigenvalue, frame, a, b):
+        return found_at("branching", _between(frame, a, b), eigenvalue(frame))
+    fewer = min(a.index, b.index)  # one side has it as the largest, the other as the smallest
+    return _pole(curve, a, b, lambda f: float(f.eigenvalues[-1 if f.index == fewer else 0]))
 
 
 def first_contact_event(
@@ -169,11 +192,17 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
         if frame is None:
             continue
-        h = _step(a, frame, curve.root)
+
+        def force(f: Equilibrium, k: int = int(k)) -> float:
+            return float(f.forces[k])
+
+        if _is_zero(force, frame, a, b):
+            share = force(frame) / frame.system.size
+            event = found_at("leaves", frame, share, a.hold.contacts[k])
+        else:
+            event = _pole(curve, a, b, force)
+        h = _step(a, event.frame, curve.root)
         if first is None or h < first[0]:
-            event = found_at(
-                "leaves", frame, float(frame.forces[k]) / frame.system.size, a.hold.contacts[k]
-            )
             first = h, event
     return None if first is None else first[1]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK
+from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.tracer import ALIGNED, advance
@@ -24,7 +24,7 @@ MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
 TRIALS = (1e-3, 1e-5)
 """Steps after which a direction must still be an equilibrium: the second where an event follows soon."""
-PULLS = -1e-11
+PULLS = -STATIONARY
 """A multiplier that is smaller, relative to the largest torque, pulls."""
 
 
@@ -185,6 +185,18 @@ def _frozen(
         frame = Equilibrium(point, sign * along, system)
         if goes_on(curve, Half(frame, False)):
             yield Half(frame, False)
+
+
+def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
+    """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
+    n = len(frame.state)
+    whole = np.vstack([frame.system.matrix, np.zeros(frame.system.matrix.shape[1])])
+    whole[-1, :n], whole[-1, -1] = frame.tangent[:-1], frame.tangent[-1]
+    v = np.linalg.svd(whole)[2][-1]
+    across = np.append(v[:n], v[-1])
+    across = across / np.linalg.norm(across)
+    both = (Half(replace(frame, tangent=sign * across), True) for sign in (1.0, -1.0))
+    return [half for half in both if goes_on(curve, half)]
 
 
 def goes_on(curve: EquilibriumCurve, half: Half) -> bool:

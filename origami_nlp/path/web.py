@@ -12,12 +12,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.numerics import RANK, ROUNDED, SETTLED, STATIONARY
+from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
 from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
-from origami_nlp.path.halves import Half, half_branches, is_equilibrium, judged, turned
+from origami_nlp.path.halves import (
+    Half,
+    branching_halves,
+    half_branches,
+    is_equilibrium,
+    judged,
+    turned,
+)
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.path.tracer import End, Steps, trace_ahead
+from origami_nlp.path.tracer import CLOSED_CURVE, End, Steps, trace_ahead
 from origami_nlp.programme import Contact
 
 STEPS = Steps(first=1e-3, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
@@ -193,24 +200,55 @@ class Web:
         frames, stop = self._trace(curve, half)
         self.tally.steps += len(frames)
         begun, here = [half.frame], start
+        todo: list[tuple[int, int]] = []
         for frame in frames:
-            inner = folds_and_branchings(curve, begun[-1], frame, self.functions)
-            for event in inner if len(frames) else ():
+            for event in self._between(curve, begun[-1], frame, here):
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
                 if known:
-                    return []
+                    self._arrive(number, event.frame)
+                    return todo
                 begun, here = [event.frame], number
+                if event.type == "branching":
+                    self.nodes[number].halves = branching_halves(curve, event.frame)
+                    todo += [(number, k) for k in range(len(self.nodes[number].halves))]
                 if event.type == "fold" and not self.through_folds:
                     self.nodes[number].why = "not followed through folds"
-                    return []
+                    return todo
             begun.append(frame)
         if len(begun) < 2:
-            return []
-        number, known = self._node(stop)
+            return todo
+        if stop.type == START:  # once around
+            self._arc(begun, here, start, half.signed)
+            self._arrive(start, begun[-1])
+            return todo
+        number, _ = self._node(stop)
         self._arc(begun, here, number, half.signed)
-        return self._go_on(number, replace(half, frame=begun[-1]), stop)
+        return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
+
+    def _between(
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
+    ) -> list[Found]:
+        """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
+        length = float(a.tangent @ (self.root * (b.x - a.x)))
+        found = []
+        for node in self.nodes:
+            h = float(a.tangent @ (self.root * (node.point - a.x)))
+            if node.type == START and 0 < h < length:
+                frame = curve.beside(a, h)
+                if frame is not None and _near(self.root, frame.x, node.point):
+                    found.append(Found(START, replace(frame, x=node.point), None, 0.0, True))
+        found += folds_and_branchings(curve, a, b, self.functions)
+        node = self.nodes[here]
+        near = BESIDE if node.type == "branching" else SETTLED
+        found = [e for e in found if not _near(self.root, e.frame.x, node.point, near)]
+        return sorted(found, key=lambda e: float(a.tangent @ (self.root * (e.frame.x - a.x))))
+
+    def _arrive(self, number: int, frame: Equilibrium) -> None:
+        """Note that a node was reached: what leads back from there is known."""
+        node = self.nodes[number]
+        node.used += [k for k, h in enumerate(node.halves) if h.is_like(frame, -1.0)]
 
     def _trace(self, curve: EquilibriumCurve, half: Half) -> tuple[list[Equilibrium], Found]:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
@@ -235,6 +273,8 @@ class Web:
         if stop:
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
+        if why == CLOSED_CURVE:
+            return frames, Found(START, last, None, 0.0, True)
         return frames, Found("singular", last, None, np.nan, False, why)
 
     def _first(
@@ -260,7 +300,11 @@ class Web:
         """Return the node of an event, and whether it was there before."""
         point = event.frame.x
         for k, node in enumerate(self.nodes):
-            if node.type != START and event.type != RANGE and _near(self.root, node.point, point):
+            if (node.type == START) != (event.type == START) or event.type == RANGE:
+                continue
+            # a branching is known to the root of rounding only along its branches
+            crude = node.type == event.type == "branching"
+            if _near(self.root, node.point, point, BESIDE if crude else SETTLED):
                 return k, True
         node = Node(
             event.type,
@@ -280,6 +324,8 @@ class Web:
     def _go_on(self, number: int, half: Half, stop: Found) -> list[tuple[int, int]]:
         """Find how equilibria go on from the node at which a half-branch ends."""
         node = self.nodes[number]
+        if stop.beyond is not None:
+            return self._go_on_beyond(node, number, half, stop.beyond)
         if stop.type not in ("closes", "leaves"):
             return []
         if not node.halves:
@@ -310,9 +356,23 @@ class Web:
             return []
         return [(number, k) for k in onward if k not in node.used]
 
+    def _go_on_beyond(
+        self, node: Node, number: int, half: Half, beyond: Equilibrium
+    ) -> list[tuple[int, int]]:
+        """Go on from a point on the other side of a singular state, with the contacts that carry there."""
+        found = half_branches(self.line, beyond.x, self.tally)
+        onward = [h for h in found if h.is_like(half.frame)]
+        known = any(
+            np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)
+        )
+        node.halves += [] if known else onward
+        if not onward:
+            node.why += "; no equilibrium was found beyond"
+        return [(number, k) for k in range(len(node.halves)) if k not in node.used]
 
-def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray) -> bool:
-    return float(np.abs(root * (a - b)).max()) <= SETTLED
+
+def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray, apart: float = SETTLED) -> bool:
+    return float(np.abs(root * (a - b)).max()) <= apart
 
 
 def _change_of_verdict(

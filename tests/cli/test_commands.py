@@ -26,8 +26,8 @@ def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
 def test_the_help_lists_what_a_new_user_needs_first_and_old_names_still_work():
     _, text, _ = run("--help")
     order = (
-        "minima check-proof contacts modes barriers critical space landscape transitions follow load vertices model example "
-        "cone sweep paper bench"
+        "minima check-proof contacts modes barriers critical space landscape transitions follow load "
+        "vertices model example cone sweep paper bench"
     ).split()
     lines = [line.split() for line in text.split("Commands:")[1].splitlines()]
     assert [words[0] for words in lines if words and words[0] in order] == order
