@@ -16,9 +16,7 @@ from origami_nlp.errors import OptionError
 
 
 def bench(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A few problems and methods, in about a minute.")
-    ] = False,
+    quick: o.Quick = False,
     hard: Annotated[
         bool, typer.Option("--hard", help="Run the hard cases instead: error and verdict of each.")
     ] = False,
@@ -40,17 +38,25 @@ def bench(
     ] = None,
     before: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="--search: another checkout to compare with."),
+        typer.Option(metavar="DIR", help="--search: another checkout to compare with."),
     ] = None,
     family: Annotated[
         list[str] | None,
-        typer.Option(help="--search: a family of scenes, once for each; default all."),
+        typer.Option(
+            metavar="FAMILY",
+            help="--search: a family of scenes (repeatable); default all.",
+        ),
     ] = None,
-    effort: Annotated[str | None, typer.Option(help="--search: of the main job.")] = None,
+    effort: Annotated[
+        str | None,
+        typer.Option(
+            metavar="quick|normal|thorough", help="--search: of the main job (default normal)."
+        ),
+    ] = None,
     unions: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER",
+            metavar="DIR",
             help="Where all known minima of each scene are kept: a run that is stopped goes on there "
             "(default: a temporary folder for --search, none otherwise).",
         ),

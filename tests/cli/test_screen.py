@@ -263,9 +263,9 @@ def test_terminals_have_a_bar(monkeypatch):
 @pytest.mark.parametrize(
     ("args", "patched"),
     [
-        (["panels"], "origami_nlp.minima.find_minima"),
+        (["paper", "panels"], "origami_nlp.minima.find_minima"),
         (["transitions", "degree6"], "origami_nlp.space.find_transitions"),
-        (["audit", "CANDIDATES"], "origami_nlp.paper.audit_candidates"),
+        (["paper", "audit", "CANDIDATES"], "origami_nlp.paper.audit_candidates"),
     ],
 )
 def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):
@@ -282,4 +282,4 @@ def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):
     monkeypatch.setattr(patched, slow)
     done = RUN.invoke(app, [str(file) if a == "CANDIDATES" else a for a in args])
     assert isinstance(done.exception, Done)
-    assert re.search(rf"^({args[0]}|degree6): .*\(\d+ s\)$", done.stderr, re.M), done.stderr
+    assert re.search(rf"^({args[-1]}|audit|degree6): .*\(\d+ s\)$", done.stderr, re.M), done.stderr
