@@ -15,6 +15,12 @@ from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 
 
+def _families() -> list[str]:
+    from origami_nlp.bench import FAMILIES
+
+    return list(FAMILIES)
+
+
 def bench(
     quick: o.Quick = False,
     hard: Annotated[
@@ -44,6 +50,7 @@ def bench(
         list[str] | None,
         typer.Option(
             metavar="FAMILY",
+            autocompletion=_families,
             help="--search: a family of scenes (repeatable); default all.",
         ),
     ] = None,
