@@ -116,8 +116,6 @@ def _link(figure: Path | None, markdown: str | None) -> str | None:
 
 def _speed(out: Output, quick: bool, seed: int, unions: Path | None, link: str | None) -> None:
     """Run all methods, show the headline and the targets, and write what was asked for."""
-    from rich.markdown import Markdown
-
     from origami_nlp.bench import (
         draw_bench,
         in_short,
@@ -125,12 +123,11 @@ def _speed(out: Output, quick: bool, seed: int, unions: Path | None, link: str |
         run_bench,
         write_bench,
     )
-    from origami_nlp.files import PAGE
 
     with progress("bench") as report:
         tell = lambda text: report(text=text)  # noqa: E731
         data = run_bench(quick=quick, seed=seed, tell=tell, unions=unions)
-    out.say(Markdown(in_short(data)), width=PAGE)
+    out.page(in_short(data))
     out.save("json", write_bench, data)
     out.save("figure", draw_bench, data)
     out.write("markdown", as_markdown, data, link)
@@ -147,10 +144,7 @@ def _search(
     """Measure searches on families of scenes (`origami_nlp.bench.coverage`)."""
     import tempfile
 
-    from rich.markdown import Markdown
-
     from origami_nlp.bench import coverage_markdown, draw_coverage, measure_coverage, scenes_for
-    from origami_nlp.files import PAGE
 
     folder = unions or Path(tempfile.gettempdir()) / "origami_nlp-unions"
     with progress("bench") as report:
@@ -163,7 +157,7 @@ def _search(
             effort=effort,
             tell=lambda text: report(text=text),
         )
-    out.say(Markdown(coverage_markdown(data)), width=PAGE)
+    out.page(coverage_markdown(data))
     out.write("json", lambda: data)
     out.save("figure", draw_coverage, data)
     out.write("markdown", coverage_markdown, data)

@@ -183,10 +183,7 @@ def speed(
 
     Of each degree so many --samples are drawn: random points (nu_0, r_k).
     """
-    from rich.markdown import Markdown
-
     from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
-    from origami_nlp.files import PAGE
 
     out = Output(markdown=markdown)
     with progress("measuring") as report:
@@ -197,7 +194,7 @@ def speed(
             maps=(12,) if quick else MAP_DEGREES,
             progress=lambda degree: report(text=f"degree {degree} done"),
         )
-    out.say(Markdown(as_markdown(rows)), width=PAGE)
+    out.page(as_markdown(rows))
     out.write("markdown", as_markdown, rows)
 
 
