@@ -152,8 +152,9 @@ class _Listed(_Helped, TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            # first the end of the line on which the terminal shows ^C
-            print("\norigami-nlp: interrupted", file=sys.stderr, flush=True)
+            # a terminal shows ^C on the line where it stands
+            end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
+            print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
             raise typer.Exit(130) from None
 
     def _spelt(self, ctx: Any, name: str) -> str:

@@ -86,10 +86,11 @@ class Output:
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
-        from origami_nlp.files import is_stdout
+        from origami_nlp.files import is_stdout, printable
 
         if files := [str(target) for target in targets if not is_stdout(target)]:
-            self.say("written: " + ", ".join(files), highlight=False, soft_wrap=True)
+            for file in files:  # whole, to be copied
+                self.console.out(f"written: {printable(file)}", highlight=False)
 
 
 def _table(lines: list[str]) -> Table:

@@ -44,9 +44,12 @@ def sweep(
     if done.interrupted:
         output.say("interrupted: the same command goes on from here")
         raise typer.Exit(130)
-    output.save("figure", draw_sweep, out)
-    if done.counts.get("failed"):
+    failed = done.counts.get("failed")
+    if failed:
         output.say("failed scenes are tried again by the same command; reasons are in the store")
+    output.written(out)
+    output.save("figure", draw_sweep, out)
+    if failed:
         raise typer.Exit(1)
 
 

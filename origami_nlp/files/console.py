@@ -45,8 +45,9 @@ class Screen(Console):
 
     def print(self, *objects: Any, **options: Any) -> None:
         """Print as rich does, but lines of words broken with an indent, and titles of tables as such lines."""
-        things = [rich_cast(one) for one in objects]
-        if things and all(isinstance(one, str | Text) for one in things):
+        things: list[Any] = [rich_cast(one) for one in objects]
+        words = things and all(isinstance(one, str | Text) for one in things)
+        if words and not options.get("no_wrap"):
             marked = options.pop("highlight", None)
             texts = [
                 one if isinstance(one, Text) else self.render_str(one, highlight=marked)

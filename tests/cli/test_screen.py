@@ -1,11 +1,13 @@
 """What people see: no letter of it lost to markup, a narrow terminal or a pipe, and a job that lives says so."""
 
 import io
+import itertools
 import json
 import re
 import sys
 import threading
 import time
+import types
 
 import pytest
 from rich.table import Table
@@ -286,6 +288,42 @@ def test_busy_jobs_do_not_flood(quick, capsys):
                 time.sleep(0.001)
     lines = capsys.readouterr().err.splitlines()
     assert 1 <= len(lines) <= (time.monotonic() - start) / 0.2 + 1
+
+
+def test_lines_come_at_most_every_ten_seconds(monkeypatch):
+    """By a clock of its own: 1,000 jobs of 0.7 s with 0.5 s between them, and one of 100 s."""
+    now, said = [0.0], []
+
+    class Event:  # waits by moving the clock; the job ends at its time
+        def wait(self, seconds):
+            if now[0] + seconds >= self.end:
+                now[0] = self.end
+                return True
+            now[0] += seconds
+            return False
+
+        def set(self):
+            pass
+
+    class Thread:  # runs while it is started
+        def __init__(self, target, **_):
+            self.start = target
+
+        def join(self):
+            pass
+
+    monkeypatch.setattr(progress, "_heard", {"line": 0.0, "end": -progress.PAUSE})
+    monkeypatch.setattr(progress, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(progress, "threading", types.SimpleNamespace(Event=Event, Thread=Thread))
+    monkeypatch.setattr(progress, "print", lambda *_, **__: said.append(now[0]), raising=False)
+    assert progress.INTERVAL == 10.0
+    for length in [0.7] * 1000 + [100.0]:
+        monkeypatch.setattr(Event, "end", now[0] + length, raising=False)
+        with progress.progress("job"):
+            pass
+        now[0] += 0.5
+    gaps = [b - a for a, b in itertools.pairwise(said)]
+    assert min(gaps) >= 10 - 1e-6 and len(said) >= 0.75 * now[0] / 10
 
 
 def test_a_job_inside_another_is_what_that_is_at(quick, capsys):
