@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.files import is_unicode, printable
+from origami_nlp.files import Full, is_unicode, printable
 from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -31,7 +31,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Full):
     """Everything the user states.
 
     Parameters
@@ -220,11 +220,15 @@ class Scene:
         return float(energy) if energy.ndim == 0 else energy
 
     def __repr__(self) -> str:
+        who = self.label or f"{self.vertex!r}"
+        return f"Scene({who}: degree {self.degree}, symmetry {self.group.name}, contact {self.contact})"
+
+    def __str__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
         return (
-            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 

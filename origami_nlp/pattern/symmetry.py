@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SymmetryError
+from origami_nlp.files import Brief
 from origami_nlp.numerics import RESOLVED, TYPED
 from origami_nlp.pattern.vertex import Vertex
 
@@ -36,8 +37,8 @@ class Ray:
     sector: float
 
 
-@dataclass(frozen=True)
-class Symmetry:
+@dataclass(frozen=True, repr=False)
+class Symmetry(Brief):
     """A point group and the piece of the vertex that generates the rest.
 
     Attributes

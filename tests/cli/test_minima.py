@@ -49,7 +49,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
             )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
-    assert "phi = -pi at creases 2, 6" in repr(result)
+    assert "phi = -pi at creases 2, 6" in str(result)
 
 
 def test_json_to_stdout_is_only_json(scene):
