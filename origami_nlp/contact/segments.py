@@ -134,7 +134,8 @@ class SegmentReport(Told):
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for s in self.segments:
-            row = {"scene": self.scene.label, "contacts": "; ".join(self.curves[s.curve].contacts)}
+            row: dict[str, object] = {"scene": self.scene.label}
+            row["contacts"] = "; ".join(self.curves[s.curve].contacts)
             row |= {"length": s.length, "start": s.start, "end": s.end, "moment": s.moment}
             yield row | {"energy_change": s.energy_change, "slope": s.slope}
 
