@@ -39,6 +39,10 @@ class Brief:
 class Full:
     """An object whose ``str`` says all and whose ``repr`` is one line; alone in a Jupyter cell it shows all."""
 
+    def __init_subclass__(cls, **given: Any) -> None:
+        super().__init_subclass__(**given)
+        cls._repr_pretty_ = Full._repr_pretty_  # type: ignore[method-assign]  # else IPython takes a subclass's repr
+
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         alone = not cycle and len(getattr(printer, "stack", ())) <= 1  # and not within a list
         printer.text(str(self) if alone else repr(self))

@@ -57,7 +57,7 @@ class Result:
         Returns
         -------
         matplotlib.figure.Figure
-            The figure; in Jupyter the last line of a cell shows it.
+            The figure; in Jupyter, after ``%matplotlib inline``, the last line of a cell shows it.
 
         Raises
         ------

@@ -182,22 +182,12 @@ def test_a_repr_shows_numbers_and_cuts_lists():
     assert str(scene).count("pi/31") == 60 and str(scene).count(" 1,") == 58  # but first and last
 
 
-class Printer:
-    """What IPython hands to `_repr_pretty_`."""
-
-    def __init__(self, *stack):
-        self.stack, self.said = stack, []
-
-    def text(self, words):
-        self.said.append(words)
-
-
 def test_alone_in_full_and_in_a_list_on_one_line():
+    pretty = pytest.importorskip("IPython.lib.pretty").pretty
     result = results()["MinimaResult"]
-    for thing in (result.scene, result.model, result):
-        alone, within = Printer(1), Printer(1, 2)
-        thing._repr_pretty_(alone, False)
-        thing._repr_pretty_(within, False)
-        assert alone.said == [str(thing)] and within.said == [repr(thing)]
-        assert len(str(thing).splitlines()) > 2 and len(repr(thing).splitlines()) == 1
+    for thing in (result.scene, result.model, result, result.flags, results()["Barriers"]):
+        assert pretty(thing) == str(thing) and pretty([thing]) == repr([thing])
+        assert len(repr(thing).splitlines()) == 1
+        assert result.flags is thing or len(str(thing).splitlines()) > 2
     assert isinstance(result, Told) and type(result).__name__ in repr([result])
+    assert pretty(result.scene.vertex) == str(result.scene.vertex)
