@@ -163,28 +163,33 @@ class Scene(Full):
     def _make_symmetric(self, *wanted: Any) -> None:
         """Average sector angles, stiffness and rest angles over the group, then cut the piece anew.
 
-        What differs by no more than rounding stays as it is.
+        Averaged values may share a larger group within the tolerance, or another mirror: what is kept is exactly
+        symmetric.  What differs by no more than rounding stays as it is.
         """
-        elements = self.group.elements
-        sectors = averaged(self.vertex.sector_angles, elements, facets=True)
-        vertex = Vertex(sectors, self.vertex.flat)
-        k = averaged(self.stiffness, elements, facets=False)
-        rest = averaged(self.rest_angles, elements, facets=False)
-        changes = [
-            np.abs(np.subtract(sectors, self.vertex.sector_angles)),
-            np.abs(np.subtract(rest, self.rest_angles)),
-            np.abs(np.divide(k, self.stiffness) - 1),
-        ]
-        if np.max(changes) <= SUMMED:
-            return
-        object.__setattr__(self, "adjusted", float(np.max(changes)))
-        object.__setattr__(self, "vertex", vertex)
-        found = find_relations(vertex.sector_angles)
-        record = replace(self.relations, sector_angles=vertex.sector_angles, exact=found.exact)
-        object.__setattr__(self, "relations", record)
-        object.__setattr__(self, "stiffness", k)
-        object.__setattr__(self, "rest_angles", rest)
-        object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
+        stated = self.vertex.sector_angles, self.rest_angles, self.stiffness
+        while True:
+            elements = self.group.elements
+            sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+            rest = averaged(self.rest_angles, elements, facets=False)
+            k = averaged(self.stiffness, elements, facets=False)
+            if (
+                _change(
+                    (sectors, rest, k),
+                    (self.vertex.sector_angles, self.rest_angles, self.stiffness),
+                )
+                <= SUMMED
+            ):
+                return
+            object.__setattr__(self, "adjusted", _change((sectors, rest, k), stated))
+            object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
+            found = find_relations(self.vertex.sector_angles)
+            record = replace(
+                self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact
+            )
+            object.__setattr__(self, "relations", record)
+            object.__setattr__(self, "stiffness", k)
+            object.__setattr__(self, "rest_angles", rest)
+            object.__setattr__(self, "group", find_symmetry(self.vertex, k, rest, *wanted))
 
     @property
     def label(self) -> str:
@@ -231,6 +236,12 @@ class Scene(Full):
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
+
+
+def _change(new: Sequence[Sequence[float]], old: Sequence[Sequence[float]]) -> float:
+    """Return the largest change of sector angles and rest angles [rad] and, relatively, of stiffnesses."""
+    angles = [np.abs(np.subtract(a, b)).max() for a, b in zip(new[:2], old[:2], strict=True)]
+    return float(max(*angles, np.abs(np.divide(new[2], old[2]) - 1).max()))
 
 
 def _check_range(stiffness: Sequence[float]) -> None:

@@ -140,11 +140,14 @@ def shared_symmetries(
             and np.all(np.abs(rest[j] - rest) <= tolerance)
         )
 
-    shifts = [
+    near = {
         s
         for s in range(n)
         if np.all(np.abs(a[(i + s) % n] - a) <= tolerance) and mechanics((i + s) % n)
-    ]
+    }
+    # with a tolerance two shifts may be near and their sum not: only a whole group counts
+    step = next(g for g in range(1, n + 1) if n % g == 0 and near.issuperset(range(0, n, g)))
+    shifts = list(range(0, n, step))
     # crease i -> s - i sends the facet (i, i+1) to (s - i - 1, s - i)
     mirrors = [
         s
