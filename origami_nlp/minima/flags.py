@@ -23,7 +23,7 @@ class ResultFlags(Flags):
         No minimum is listed: every start ended elsewhere, or at a state that is not decided. Cure: Look at
         `search.undecided` and `search.rejected`; start from states that you know (`guesses`), or with
         effort="thorough".
-    may_be_incomplete
+    may_miss_minima
         No proof says that the list is complete; there may be minima that no start reached. Cure: prove=True, or
         seconds for it (within fold limits up to three freedoms, with contact where `completeness.reason` does not say
         no); else another `seed`, effort="thorough", and compare.
@@ -71,7 +71,7 @@ class ResultFlags(Flags):
     """
 
     nothing_found: bool = False
-    may_be_incomplete: bool = False
+    may_miss_minima: bool = False
     singular_states_open: bool = False
     search_stopped_early: bool = False
     starts_ended_nowhere: bool = False

@@ -81,7 +81,7 @@ class MinimaResult(Told):
         settled = proved == "proved" or search.stopped_by == "complete"
         return ResultFlags(
             nothing_found=not self.minima,
-            may_be_incomplete=not settled and proved != "proved-except-singular",
+            may_miss_minima=not settled and proved != "proved-except-singular",
             singular_states_open=proved == "proved-except-singular",
             search_stopped_early=not settled and search.stopped_by == "cap",
             starts_ended_nowhere=not settled and search.stalled > search.outcomes.get("minimum", 0),

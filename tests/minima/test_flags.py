@@ -93,7 +93,7 @@ def search_with(**changes):
 def test_a_search_that_went_badly_says_so(changes, up):
     good = {"stopped_by": "rule", "seen_once": 0, "quiet": 9}
     result = search_with(**good | changes)
-    assert set(result.flags.up) == up | {"may_be_incomplete"}
+    assert set(result.flags.up) == up | {"may_miss_minima"}
     assert all(name in str(result) and name in result.to_html(picture=False) for name in up)
     settled = search_with(**changes, complete="one freedom")
     settled = dataclasses.replace(
@@ -106,11 +106,11 @@ def test_proofs_that_leave_something_open():
     known = proved().completeness
     but = dataclasses.replace(known, status="proved-except-singular")
     open_ = dataclasses.replace(proved(), completeness=but).flags
-    assert open_.singular_states_open and not open_.may_be_incomplete
+    assert open_.singular_states_open and not open_.may_miss_minima
     failed = dataclasses.replace(
         proved(), completeness=dataclasses.replace(known, status="not-proved")
     )
-    assert failed.flags.may_be_incomplete and not failed.flags.singular_states_open
+    assert failed.flags.may_miss_minima and not failed.flags.singular_states_open
 
 
 def test_a_proof_that_adds_minima_says_so():
