@@ -5,6 +5,7 @@ from .drawing import (
     draw_state as draw_state,
     pose_state as pose_state,
 )
+from .flags import Flags as Flags, Reason as Reason
 from .html import inline_image as inline_image
 from .plain import (
     check_schema as check_schema,
@@ -12,6 +13,7 @@ from .plain import (
     pick as pick,
     to_plain as to_plain,
 )
+from .result import Result as Result, read_data as read_data
 from .style import (
     angle_ticks as angle_ticks,
     label_text as label_text,
