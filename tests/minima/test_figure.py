@@ -13,10 +13,10 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.text import Text
+from origami_nlp.minima.marks import STYLE
 
 import origami_nlp as o
 from origami_nlp.folding import fold_vertex
-from origami_nlp.minima.marks import STYLE
 from origami_nlp.minima.picture import MOST_DRAWN
 from origami_nlp.show import draw_state, pose_state
 from tests.computed_once import PANELS, panel_result, shared

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
+from origami_nlp.minima.marks import WARNING
 from rich.console import Console
 from typer.testing import CliRunner
 
@@ -14,7 +15,6 @@ import origami_nlp as o
 from origami_nlp.cli import app
 from origami_nlp.minima import judge_in_full_space, minima_table
 from origami_nlp.minima.fold_out import minima_to_fold
-from origami_nlp.minima.marks import WARNING
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from tests.computed_once import once
 
