@@ -136,7 +136,7 @@ def _paths(axes: Any, exact: ExactLandscape, group: list[int], passes: list[Pass
             points = np.where(_on(chart, step.path, group)[:, None], points, np.nan)
         axes.plot(*points.T, **PATH)
         at = chart_points(chart, np.array([step.fold_angles]))
-        axes.plot(*at.T, **pass_look(step.pass_kind, STYLE.star), zorder=6, clip_on=False)
+        axes.plot(*at.T, **pass_look(step.pass_kind, STYLE.star), zorder=7.5, clip_on=False)
 
 
 def _on(chart: Chart, path: np.ndarray, group: list[int]) -> np.ndarray:
@@ -150,7 +150,7 @@ def _title(exact: ExactLandscape) -> str:
     who = scene.label or f"degree {scene.degree}"
     words = f"{who}: {count} symmetric minim{'um' if count == 1 else 'a'}"
     if exact.counts[2] is not None:
-        words += f", {exact.counts[2]} stable in the full space"
+        words += f", {exact.counts[2]} of them stable"
     return label_text(words)
 
 

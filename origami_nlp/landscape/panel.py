@@ -100,6 +100,8 @@ def _mark(axes: Any, exact: ExactLandscape, branches: Sequence[int], style: Pane
     if style.numbers:
         wide = [(FAMILY if place.family else 1.0) * style.star for _, _, place in here]
         marks = [(p.point, str(n), w) for (n, _, p), w in zip(here, wide, strict=True)]
+        rings = [s.points[0] for s in exact.metastable if s.hidden and s.branch in branches]
+        marks += [((float(x), float(y)), "", 1.6 * style.star + 4) for x, y in rings]
         label_marks(axes, marks, 1.05 * style.text)
 
 

@@ -164,7 +164,7 @@ def _panels(chart: Landscape) -> _Panels:
     count = len(chart.branches)
     if chart.one_plane:
         return _Panels((tuple(range(count)),))
-    return _Panels(tuple((k,) for k in range(count)), width=3.4)
+    return _Panels(tuple((k,) for k in range(count)), width=3.0)
 
 
 def _rows(

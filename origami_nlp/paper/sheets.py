@@ -130,9 +130,9 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
     """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)
-    width, height = 7.2, 7.55
-    side, bar, left, top = 1.78, 0.07, 0.72, 0.5
-    step_x, step_y = 2.2, 2.13
+    width, height = 7.2, 7.6
+    side, bar, left, top = 1.78, 0.07, 0.72, 0.52
+    step_x, step_y = 2.2, 2.15
     figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
 
     def box(x: float, y: float, w: float, h: float) -> Any:
@@ -147,8 +147,8 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
         _ticks(axes, panel, bottom=row == rows - 1, first=column == 0)
         _bar(box(x + side + 0.05, y + 0.08, bar, side - 0.16), image)
         above = {"transform": axes.transAxes, "fontsize": 8}
-        axes.text(0.0, 1.02, f"({chr(97 + k)})", weight="bold", **above)
-        axes.text(1.0, 1.02, _counts(panel), ha="right", **above)
+        axes.text(0.0, 1.05, f"({chr(97 + k)})", weight="bold", **above)
+        axes.text(1.0, 1.05, _counts(panel), ha="right", **above)
         if row == 0:
             title = r"$\alpha_1 = " + _formula(sheet.alphas[column]) + "$"
             axes.text(
@@ -166,7 +166,7 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
                 va="center",
                 ha="center",
             )
-    figure.text(0.995, 1 - 0.36 / height, "energy U [J]", fontsize=7, ha="right", va="center")
+    figure.text(0.995, 1 - 0.14 / height, "energy U [J]", fontsize=7, ha="right", va="center")
     entries = legend_of(panels, STYLE)
     figure.legend(
         handles=entries,

@@ -194,7 +194,7 @@ def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[
         if any(v == verdict for _, v in pairs)
     ]
     for kind in kinds:
-        look = minimum_look(kind, None, size) | {"markerfacecolor": "#C8C8C8"}
+        look = minimum_look(kind, None, size) | {"markerfacecolor": "white"}
         entries.append(Line2D([], [], label=kind, **look))
     return entries
 
