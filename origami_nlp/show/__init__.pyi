@@ -15,13 +15,16 @@ from .plain import (
 )
 from .pose import Pose as Pose, pose_state as pose_state
 from .style import (
+    BAND as BAND,
     HANDLE as HANDLE,
+    IDLE as IDLE,
     INK as INK,
     INKS as INKS,
     KINDS as KINDS,
     METASTABLE as METASTABLE,
     MISSING as MISSING,
     PASSES as PASSES,
+    PUSHES as PUSHES,
     RING as RING,
     VERDICTS as VERDICTS,
     WARNING as WARNING,

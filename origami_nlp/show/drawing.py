@@ -166,7 +166,7 @@ def _hidden_ends(pose: Pose) -> list[bool]:
 def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corners of all that is drawn."""
     n = len(pose.creases)
-    parts = [labels - 0.1, labels + 0.1, np.zeros((1, 2))]
+    parts = [labels - 0.1, labels + 0.1, np.full((1, 2), -0.05), np.full((1, 2), 0.05)]
     for f, sector in enumerate(vertex.sector_angles):
         arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
         parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]

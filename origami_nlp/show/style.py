@@ -64,6 +64,10 @@ PASSES = {
 INK, WARNING = "#1B1B1B", "#AD1457"
 """Lines and words; words about what is unstable."""
 METASTABLE, HANDLE_COLOUR = "#E10000", "#7B1FA2"
+PUSHES, IDLE = "#B5179E", "#6C757D"
+"""Contacts that push, and contacts that only touch."""
+BAND = "#F0D9B5"
+"""Of a threshold."""
 INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
 """Okabe and Ito's colours, for what has no meaning of its own."""
 MISSING = "#D9D9D9"
