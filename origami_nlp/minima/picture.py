@@ -28,7 +28,7 @@ from origami_nlp.chart import (
     outline_of,
 )
 from origami_nlp.minima.minimum import Minimum
-from origami_nlp.minima.stability import count_words, verdict
+from origami_nlp.minima.stability import NOT_ASKED, count_words, verdict
 from origami_nlp.pattern import Scene
 from origami_nlp.show import (
     RING,
@@ -230,10 +230,10 @@ def _draw_panels(
         box = place_axes(x, 0.0, panels.width, panels.height)
         if norm is None:
             curves = draw_curves(box, chart)
-            _mark(box, shown, places, range(len(chart.branches)), curves)
+            _mark(box, chart.scene, shown, places, range(len(chart.branches)), curves)
             return
         image = draw_area(box, chart, group, norm, outline_of(chart.scene))
-        _mark(box, shown, places, group)
+        _mark(box, chart.scene, shown, places, group)
         if len(panels.groups) > 1:
             box.set_title(chart.branches[group[0]].name.replace("-", "−"), fontsize=10, pad=4)
     if image is not None:
@@ -243,6 +243,7 @@ def _draw_panels(
 
 def _mark(
     axes: Any,
+    scene: Scene,
     shown: tuple[Minimum, ...],
     places: list[Place],
     branches: Sequence[int],
@@ -251,12 +252,12 @@ def _mark(
     """Mark minima of some branches with their numbers, unstable ones on top."""
     here = [(k, m, p) for k, (m, p) in enumerate(zip(shown, places, strict=True), start=1)]
     here = [(k, m, p) for k, m, p in here if p.drawn and p.branch in branches]
-    for _, m, p in sorted(here, key=lambda one: _judged(one[1]) == "unstable"):
+    for _, m, p in sorted(here, key=lambda one: _judged(scene, one[1]) == "unstable"):
         if p.family:
             axes.plot(
                 *p.point, **RING, markersize=FAMILY, linestyle="none", zorder=6, clip_on=False
             )
-        mark_minimum(axes, p.point, m.kind, _judged(m), STAR)
+        mark_minimum(axes, p.point, m.kind, _judged(scene, m), STAR)
     free: list[tuple[tuple[float, float], str, float]] = []
     for line in curves:  # numbers keep off the curves
         free += [((float(x), float(y)), "", 2.0) for x, y in line.get_xydata()[::2]]
@@ -267,8 +268,9 @@ def _mark(
     label_marks(axes, [*labels, *free], 11)
 
 
-def _judged(minimum: Minimum) -> str | None:
-    return minimum.full_space.verdict if minimum.full_space else None
+def _judged(scene: Scene, minimum: Minimum) -> str | None:
+    known = verdict(scene, minimum)
+    return None if known == NOT_ASKED else known
 
 
 def _legend(
@@ -278,7 +280,7 @@ def _legend(
     drawn = [(m, p) for m, p in zip(shown, places, strict=False) if p.drawn]
     entries: list[Any] = []
     if drawn:
-        entries += minima_legend(((m.kind, _judged(m)) for m, _ in drawn), 0.85 * STAR)
+        entries += minima_legend(((m.kind, _judged(chart.scene, m)) for m, _ in drawn), 0.85 * STAR)
     if any(p.family for _, p in drawn):
         ring = Line2D([], [], **RING, markersize=12, linestyle="none", label="several states there")
         entries.append(ring)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,16 @@ DIRECTIONS = (45, 135, -45, -135, 0, 180, 90, -90, 22, 68, 112, 158, -22, -68, -
 """Where a label may stand, best first [degrees]."""
 STEPS = (1.0, 5.0, 9.0, 14.0)
 """Distances between the mark and the label [points]."""
+
+
+@dataclass
+class _Mark:
+    """A mark: where [pixels, data], numbers of those that lie there, diameter of the largest [points]."""
+
+    at: np.ndarray
+    place: tuple[float, float]
+    texts: list[str]
+    wide: float
 
 
 def label_marks(
@@ -38,25 +49,26 @@ def label_marks(
     canvas = FigureCanvasAgg(axes.figure)
     renderer = canvas.get_renderer()
     point = axes.figure.dpi / 72
-    groups: list[tuple[np.ndarray, tuple[float, float], list[str], float]] = []
+    groups: list[_Mark] = []
     for place, text, wide in marks:
         at = axes.transData.transform(place)
         if not np.isfinite(at).all():
             continue
-        near = [g for g in groups if text and g[2] and np.hypot(*(g[0] - at)) < SAME * point]
+        near = [g for g in groups if text and g.texts and np.hypot(*(g.at - at)) < SAME * point]
         if near:
-            near[0][2].append(text)
-            groups[groups.index(near[0])] = (*near[0][:3], max(near[0][3], wide))
+            near[0].texts.append(text)
+            near[0].wide = max(near[0].wide, wide)
         else:
-            groups.append((at, place, [text] * bool(text), wide))
-    taken = [_box(at, wide * point, wide * point) for at, _, _, wide in groups]
+            groups.append(_Mark(at, place, [text] * bool(text), wide))
+    taken = [_box(group.at, group.wide * point, group.wide * point) for group in groups]
     frame = axes.get_window_extent(renderer)
-    for at, place, texts, wide in groups:
-        if not texts:
+    for group in groups:
+        if not group.texts:
             continue
+        at = group.at
         label = axes.annotate(
-            ", ".join(sorted(texts, key=lambda t: (len(t), t))),
-            place,
+            ", ".join(sorted(group.texts, key=lambda t: (len(t), t))),
+            group.place,
             (0, 0),
             textcoords="offset points",
             ha="center",
@@ -69,7 +81,7 @@ def label_marks(
             path_effects=[withStroke(linewidth=2.6, foreground="white")],
         )
         extent = label.get_window_extent(renderer)
-        best = _best(at, wide * point, extent, taken, frame, point)
+        best = _best(at, group.wide * point, extent, taken, frame, point)
         label.set_position(((best[0] - at[0]) / point, (best[1] - at[1]) / point))
         taken.append(_box(best, extent.width, extent.height))
 

@@ -50,8 +50,12 @@ VERDICTS: dict[str | None, tuple[str, str]] = {
     "unstable": ("#D81B60", "unstable in the full space"),
     "undecided": ("#9E9E9E", "undecided"),
     None: ("#FFFFFF", "full space not asked"),
+    "": ("#FFFFFF", "minimum"),
 }
-"""Filling of a minimum by its verdict in the full space, and what the legend says; undecided ones are half filled."""
+"""Filling of a minimum by its verdict in the full space, and what the legend says; undecided ones are half filled.
+
+Empty with less than full contact and no symmetry imposed: there is no other space to ask about.
+"""
 PASSES = {
     "saddle": "D",
     "contact saddle": "d",
