@@ -50,7 +50,18 @@ def texts(figure):
     """Visible texts with their boxes in pixels."""
     figure.draw_without_rendering()
     found = []
+    unseen = set()  # labels of ticks beyond the ends of an axis, which matplotlib makes and does not draw
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        low, high = sorted(axis.get_view_interval())
+        slack = 1e-9 * (high - low)
+        unseen |= {
+            tick.label1
+            for tick in axis.get_major_ticks()
+            if not low - slack <= tick.get_loc() <= high + slack
+        }
     for text in figure.findobj(Text):
+        if text in unseen:
+            continue
         if not text.get_visible() or not text.get_text().strip() or not text.get_figure():
             continue
         found.append((text.get_text(), text.get_window_extent()))

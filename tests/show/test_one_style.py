@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.barriers import draw_barriers, find_barriers
+from origami_nlp.chart import admissible_region, landscape
 from origami_nlp.landscape import draw_landscape
 from origami_nlp.show import (
     KINDS,
@@ -24,13 +25,24 @@ from origami_nlp.show import (
 )
 from tests.computed_once import PANELS, once, panel_boundary, panel_result
 
+TRACED = [o.examples.degree6("pi/4"), o.examples.degree6("pi/3"), o.examples.degree8("pi/12", 0.01)]
+"""Of these panels other tests have the boundary."""
+STRETCHES = (6, 8, 9)
+"""Panels whose metastable stretches are looked for: the two that have some, and one that has none."""
+
 
 def drawn(number):
     """The landscape of a panel: the colours are coarse, the boundary is that of its geometry."""
     scene = PANELS[number]
-    first = next(k for k, other in enumerate(PANELS) if other.vertex == scene.vertex)
+    traced = next(other for other in (*TRACED, *PANELS) if other.vertex == scene.vertex)
+    boundary = panel_boundary(PANELS.index(traced))
     result = panel_result(scene, full=True)
-    return draw_landscape(o.find_landscape(result, 21, boundary=panel_boundary(first)))
+    if number in STRETCHES:
+        return draw_landscape(o.find_landscape(result, 21, boundary=boundary))
+    chart = landscape(scene, 21)
+    regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
+    places = tuple(chart.place(m.fold_angles) for m in result.minima)
+    return draw_landscape(o.ExactLandscape(result, chart, boundary, regions, places, ()))
 
 
 def boxes(figure, gid):
