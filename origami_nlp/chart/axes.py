@@ -234,7 +234,7 @@ def curve_name(chart: Landscape, k: int) -> str:
     >>> scene = Scene(Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (0,) * 4, "D1")
     >>> chart = landscape(scene, 64)
     >>> [curve_name(chart, k) for k in range(len(chart.branches))]
-    ['VVMV for φ₁ > 0', 'V−V− for φ₁ > 0']
+    ['VMMM for φ₁ > 0', 'V−V− for φ₁ > 0']
     """
     crease = int(chart.coordinates[0].removeprefix("phi_"))
     states = chart.branches[k].fold_angles

@@ -90,7 +90,7 @@ def _best(
     at: np.ndarray, wide: float, extent: Bbox, taken: list[Bbox], frame: Bbox, point: float
 ) -> np.ndarray:
     """Choose the middle of a label: first what covers least, then inside the frame, then near."""
-    options = []
+    options: list[tuple[float, float, int, np.ndarray]] = []
     for step in STEPS:
         for angle in DIRECTIONS:
             way = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])

@@ -80,7 +80,11 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
     below = np.zeros(len(x))
     for kind, count in _by_kind(grid).items():
         top = below + np.maximum(count, 0)
-        look = {"facecolor": KINDS[kind].colour, "hatch": KINDS[kind].hatch, "edgecolor": "white"}
+        look: dict[str, Any] = {
+            "facecolor": KINDS[kind].colour,
+            "hatch": KINDS[kind].hatch,
+            "edgecolor": "white",
+        }
         axes.fill_between(x[order], below[order], top[order], step="mid", **look, lw=0, label=kind)
         below = top
     for value in x[grid["count"] < 0]:

@@ -50,7 +50,9 @@ def texts(figure):
     """Visible texts with their boxes in pixels."""
     figure.draw_without_rendering()
     found = []
-    unseen = set()  # labels of ticks beyond the ends of an axis, which matplotlib makes and does not draw
+    unseen = (
+        set()
+    )  # labels of ticks beyond the ends of an axis, which matplotlib makes and does not draw
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
         low, high = sorted(axis.get_view_interval())
         slack = 1e-9 * (high - low)
