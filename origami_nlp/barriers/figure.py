@@ -104,7 +104,8 @@ def shape_of(barriers: Barriers) -> Tree:
     """
     trees: dict[int, Tree] = {k: () for k in range(1, len(barriers.result.minima) + 1)}
     for join in barriers.merges:
-        height, branches = f"{join.energy:.4g}", []
+        height = f"{join.energy:.4g}"
+        branches: list[Tree] = []
         for side in (join.first, join.second):
             tree = trees[side[0]]
             branches += tree[2] if tree[:2] == (join.pass_kind, height) else [tree]

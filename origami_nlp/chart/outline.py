@@ -71,7 +71,10 @@ def outline_of(scene: Scene) -> Outline:
     """
     if chart_of(scene) is None:
         raise OptionError(f"symmetry {scene.group.name}: the scene has no chart of two coordinates")
-    springs = {"stiffness": (1.0,) * scene.degree, "rest_angles": (0.0,) * scene.degree}
+    springs: dict[str, Any] = {
+        "stiffness": (1.0,) * scene.degree,
+        "rest_angles": (0.0,) * scene.degree,
+    }
     return _outline(replace(scene, **springs, symmetry=scene.group.name, name=None))
 
 
@@ -103,7 +106,7 @@ class _Grid:
 
     def good(self, points: np.ndarray) -> np.ndarray:
         """Whether chart points [k, 2] have an admissible state."""
-        return allowed(self.chart, self.branch, points[:, 0], points[:, 1])[0]
+        return np.asarray(allowed(self.chart, self.branch, points[:, 0], points[:, 1])[0])
 
     def corners(self, cells: np.ndarray, step: int) -> np.ndarray:
         """Whether the corners of cells [k, 2] are good, counter-clockwise from the lower left: [k, 4]."""
@@ -139,7 +142,7 @@ def _bisected_region(chart: Chart, branch: int) -> MultiPolygon:
     ):  # a thin piece that goes on where nothing was halved
         cells = np.concatenate([cells, new])
         good = np.concatenate([good, grid.corners(new, 1)])
-    mixed = good.any(axis=1) & ~good.all(axis=1)
+    mixed = np.asarray(good.any(axis=1) & ~good.all(axis=1))
     x0, x1, y0, y1 = grid.limits
     lines = [shapely.box(x0, y0, x1, y1).exterior]
     return _kept(chart, branch, lines + _segments(grid, cells[mixed], good[mixed]))
@@ -163,15 +166,15 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
     a, b = (grid.points(cells[cell] + AROUND[(side + k) % 4]) for k in (0, 1))
     swap = (a > b).any(axis=1)[:, None]  # the same way from both cells that share the edge
     a, b = np.where(swap, b, a), np.where(swap, a, b)
-    inside = grid.good(a)[:, None]
+    inside = np.asarray(grid.good(a))[:, None]
     a, b = np.where(inside, a, b), np.where(inside, b, a)
     for _ in range(BISECTIONS):
         middle = (a + b) / 2
-        ok = grid.good(middle)[:, None]
+        ok = np.asarray(grid.good(middle))[:, None]
         a, b = np.where(ok, middle, a), np.where(ok, b, middle)
-    centre = grid.good(grid.points(cells + 0.5))
+    centre = np.asarray(grid.good(grid.points(cells + 0.5)))
     pairs, first = [], np.searchsorted(cell, np.arange(len(cells)))
-    for k, start in enumerate(first):
+    for k, start in enumerate(first.tolist()):
         ends = list(range(start, start + int(crossed[k].sum())))
         if len(ends) == 4 and good[k, 0] != centre[k]:
             ends = ends[1:] + ends[:1]  # sides 3 and 0 meet at the corner to cut off, and 1 and 2

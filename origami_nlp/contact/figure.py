@@ -17,7 +17,10 @@ from origami_nlp.show import IDLE, PUSHES, Pose, crease_legend, draw_state, draw
 
 WIDTH = 4.2
 """Of the picture [in]."""
-LOOKS = {True: {"color": PUSHES, "lw": 3.4}, False: {"color": IDLE, "lw": 2.2, "ls": (0, (2, 1))}}
+LOOKS: dict[bool, dict[str, Any]] = {
+    True: {"color": PUSHES, "lw": 3.4},
+    False: {"color": IDLE, "lw": 2.2, "ls": (0, (2, 1))},
+}
 """Lines of contacts that push, and of those that only touch."""
 
 

@@ -133,12 +133,13 @@ def legend_of(panels: list[ExactLandscape], style: PanelStyle) -> list[Any]:
         entries.append(Line2D([], [], **ring, label="several states there"))
     stretches = [s for panel in panels for s in panel.metastable]
     if any(not s.hidden for s in stretches):
-        look = {"color": METASTABLE, "linewidth": 3.0 * style.line}
+        look: dict[str, Any] = {"color": METASTABLE, "linewidth": 3.0 * style.line}
         entries.append(Line2D([], [], **look, label="metastable stretch"))
     if any(s.hidden for s in stretches):
-        ring = {"marker": "o", "markersize": 1.2 * size, "markerfacecolor": "none"}
-        ring |= {"markeredgecolor": METASTABLE, "markeredgewidth": 1.6, "linestyle": "none"}
-        entries.append(Line2D([], [], **ring, label="metastable, on one point"))
+        red = RING | {"markersize": 1.2 * size, "markeredgecolor": METASTABLE, "linestyle": "none"}
+        entries.append(
+            Line2D([], [], **red | {"markeredgewidth": 1.6}, label="metastable, on one point")
+        )
     lines: dict[str, Any] = {}
     for panel in panels:
         for handle in area_legend(panel.chart, panel.outline, style.line):
