@@ -31,7 +31,7 @@ WORDS = {
 }
 NEAREST_LABELS = 0.045
 """Labels are at least this far apart (share of the axes' height)."""
-WIDE = 0.28
+WIDE = 0.36
 """How much of a distance along the width counts for that of labels, which are wider than high."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
@@ -138,7 +138,7 @@ def draw_boundaries(
     *,
     labels: bool = True,
     mirrored: bool = False,
-    size: float = 8.0,
+    size: float = 7.5,
 ) -> None:
     """Draw boundaries with labels on the side where the branch has a minimum.
 
@@ -210,14 +210,14 @@ def _place_labels(
     every = [unit(x, y) for _, x, y in curves]
     for own, (curve, _, _) in enumerate(curves):
         points = every[own]
-        good = ((points > [0.09, 0.05]) & (points < [0.91, 0.95])).all(axis=1)
+        good = ((points > [0.08, 0.04]) & (points < [0.94, 0.97])).all(axis=1)
         if good.sum() < 5:
             continue
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
         side = _side_of_minimum(curve)
         # at an end curve the branch has a minimum on both sides: its label stands on the line
-        offset = points[at] + np.array([0.0, 0.028 * side * (curve.kind != "end")])
+        offset = points[at] + np.array([0.0, 0.034 * side * (curve.kind != "end")])
         room = np.full(len(at), 1.0)
         for other in placed:
             apart = np.hypot(*((offset - other) * np.array([WIDE, 1.0])).T)
@@ -239,7 +239,8 @@ def _place_labels(
             color=ink(curve.branches),
             ha="center",
             va="center",
-            bbox={"fc": "white", "ec": "none", "pad": 0.8},
+            bbox={"fc": "white", "ec": "none", "pad": 0.6} if curve.kind == "end" else None,
+            zorder=3 if curve.kind == "end" else 4,
         )
 
 
