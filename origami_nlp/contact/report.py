@@ -217,7 +217,7 @@ class ContactReport(Told):
         if self.states:
             parts.append(
                 "<p><small>Thick magenta lines are creases in contact, magenta outlines facets in contact, "
-                "images under the symmetry included; grey contacts carry nothing.</small></p>"
+                "images under the symmetry included; dashed grey contacts carry nothing.</small></p>"
             )
         if self.segments is not None:
             parts += [
