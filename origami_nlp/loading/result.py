@@ -181,6 +181,8 @@ class LoadPath(Told):
     steps: int
     evaluations: int
 
+    PICTURE = "draw_load"
+
     @property
     def dissipated(self) -> float:
         """Energy lost in all snaps [J]; over a closed cycle the area of the hysteresis loop."""

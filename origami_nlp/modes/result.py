@@ -111,6 +111,8 @@ class Modes(Told):
     result: MinimaResult
     states: tuple[StateModes, ...]
 
+    PICTURE = "draw_modes"
+
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
         rows = []

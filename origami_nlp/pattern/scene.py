@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
-from origami_nlp.files import is_unicode, printable
+from origami_nlp.files import Full, is_unicode, printable
 from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
@@ -34,7 +34,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Full):
     """Everything the user states.
 
     Parameters
@@ -215,34 +215,37 @@ class Scene:
     def _make_symmetric(self, *wanted: Any) -> None:
         """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
 
-        What differs by no more than rounding stays as it is.
+        Averaged values may share a larger group within the tolerance, or another mirror: what is kept is exactly
+        symmetric.  What differs by no more than rounding stays as it is.
         """
-        elements = self.group.elements
-        sectors = averaged(self.vertex.sector_angles, elements, facets=True)
-        vertex = Vertex(sectors, self.vertex.flat)
-        k = averaged(self.stiffness, elements, facets=False)
-        rest = averaged(self.rest_angles, elements, facets=False)
-        preload = averaged(self.preload, elements, facets=False) if self.preload else ()
-        changes = [
-            np.abs(np.subtract(sectors, self.vertex.sector_angles)),
-            np.abs(np.subtract(rest, self.rest_angles)),
-            np.abs(np.divide(k, self.stiffness) - 1),
-            np.abs(np.subtract(preload, self.preload)) / self.stiffness
-            if preload
-            else np.zeros(len(k)),
-        ]
-        if np.max(changes) <= SUMMED:
-            return
-        object.__setattr__(self, "adjusted", float(np.max(changes)))
-        object.__setattr__(self, "vertex", vertex)
-        found = find_relations(vertex.sector_angles)
-        record = replace(self.relations, sector_angles=vertex.sector_angles, exact=found.exact)
-        object.__setattr__(self, "relations", record)
-        object.__setattr__(self, "stiffness", k)
-        object.__setattr__(self, "rest_angles", rest)
-        object.__setattr__(self, "preload", preload)
-        group = self._find_symmetry(k, rest, *wanted)
-        object.__setattr__(self, "group", group)
+        stated = self._numbers
+        while True:
+            elements = self.group.elements
+            sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+            rest, k, preload = (
+                averaged(values, elements, facets=False) if values else ()
+                for values in (self.rest_angles, self.stiffness, self.preload)
+            )
+            made = sectors, rest, np.divide(preload, k) if preload else (), k
+            if _change(made, self._numbers) <= SUMMED:
+                return
+            object.__setattr__(self, "adjusted", _change(made, stated))
+            object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
+            found = find_relations(self.vertex.sector_angles)
+            record = replace(
+                self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact
+            )
+            object.__setattr__(self, "relations", record)
+            object.__setattr__(self, "stiffness", k)
+            object.__setattr__(self, "rest_angles", rest)
+            object.__setattr__(self, "preload", preload)
+            object.__setattr__(self, "group", self._find_symmetry(k, rest, *wanted))
+
+    @property
+    def _numbers(self) -> tuple[Any, ...]:
+        """Sector angles, rest angles, angles by which preload winds the springs, stiffness."""
+        wound = np.divide(self.preload, self.stiffness) if self.preload else ()
+        return self.vertex.sector_angles, self.rest_angles, wound, self.stiffness
 
     @property
     def wound_angles(self) -> tuple[float, ...]:
@@ -330,18 +333,29 @@ class Scene:
         return float(energy) if energy.ndim == 0 else energy
 
     def __repr__(self) -> str:
+        who = self.label or f"{self.vertex!r}"
+        return f"Scene({who}: degree {self.degree}, symmetry {self.group.name}, contact {self.contact})"
+
+    def __str__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
         preload = ", ".join(f"{v:.6g}" for v in self.preload)
         return (
-            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
             + "".join(
                 f"\n  load: {load.words}, facet {self.held_facet} held," for load in self.loads
             )
             + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
+
+
+def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
+    """Return the largest change of angles [rad] and, relatively, of the stiffnesses, which come last."""
+    pairs = zip(new[:-1], old[:-1], strict=True)
+    angles = [np.abs(np.subtract(a, b)).max(initial=0.0) for a, b in pairs]
+    return float(max(*angles, np.abs(np.divide(new[-1], old[-1]) - 1).max()))
 
 
 def _check_range(stiffness: Sequence[float]) -> None:

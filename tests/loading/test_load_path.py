@@ -162,7 +162,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
     assert len(path_to_fold(LOOP)["file_frames"]) == sum(len(leg.points) for leg in LOOP.legs)
     assert len(draw(LOOP, tmp_path / "load.png").axes) == 2
-    assert "lands on contact-pinned" in repr(LOOP)
+    assert "lands on contact-pinned" in str(LOOP)
 
 
 @pytest.mark.parametrize(

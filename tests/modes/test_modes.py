@@ -98,4 +98,4 @@ def test_the_command_writes_numbers_and_a_figure(tmp_path):
     values = [m["eigenvalue"] for m in state["modes"] if m["block"] == "symmetric"]
     assert values == pytest.approx(MODES.states[1].eigenvalues("symmetric"), rel=1e-9)
     assert len(draw(MODES, figure).axes) == 4 and figure.stat().st_size > 10_000
-    assert "held closed" not in repr(MODES) and "#2.3" in repr(MODES)
+    assert "held closed" not in str(MODES) and "#2.3" in str(MODES)

@@ -129,5 +129,5 @@ def test_search_proof_and_its_check_agree_under_preload():
 
 
 def test_the_picture_of_the_model_says_so():
-    assert "crease 3 -4 N m (-7.5 rad)" in repr(Model(WOUND)) and "preload" in repr(WOUND)
-    assert "preload" not in repr(Model(replace(WOUND, preload=())))
+    assert "crease 3 -4 N m (-7.5 rad)" in str(Model(WOUND)) and "preload" in str(WOUND)
+    assert "preload" not in str(Model(replace(WOUND, preload=())))

@@ -158,7 +158,7 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
     shut = sorted(m.fold_angles for m in found.minima[1:])
     assert np.abs(np.array(shut) - [(u, s, -u, s) for s in (-math.pi, math.pi)]).max() < 1e-9
     assert len(found.minima) == 3
-    assert any("facet 4 is held" in line for line in repr(found).splitlines())
+    assert any("facet 4 is held" in line for line in str(found).splitlines())
 
 
 def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_held_facet():
