@@ -122,8 +122,9 @@ class Driver:
         """Return the scene under the load t; its energy may differ from the path's by a constant."""
         name = f"{self.scene.label + ', ' if self.scene.label else ''}{self.name} = {t:.10g}"
         if self.crease is None:
-            scaled = [(load, *(t * f for f in load.force or ())) for load in self.scene.loads]
-            loads = tuple(replace(load, force=(x, y, z)) for load, x, y, z in scaled)
+            forces = [[t * f for f in load.force or ()] for load in self.scene.loads]
+            pairs = zip(self.scene.loads, forces, strict=True)
+            loads = tuple(replace(load, force=(f[0], f[1], f[2])) for load, f in pairs)
             return replace(self.scene, loads=loads, name=name)
         preload = np.array(self.scene.preload or np.zeros(self.scene.degree))
         preload[np.array(self.creases) - 1] += t
