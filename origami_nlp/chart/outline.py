@@ -74,6 +74,7 @@ def outline_of(scene: Scene) -> Outline:
     springs: dict[str, Any] = {
         "stiffness": (1.0,) * scene.degree,
         "rest_angles": (0.0,) * scene.degree,
+        "preload": (),
     }
     return _outline(replace(scene, **springs, symmetry=scene.group.name, name=None))
 

@@ -84,7 +84,7 @@ class Driver:
     def coordinate(self) -> str:
         """What the load works on, with its unit."""
         if self.crease is None:
-            return "displacement of the loads along their forces [m]"
+            return "position of the loads along their forces [m]"
         return f"fold angle of crease {self.crease} [rad]"
 
     @property
@@ -93,7 +93,7 @@ class Driver:
         return self.scene if self.crease is not None else replace(self.scene, loads=())
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return what the load works on at states [..., N]: an angle [rad], or the displacement of forces [m].
+        """Return what the load works on at states [..., N]: an angle [rad], or where forces are along themselves [m].
 
         Several forces: sum f . p over the root of the sum of their squares.
         """

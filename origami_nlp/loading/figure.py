@@ -145,6 +145,7 @@ def _energy(axes: Any, path: LoadPath) -> None:
         a, b = (float(energy(np.array(phi))) for phi in (snap.before, snap.after))
         style = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 1, "shrinkB": 1}
         axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=style)
+        axes.plot(snap.t, b, alpha=0.0)  # arrows alone do not widen the axes
     axes.set_xlabel("load" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
     axes.set_ylabel("energy without the load  [J]")
     axes.grid(True, lw=0.3, color="#dddddd")

@@ -203,7 +203,7 @@ class LoadPath(Told):
             ]
             for e in self.events
         ]
-        head = "angle [rad]" if self.driver.crease else "moved [m]"
+        head = "angle [rad]" if self.driver.crease else "position [m]"
         title = (
             f"{self.scene.label or self.scene.vertex!r}: state #{self.state} under {self.driver.name}, "
             f"{self.low:.6g} to {self.high:.6g} {self.driver.unit}".rstrip()
