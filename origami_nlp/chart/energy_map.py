@@ -22,13 +22,14 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
 from origami_nlp.folding import examine
 from origami_nlp.numerics import TOUCHES
 from origami_nlp.pattern import Scene
 
 
-@dataclass(frozen=True)
-class Branch:
+@dataclass(frozen=True, repr=False)
+class Branch(Brief):
     """One sheet of the landscape (an area, or one curve).
 
     name: empty where there is only one.
@@ -64,8 +65,8 @@ LARGEST_SIZE = 8192
 """Cells along each coordinate; that many take about 5 GB."""
 
 
-@dataclass(frozen=True)
-class Landscape:
+@dataclass(frozen=True, repr=False)
+class Landscape(Brief):
     """Energy over the coordinates of a scene.
 
     kind: ``"area"`` (two coordinates), ``"curve"`` (one) or ``"none"``.

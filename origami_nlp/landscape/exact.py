@@ -96,6 +96,8 @@ class ExactLandscape(Told):
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
+    PICTURE = "draw_landscape"
+
     @property
     def counts(self) -> tuple[int, int | None, int | None]:
         """N_sym, N_not-ruled-out, N_full: symmetric minima, those not unstable and those stable in the full space.

@@ -10,11 +10,13 @@ from html import escape
 
 from origami_nlp.chart import UNIT, landscape
 from origami_nlp.minima.completeness import Completeness
+from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.minima.telling import (
     contact_words,
+    flag_lines,
     freedom_words,
     geometry_lines,
     search_lines,
@@ -32,7 +34,8 @@ def as_html(
     minima: tuple[Minimum, ...],
     freedom: int,
     search: SearchReport,
-    completeness: Completeness | None = None,
+    completeness: Completeness | None,
+    flags: ResultFlags,
     *,
     picture: bool = True,
 ) -> str:
@@ -57,8 +60,8 @@ def as_html(
         parts.append(inline_image(figure, text, DPI))
     if minima:
         parts.append(_certificates(minima))
-    proved = list(completeness.lines()) if completeness else []
-    parts += [_search(scene, minima, search, proved), "</div>"]
+    more = [*(completeness.lines() if completeness else ()), *flag_lines(flags)]
+    parts += [_search(scene, minima, search, more), "</div>"]
     return "\n".join(parts)
 
 
@@ -97,12 +100,12 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     return "\n".join([*lines, "</ol></details>"])
 
 
-def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, proved: list[str]) -> str:
-    more = not_asked_words(scene, minima)
+def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, more: list[str]) -> str:
+    not_asked = not_asked_words(scene, minima)
     lines = [
-        *proved,
+        *more,
         *search_lines(s),
-        *[more] * bool(more),
+        *[not_asked] * bool(not_asked),
         *undecided_lines(s),
         *geometry_lines(scene),
     ]

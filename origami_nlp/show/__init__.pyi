@@ -5,6 +5,7 @@ from .drawing import (
     draw_state as draw_state,
     drawn_height as drawn_height,
 )
+from .flags import Flags as Flags, Reason as Reason
 from .html import inline_image as inline_image
 from .labels import label_marks as label_marks
 from .plain import (
@@ -14,6 +15,7 @@ from .plain import (
     to_plain as to_plain,
 )
 from .pose import Pose as Pose, pose_state as pose_state
+from .result import Result as Result, read_data as read_data
 from .style import (
     BAND as BAND,
     HANDLE as HANDLE,

@@ -50,7 +50,7 @@ def test_without_verdicts_no_word_says_stable(open_):
     assert count_words(open_.scene, open_.minima) == "4 symmetric minima"
     assert {verdict(SCENE, m) for m in open_.minima} == {"not asked"}
     figure = o.draw_minima(open_, size=61)
-    told = [repr(open_), open_.to_html(picture=False), *words(figure)]
+    told = [str(open_), open_.to_html(picture=False), *words(figure)]
     told.append(json.dumps(minima_to_fold(open_)))
     for text in told:
         plain = text.replace(not_asked_words(open_.scene, open_.minima), "").replace(
@@ -69,7 +69,7 @@ def test_verdicts_are_in_table_html_figure_and_fold(decided):
     verdicts = [judge_in_full_space(SCENE, np.array(m.fold_angles)).verdict for m in decided.minima]
     assert sorted(verdicts) == ["stable"] * 3 + ["unstable"]
     title = "4 symmetric minima (3 stable, 1 unstable in the full space)"
-    text = repr(decided)
+    text = str(decided)
     assert title in text and "full space: not asked" not in text
     rows = [line.split() for line in text.splitlines() if line.strip().startswith(("1  ", "2  "))]
     rows += [line.split() for line in text.splitlines() if line.strip().startswith(("3  ", "4  "))]
@@ -133,7 +133,7 @@ def test_undecided_states_are_counted_as_such(decided):
 def test_demo_decides_every_state(tmp_path, monkeypatch):
     few = [o.examples.degree6("pi/3", 1.0), o.examples.degree8("pi/4", 1.0)]
     monkeypatch.setattr(o.examples, "panels", lambda: few)
-    out = CliRunner().invoke(app, ["demo", "--out", str(tmp_path)])
+    out = CliRunner().invoke(app, ["paper", "demo", "--out", str(tmp_path)])
     assert out.exit_code == 0, out.output
     assert "4 symmetric minima (3 stable, 1 unstable in the full space)" in out.output
     assert "3 of 4" in out.output and "2 of 2" in out.output and "5 of 6" in out.output
