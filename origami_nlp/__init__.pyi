@@ -25,6 +25,7 @@ from .pattern import (
     format_scene as format_scene,
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
+    read_fold_scenes as read_fold_scenes,
     read_scene as read_scene,
 )
 from .programme import Model as Model

@@ -48,22 +48,21 @@ def _rest_angle(value: float | None) -> float | None:
 # ---------------------------------------------------------------- what comes in
 
 SceneFile = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
-]
-SceneOrFold = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for TOML on stdin."),
+    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
 ]
 SceneOrPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="[SCENE]", help="Scene file (TOML), or - for stdin; none: the paper's panels."
+        metavar="[SCENE]",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; none: the paper's panels.",
     ),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
+        metavar="SCENE",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
     ),
 ]
 FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
@@ -143,7 +142,10 @@ Workers = Annotated[
 # ---------------------------------------------------------------- FOLD files
 
 FrameNumber = Annotated[
-    int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
+    int | None,
+    typer.Option(
+        "--frame", help="FOLD file: the frame, from 0 (default: the first with geometry)."
+    ),
 ]
 VertexNumber = Annotated[
     int | None, typer.Option(help="FOLD file: the vertex, numbered from 0 as in the file.")
