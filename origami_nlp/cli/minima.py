@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -37,6 +38,7 @@ def minima(
     from origami_nlp.minima import (
         check_mesh,
         draw_minima,
+        find_vertexwise,
         print_result,
         result_to_dict,
         write_fold,
@@ -46,16 +48,35 @@ def minima(
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, certificate=certificate)
     if mesh:
         check_mesh(mesh)
-    result = search(
-        scene.read(),
-        scene.name,
-        seed=seed,
-        max_starts=max_starts,
-        effort=effort,
-        workers=workers,
-        full=full,
-        prove=o.wanted_proof(prove),
-    )
+    options: dict[str, Any] = {
+        "seed": seed,
+        "max_starts": max_starts,
+        "effort": effort,
+        "workers": workers,
+        "full": full,
+        "prove": o.wanted_proof(prove),
+    }
+    if scene.is_fold and scene.vertex is None:
+        scenes = scene.read_all()
+        if len(scenes) > 1:
+            for option, file in (
+                ("figure", figure),
+                ("fold", fold),
+                ("mesh", mesh),
+                ("certificate", certificate),
+            ):
+                if file is not None:
+                    raise OptionError(
+                        f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
+                    )
+            found = find_vertexwise(scenes, find=partial(search, name=scene.name), **options)
+            found.tell(out.console)
+            out.write("json", found.to_dict)
+            return
+        (stated,) = scenes.values()
+    else:
+        stated = scene.read()
+    result = search(stated, scene.name, **options)
     print_result(result, out.console)
     out.write("json", result_to_dict, result)
     out.save("figure", draw_minima, result)

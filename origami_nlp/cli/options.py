@@ -101,6 +101,12 @@ NpzFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Write grids, boundary and minima as NumPy .npz."),
 ]
+SceneOut = Annotated[
+    str | None,
+    typer.Option(
+        "--scene", metavar="FILE", help="Write the vertex as a scene file (TOML), or - for stdout."
+    ),
+]
 StatesFold = Annotated[
     str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
 ]

@@ -1,4 +1,5 @@
 from . import examples as examples
+from .alike import Alike as Alike, group_alike as group_alike
 from .angles import (
     format_angle as format_angle,
     parse_angle as parse_angle,
