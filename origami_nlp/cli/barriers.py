@@ -28,6 +28,7 @@ def barriers(
         bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
     ] = False,
     markdown: o.MarkdownFile = None,
+    fold: o.PathsFold = None,
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it."""
     from origami_nlp.barriers import (
@@ -42,7 +43,11 @@ def barriers(
     given = scene.name if scene else None
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown)
+    out = Output(json=json, figure=figure, markdown=markdown, fold=fold)
+    if panels and fold is not None:
+        raise OptionError(
+            f"--fold = {fold!r}: paths of one SCENE make a file, those of --panels do not"
+        )
     stated = [scene.read()] if scene else examples.panels()
     for one in stated:
         check_freedoms(one)
@@ -55,4 +60,5 @@ def barriers(
     documents = [barriers_to_dict(b) for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
+    out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)

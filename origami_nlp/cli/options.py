@@ -108,7 +108,18 @@ SceneOut = Annotated[
     ),
 ]
 StatesFold = Annotated[
-    str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
+    str | None,
+    typer.Option(
+        "--fold",
+        metavar="FILE",
+        help="Write the states as a FOLD file; with --full the ways down from unstable ones too.",
+    ),
+]
+PathsFold = Annotated[
+    str | None,
+    typer.Option(
+        "--fold", metavar="FILE", help="Write the paths as a FOLD file, a frame for each state."
+    ),
 ]
 StatesMesh = Annotated[
     str | None,

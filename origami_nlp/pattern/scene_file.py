@@ -251,7 +251,9 @@ def _toml(value: Any) -> str:
         return f'"{escaped}"'
     if isinstance(value, bool):
         return str(value).lower()
-    return repr(float(value) if isinstance(value, float) else value)  # of NumPy's, whose repr says so
+    return repr(
+        float(value) if isinstance(value, float) else value
+    )  # of NumPy's, whose repr says so
 
 
 def _one_of(table: Mapping[str, Any], name: str, keys: tuple[str, ...]) -> str:
