@@ -73,6 +73,14 @@ Candidates = Annotated[
 ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
 Family = Annotated[str, typer.Argument(metavar="FAMILY", help="degree6 or degree8.")]
 
+ExampleName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8.",
+    ),
+]
+
 # ---------------------------------------------------------------- what goes out
 
 JsonFile = Annotated[
@@ -104,7 +112,7 @@ NpzFile = Annotated[
 SceneOut = Annotated[
     str | None,
     typer.Option(
-        "--scene", metavar="FILE", help="Write the vertex as a scene file (TOML), or - for stdout."
+        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
     ),
 ]
 StatesFold = Annotated[
