@@ -52,7 +52,7 @@ def example(
         ),
     ] = None,
 ) -> None:
-    """Print an example as a scene file: NAME is miura, waterbomb, birdbase, yoshimura, ...
+    """Print a vertex of a known pattern as a scene file; --fold writes the crease pattern as a FOLD file.
 
     NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern that --fold writes.
     """
