@@ -11,6 +11,7 @@ from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.files import read_limited
@@ -77,6 +78,8 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself")
             return decode_scene(self._content, self.name)
+        if self.vertex is not None:
+            check_whole("--vertex", self.vertex, 0)
         return vertex_scene(self._frame(), self.vertex, tell=_tell, **self._spring_options())
 
     def read_all(self) -> dict[int, Scene]:

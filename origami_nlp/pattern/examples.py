@@ -162,7 +162,7 @@ BY_NAME: dict[str, Callable[..., Scene]] = {
     "degree8": degree8,
 }
 """What makes each example, by the name that the command has for it."""
-SIZES = {"miura": (4, 4), "waterbomb": (2, 3), "yoshimura": (4, 3), "resch": (2, 2)}
+SIZES = {"miura": (4, 4), "waterbomb": (2, 3), "yoshimura": (6, 3), "resch": (2, 2)}
 """Rows and columns of cells of patterns that have them, as they are drawn without others."""
 MOST_CELLS = 100
 """Rows or columns of a pattern."""
