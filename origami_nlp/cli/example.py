@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import re
 import textwrap
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -70,7 +70,7 @@ def example(
         "symmetry": symmetry,
         "contact": contact,
     }
-    given = {key: value for key, value in options.items() if value is not None}
+    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     out = Output(scene=scene if scene or fold else "-", fold=fold)
     stated = examples.by_name(word, **given)
     cells = [int(number) for number in shape.groups()] if shape else []

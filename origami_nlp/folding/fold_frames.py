@@ -112,7 +112,7 @@ def folded_frame(
 
 
 def path_frames(
-    scene: Scene, states: np.ndarray, energies: Sequence[float], title: str
+    scene: Scene, states: np.ndarray, energies: Sequence[float] | np.ndarray, title: str
 ) -> list[dict[str, Any]]:
     """Return states along a path as frames of FOLD, at most `MOST_FRAMES` of them.
 
@@ -154,6 +154,18 @@ def face_orders(creases: np.ndarray, fold_angles: np.ndarray) -> list[list[int]]
     """Return FOLD's faceOrders of a state: [f, g, s], face f on the side of g's normal (s = 1) or not (-1).
 
     The left of an arc, seen from outside the sphere, is the side of its facet's normal c_i x c_{i+1}.
+
+    Parameters
+    ----------
+    creases
+        Unit vectors c_i of the folded state, [N, 3].
+    fold_angles
+        All N [rad].
+
+    Returns
+    -------
+    list
+        Triples, sorted; empty where no layers touch.
     """
     problem = layer_problem(creases, fold_angles, TOUCHES)
     order = problem.order() if problem is not None else None

@@ -50,7 +50,23 @@ class VertexwiseMinima(Told):
     results: tuple[MinimaResult, ...]
 
     def result(self, vertex: int) -> MinimaResult:
-        """Return the result for the class of a vertex, in the labels of its first one."""
+        """Return the result for the class of a vertex, in the labels of its first one.
+
+        Parameters
+        ----------
+        vertex
+            Its number.
+
+        Returns
+        -------
+        MinimaResult
+            The minima, and the record of the search for them.
+
+        Raises
+        ------
+        OptionError
+            If there is no such vertex.
+        """
         return self.results[self._place(vertex)[0]]
 
     def at(self, vertex: int) -> np.ndarray:

@@ -186,7 +186,25 @@ def scene_at(
 def vertex_scene(
     frame: Frame, vertex: int | None = None, *, tell: Callable[[str], object], **options: Any
 ) -> Scene:
-    """Make a scene of one vertex of a frame, by default the only one; see `read_fold_scene`."""
+    """Make a scene of one vertex of a frame.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    vertex, tell, options
+        As for `read_fold_scene`.
+
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
+    Raises
+    ------
+    FoldFileError, OptionError
+        As `read_fold_scene`.
+    """
     found, notes = fold_vertices(frame)
     if vertex is None:
         good = [v.number for v in found if not v.reason]
@@ -210,7 +228,25 @@ def vertex_scene(
 def vertex_scenes(
     frame: Frame, *, tell: Callable[[str], object], **options: Any
 ) -> dict[int, Scene]:
-    """Make a scene of every vertex of a frame that can be analysed; see `read_fold_scenes`."""
+    """Make a scene of every vertex of a frame that can be analysed.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    tell, options
+        As for `read_fold_scenes`.
+
+    Returns
+    -------
+    dict of Scene
+        By the number of the vertex.
+
+    Raises
+    ------
+    FoldFileError
+        If no vertex can be analysed, or an option does not fit.
+    """
     check_type("frame", frame, Frame)
     found, notes = fold_vertices(frame)
     for note in (*frame.notes, *notes):

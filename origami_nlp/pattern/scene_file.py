@@ -58,7 +58,25 @@ def read_scene(source: str | Path) -> Scene:
 
 
 def decode_scene(raw: bytes, name: str) -> Scene:
-    """Read a scene from the bytes of the file `name`; see `read_scene`."""
+    """Read a scene from the bytes of a scene file.
+
+    Parameters
+    ----------
+    raw
+        The bytes.
+    name
+        Of the file, for messages.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    SceneFileError, AngleError, VertexError, SceneError, SymmetryError
+        As `read_scene`.
+    """
     if len(raw) > _LARGEST:
         raise SceneFileError(f"scene {name!r} is larger than 1 MB: not a scene file")
     if is_json(raw):
@@ -72,7 +90,18 @@ def decode_scene(raw: bytes, name: str) -> Scene:
 
 
 def is_json(raw: bytes) -> bool:
-    """Tell whether bytes begin as a JSON object does, and no TOML file."""
+    """Tell whether bytes begin as a JSON object does, and no TOML file.
+
+    Parameters
+    ----------
+    raw
+        Of a file.
+
+    Returns
+    -------
+    bool
+        Whether the first letter, after a byte order mark and spaces, is a brace.
+    """
     return raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
 
 

@@ -80,7 +80,7 @@ def draw_pattern(
     for letter, (name, colour, dashes, width) in LOOKS.items():
         lines = xy[frame.edges[letters == letter]]
         if len(lines):
-            look = {"linestyles": [dashes], "linewidths": width, "colors": colour}
+            look: dict[str, Any] = {"linestyles": [dashes], "linewidths": width, "colors": colour}
             here.add_collection(LineCollection(list(lines), capstyle="butt", **look))
             handles.append(Line2D([], [], color=colour, linestyle=dashes, lw=width, label=name))
     numbers = [v.number for v in fold_vertices(frame)[0]]
