@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
@@ -28,9 +26,7 @@ def minima(
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
-    full: Annotated[
-        bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
-    ] = False,
+    full: o.Full = False,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
 ) -> None:

@@ -13,4 +13,4 @@ def model(scene: Source) -> None:
     from origami_nlp.programme import Model
 
     stated = scene.read()
-    Output().say(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)
+    Output().say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)

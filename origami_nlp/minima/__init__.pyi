@@ -16,6 +16,7 @@ from .find import (
     check_options as check_options,
     find_minima as find_minima,
 )
+from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
 from .full_space import (
     FullSpace as FullSpace,
@@ -58,5 +59,4 @@ from .touches import TouchStrata as TouchStrata, list_strata as list_strata
 from .vertexwise import (
     VertexwiseMinima as VertexwiseMinima,
     find_vertexwise as find_vertexwise,
-    vertexwise_from_dict as vertexwise_from_dict,
 )

@@ -181,9 +181,6 @@ class VertexwiseMinima(Told):
         return cls(tuple(classes), tuple(map(MinimaResult.from_dict, data["classes"])))
 
 
-vertexwise_from_dict = VertexwiseMinima.from_dict
-
-
 def _labels(creases: list[int], over: bool) -> Labels:
     n = len(creases)
     return Labels(creases[0] - 1, (creases[1] - creases[0]) % n != 1, over, n)
