@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _READ = {
     "origami-nlp/minima/1": ("minima", "MinimaResult"),
+    "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
 }
 
