@@ -98,13 +98,17 @@ def face_page(name: str) -> str:
 def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> None:
     """Make a docstring say as a page what it says as text: bars, and fields one below another."""
     named = {one.name for one in fields(thing)} if is_dataclass(thing) else set()
+    within = False  # the words of a field
     for i, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):  # |x| is a size, not a name to be put in
             spans = re.split(r"(`[^`]*`)", line)
             line = "".join(s if s.startswith("`") else s.replace("|", "\\|") for s in spans)
         head, _, told = line.partition(": ")
         if head in named and told:
-            line = f":ivar {head}: {told}"
+            line, within = f":ivar {head}: {told}", True
+        elif within:
+            within = bool(line.strip())
+            line = "    " + line.strip()
         lines[i] = line
 
 
