@@ -30,6 +30,7 @@ nb_execution_mode = "off"  # the stored outputs, which the tests compare with fr
 nb_merge_streams = True
 myst_enable_extensions = ["colon_fence", "dollarmath", "deflist"]
 myst_fence_as_directive = ["math"]  # as GitHub draws them
+smartquotes = False  # two hyphens begin an option
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
 copybutton_exclude = ".linenos, .gp, .go"

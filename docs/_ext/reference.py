@@ -9,7 +9,6 @@ from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 
-import click
 from typer.main import get_command
 
 import origami_nlp
@@ -25,18 +24,15 @@ ROOMS = (
 # ---------------------------------------------------------------- commands
 
 
-def commands() -> Iterator[tuple[str, click.Context]]:
-    """Every command, in the order of the help, with its whole name."""
-    top = click.Context(get_command(command_line), info_name="origami-nlp")
-    for name in top.command.list_commands(top):
-        command = top.command.get_command(top, name)
-        context = click.Context(command, info_name=name, parent=top)
-        if isinstance(command, click.Group):
-            for inner in command.list_commands(context):
-                one = command.get_command(context, inner)
-                yield f"{name} {inner}", click.Context(one, info_name=inner, parent=context)
-        else:
-            yield name, context
+def commands(command=None, path: tuple[str, ...] = (), parent=None) -> Iterator[tuple]:
+    """Every command that is no group, in the order of the help: its words, and its context."""
+    command = command or get_command(command_line)
+    context = command.context_class(command, info_name=(path or ["origami-nlp"])[-1], parent=parent)
+    if not hasattr(command, "list_commands"):
+        yield path, context
+        return
+    for name in command.list_commands(context):
+        yield from commands(command.get_command(context, name), (*path, name), context)
 
 
 def plain(text: str) -> str:
@@ -46,7 +42,7 @@ def plain(text: str) -> str:
     return " ".join(text.split())
 
 
-def option_rows(context: click.Context) -> Iterator[str]:
+def option_rows(context) -> Iterator[str]:
     """Each argument and option as a definition: its spelling, then what it does."""
     for one in context.command.get_params(context):
         record = one.get_help_record(context)
@@ -55,13 +51,30 @@ def option_rows(context: click.Context) -> Iterator[str]:
             yield f"`{spelled.strip()}`\n: {plain(help)}\n"
 
 
-def command_page(name: str, context: click.Context) -> str:
+def command_page(path: tuple[str, ...], context) -> str:
     """The page of one command."""
     words = inspect.cleandoc(context.command.help or "").split("\n\n")
     rows = "\n".join(option_rows(context))
     usage = f"{context.command_path} {' '.join(context.command.collect_usage_pieces(context))}"
     told = "\n\n".join(plain(part) for part in words)
-    return f"# {name}\n\n{told}\n\n```text\n{usage}\n```\n\n{rows}"
+    return f"# {' '.join(path)}\n\n{told}\n\n```text\n{usage}\n```\n\n{rows}"
+
+
+def overview() -> str:
+    """Tables of all commands, a group after the other, and the order of their pages."""
+    groups: dict[str, list[tuple]] = {}
+    for path, context in commands():
+        groups.setdefault(" ".join(path[:-1]), []).append((path, context.command))
+    parts = []
+    for group, members in groups.items():
+        parts += [f"## {group}\n"] if group else []
+        parts += ["| command | what it does |", "|---|---|"]
+        for path, command in members:
+            about = plain((command.help or "").strip().splitlines()[0])
+            parts.append(f"| [{' '.join(path)}](commands/{'_'.join(path)}.md) | {about} |")
+        names = "\n".join(f"commands/{'_'.join(path)}" for path, _ in members)
+        parts.append(f"\n:::{{toctree}}\n:hidden:\n\n{names}\n:::\n")
+    return "\n".join(parts)
 
 
 # ---------------------------------------------------------------- docstrings
@@ -117,7 +130,8 @@ def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> Non
 
 def write(app) -> None:
     """Write all pages that have changed, and take away those that are no more."""
-    pages = {f"commands/{n.replace(' ', '_')}.md": command_page(n, c) for n, c in commands()}
+    pages = {f"commands/{'_'.join(path)}.md": command_page(path, c) for path, c in commands()}
+    pages["commands/overview.txt"] = overview()
     for name in ("origami_nlp", *(f"origami_nlp.{room}" for room in ROOMS)):
         pages[f"python/{name}.rst"] = face_page(name)
     folder = Path(app.srcdir) / "reference"
