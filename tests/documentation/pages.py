@@ -1,4 +1,4 @@
-"""Pages of the documentation, taken apart: blocks of code with their marks, commands in running text, links, headings."""
+"""Pages of the documentation, taken apart: blocks with their marks, commands in the text, links, headings."""
 
 from __future__ import annotations
 
