@@ -21,6 +21,7 @@ extensions = [
     "sphinx_design",
     "notebooks",
     "reference",
+    "terminal",
 ]
 exclude_patterns = ["_ext", "figures/*.md"]
 root_doc = "index"
@@ -50,8 +51,10 @@ html_title = "origami_nlp"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
+html_sidebars = {page: [] for page in ("index", "getting_started", "concepts", "check_a_claim")}
 html_theme_options = {
     "logo": {"text": "origami_nlp"},
+    "navbar_persistent": ["search-button"],  # the field would take a line of its own
     "show_prev_next": True,
     "navigation_with_keys": False,
     "show_toc_level": 2,

@@ -1,7 +1,8 @@
 """Every command and every Python block of the documentation runs, in the order of its page, and prints what is shown.
 
-A remark before a block says what differs: `<!-- run: slow: why -->` (with the long studies only), `<!-- run: not: why -->`,
-`<!-- run: exit 2 -->` (the exit code), `<!-- file: NAME -->` (kept under this name for the blocks that follow).
+A remark before a block says what differs: `<!-- run: slow: why -->` (with the long studies only),
+`<!-- run: not: why -->`, `<!-- run: exit 2 -->` (the exit code), `<!-- file: NAME -->` (kept under this name for the
+blocks that follow).
 """
 
 import re
