@@ -29,6 +29,7 @@ _DRAWN = {
 }
 _READ = {
     "origami-nlp/minima/1": ("minima", "result_from_dict"),
+    "origami-nlp/vertexwise/1": ("minima", "vertexwise_from_dict"),
     "origami-nlp/critical/1": ("critical", "points_from_dict"),
 }
 

@@ -12,6 +12,7 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.folding import frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Table, Told, pick, short_label, to_plain
@@ -128,6 +129,20 @@ class Barriers(Told):
         """Return one row for each pair of minima; energies in the scene's units."""
         title = f"lowest passes of '{self.scene.label}'"
         return Table(HEADS, [self._cells(p) for p in self.passes], title, "rrrrrlL")
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
+        return frames_to_fold(
+            self.scene,
+            [
+                frame
+                for p in self.passes
+                if len(p.path)
+                for frame in path_frames(
+                    self.scene, p.path, p.path_energy, f"path {p.from_state} to {p.to_state}"
+                )
+            ],
+        )
 
     def _energies(self, p: Pass) -> tuple[float, float]:
         """Return the energies of the minima on either side of a pass."""

@@ -10,12 +10,14 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import panels, read_scene
+from origami_nlp.pattern import panels
 
 
+@takes_scene(o.SceneOrPanels)
 def critical(
-    scene: o.SceneOrPanels = None,
+    scene: Source | None = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     search: Annotated[
@@ -43,16 +45,17 @@ def critical(
     out = Output(json=json, markdown=markdown)
     if json == "-" and scene is None:
         raise OptionError("--json = '-': give a SCENE, or a file name for the panels")
-    scenes = panels() if scene is None else [read_scene(scene)]
+    scenes = panels() if scene is None else [scene.read()]
     rows, data = [], []
+    given = scene.name if scene else None
     euler: dict[object, int] = {}
     for number, stated in enumerate(scenes):
-        name = stated.label or str(scene)
+        name = stated.label or str(given)
         with progress("critical points", len(scenes)) as report:
             report(number, text=name)
             found = find_critical_points(stated, seed=seed)
             if search:
-                found = compare_minima(found, search_minima(stated, scene, seed=seed))
+                found = compare_minima(found, search_minima(stated, given, seed=seed))
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
                 report(text=f"{name}: space")

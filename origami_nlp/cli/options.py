@@ -48,22 +48,21 @@ def _rest_angle(value: float | None) -> float | None:
 # ---------------------------------------------------------------- what comes in
 
 SceneFile = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
-]
-SceneOrFold = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for TOML on stdin."),
+    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
 ]
 SceneOrPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="[SCENE]", help="Scene file (TOML), or - for stdin; none: the paper's panels."
+        metavar="[SCENE]",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; none: the paper's panels.",
     ),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
+        metavar="SCENE",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
     ),
 ]
 FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
@@ -73,6 +72,14 @@ Candidates = Annotated[
 ]
 ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
 Family = Annotated[str, typer.Argument(metavar="FAMILY", help="degree6 or degree8.")]
+
+ExampleName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8.",
+    ),
+]
 
 # ---------------------------------------------------------------- what goes out
 
@@ -102,8 +109,25 @@ NpzFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Write grids, boundary and minima as NumPy .npz."),
 ]
+SceneOut = Annotated[
+    str | None,
+    typer.Option(
+        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
+    ),
+]
 StatesFold = Annotated[
-    str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
+    str | None,
+    typer.Option(
+        "--fold",
+        metavar="FILE",
+        help="Write the states as a FOLD file; with --full the ways down from unstable ones too.",
+    ),
+]
+PathsFold = Annotated[
+    str | None,
+    typer.Option(
+        "--fold", metavar="FILE", help="Write the paths as a FOLD file, a frame for each state."
+    ),
 ]
 StatesMesh = Annotated[
     str | None,
@@ -143,7 +167,10 @@ Workers = Annotated[
 # ---------------------------------------------------------------- FOLD files
 
 FrameNumber = Annotated[
-    int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
+    int | None,
+    typer.Option(
+        "--frame", help="FOLD file: the frame, from 0 (default: the first with geometry)."
+    ),
 ]
 VertexNumber = Annotated[
     int | None, typer.Option(help="FOLD file: the vertex, numbered from 0 as in the file.")

@@ -55,3 +55,8 @@ from .touch_draws import (
     touch_starts as touch_starts,
 )
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata
+from .vertexwise import (
+    VertexwiseMinima as VertexwiseMinima,
+    find_vertexwise as find_vertexwise,
+    vertexwise_from_dict as vertexwise_from_dict,
+)

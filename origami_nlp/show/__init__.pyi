@@ -1,3 +1,4 @@
+from .crease_figure import draw_pattern as draw_pattern
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,
