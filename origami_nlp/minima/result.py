@@ -23,7 +23,18 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Piece, Table, Told, Words, check_schema, from_plain, pick, to_plain
+from origami_nlp.show import (
+    Content,
+    Piece,
+    Table,
+    Told,
+    Turnable,
+    Words,
+    check_schema,
+    from_plain,
+    pick,
+    to_plain,
+)
 
 SCHEMA = "origami-nlp/minima/1"
 NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
@@ -31,7 +42,7 @@ NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(Told):
+class MinimaResult(Told, Turnable):
     """Minima of a scene in order of energy, and the record of the search for them.
 
     Attributes
@@ -98,6 +109,12 @@ class MinimaResult(Told):
             self.completeness,
             picture=picture,
         )
+
+    def turned(self) -> Content:
+        """Return states, descents and the map of the energy as plain data, see `view`."""
+        from origami_nlp.minima.turned import turn_minima  # charts are slow to import
+
+        return turn_minima(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""

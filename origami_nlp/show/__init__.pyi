@@ -30,3 +30,26 @@ from .table import (
     rows_markdown as rows_markdown,
     rows_table as rows_table,
 )
+from .turnable import (
+    Body as Body,
+    Content as Content,
+    Crease as Crease,
+    Folded as Folded,
+    Line as Line,
+    Mark as Mark,
+    Panel as Panel,
+    Station as Station,
+    Track as Track,
+    Turnable as Turnable,
+    rotation_onto as rotation_onto,
+    vertex_body as vertex_body,
+    vertex_folded as vertex_folded,
+    vertex_track as vertex_track,
+    vertex_view as vertex_view,
+)
+from .turned import (
+    TurnedPage as TurnedPage,
+    check_view as check_view,
+    page_data as page_data,
+    turned_page as turned_page,
+)
