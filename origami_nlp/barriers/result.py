@@ -14,7 +14,7 @@ from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Table, Told, pick, short_label, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, pick, short_label, to_plain
 
 HEADS = (
     "from",
@@ -76,7 +76,7 @@ class Unlisted:
 
 
 @dataclass(frozen=True, repr=False)
-class Barriers(Told):
+class Barriers(Told, Turnable):
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
 
     Attributes
@@ -153,6 +153,12 @@ class Barriers(Told):
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
             yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+
+    def turned(self) -> Content:
+        """Return states and the paths over the passes as plain data, see `view`."""
+        from origami_nlp.barriers.turned import turn_barriers  # charts are slow to import
+
+        return turn_barriers(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

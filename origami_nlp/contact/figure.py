@@ -10,22 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.kkt import ContactForce
+from origami_nlp.minima import images
 from origami_nlp.programme import Model
 from origami_nlp.show import Pose, draw_state, pose_state
 
 LOADED, IDLE = "#b5179e", "#6c757d"
 """Contacts that push, and contacts that only touch."""
-
-
-def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the creases and facets (1-based) of a contact with all its images under the symmetry."""
-    orbit = model.variable_of_crease
-    n = len(orbit)
-    wanted = {orbit[c - 1] for c in contact.creases}
-    creases = tuple(i + 1 for i in range(n) if orbit[i] in wanted)
-    pairs = {frozenset((orbit[f - 1], orbit[f % n])) for f in contact.facets}
-    facets = tuple(f + 1 for f in range(n) if frozenset((orbit[f], orbit[(f + 1) % n])) in pairs)
-    return creases, facets
 
 
 def draw_contacts(

@@ -25,7 +25,7 @@ from origami_nlp.chart import (
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
 from origami_nlp.minima import MinimaResult
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.show import Content, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -60,7 +60,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class ExactLandscape(Told):
+class ExactLandscape(Told, Turnable):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
     Attributes
@@ -142,6 +142,12 @@ class ExactLandscape(Told):
         for part in self.metastable:
             where = "on one chart point, " if part.hidden else ""
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
+
+    def turned(self) -> Content:
+        """Return states and the map with its exact boundaries as plain data, see `view`."""
+        from origami_nlp.landscape.turned import turn_landscape  # imports this file
+
+        return turn_landscape(self)
 
 
 def find_landscape(

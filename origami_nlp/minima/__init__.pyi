@@ -55,4 +55,9 @@ from .touch_draws import (
     touch_starts as touch_starts,
 )
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata
-from .turned import images as images, points_on as points_on, turn_minima as turn_minima
+from .turned import (
+    CELLS as CELLS,
+    images as images,
+    points_on as points_on,
+    turn_minima as turn_minima,
+)

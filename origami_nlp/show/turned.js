@@ -67,12 +67,16 @@ function facetTraces(state, normal) {  // both sides of the paper, a little apar
     }
     edge.push(...ring.slice(scene.data.body.sectors ? 1 : 0), null);
   });
-  const light = {ambient: 0.88, diffuse: 0.4, specular: 0.02, roughness: 0.9, fresnel: 0};
+  const light = {ambient: 0.95, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0};
   return [
     {type: "mesh3d", ...columns(points), i, j, k, facecolor: colour, hoverinfo: "skip", flatshading: true,
       lighting: light, lightposition: {x: 1000, y: -2000, z: 4000}},
     {type: "scatter3d", mode: "lines", ...columns(edge), line: {color: "#111111", width: 2}, hoverinfo: "skip"}];
 }
+
+// Labels lie over the picture: text in space would be cut by facets.
+const label = ([x, y, z], text, size, more = {}) =>
+  ({x, y, z, text, showarrow: false, font: {size, color: "#111111"}, ...more});
 
 // A crease is a band on the facets beside it, on both sides of the paper: whole for mountains, dashed for valleys, thin
 // where it is not folded.
@@ -100,16 +104,15 @@ function creaseTraces(state, normal) {
     if (same) same.text += `, ${n + 1}`;
     else ends.push({place, text: String(n + 1)});
   });
-  return [
+  const bands = [
     {type: "mesh3d", ...columns(points), i, j, k, facecolor: colour, text: texts, hoverinfo: "text", flatshading: true,
-      lighting: {ambient: 1, diffuse: 0, specular: 0, fresnel: 0}},
-    {type: "scatter3d", mode: "text", ...columns(ends.map(e => e.place)), text: ends.map(e => e.text), hoverinfo: "skip",
-      textfont: {size: 14, color: "#111111"}}];
+      lighting: {ambient: 1, diffuse: 0, specular: 0, fresnel: 0}}];
+  return {bands, numbers: ends.map(e => label(e.place, e.text, 14))};
 }
 
 // Marks stand off the paper on both sides; the label is on the side that is seen first.
 function markTraces(state, normal, marks, towards) {
-  const body = scene.data.body, found = {true: [], false: []};
+  const body = scene.data.body, found = {true: [], false: []}, labels = [];
   marks.forEach((mark, m) => {
     const places = [
       ...mark.creases.map(n => {
@@ -123,17 +126,22 @@ function markTraces(state, normal, marks, towards) {
         return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f]];
       })];
     places.forEach(([place, out], n) => {
-      const seen = dot(out, towards) >= 0 ? 1 : -1;
-      for (const side of [seen, -seen])
-        found[mark.loaded].push({place: add(place, times(out, side * OFF)), label: n || side !== seen ? "" : safe(mark.label),
-          text: safe(mark.text)});
+      // what is folded shut has an outside only: above a mountain, below a valley
+      const shut = n < mark.creases.length && Math.abs(state.angles[mark.creases[n]]) > 2;
+      const seen = shut ? -Math.sign(state.angles[mark.creases[n]]) : dot(out, towards) >= 0 ? 1 : -1;
+      for (const side of shut ? [seen] : [seen, -seen])
+        found[mark.loaded].push({place: add(place, times(out, side * OFF)), text: safe(mark.text)});
+      if (n) return;
+      const right = dot(place, scene.right) >= 0 ? 1 : -1;
+      labels.push(label(add(place, times(out, seen * OFF)), safe(mark.label), 12, {showarrow: true, arrowhead: 0,
+        arrowwidth: 1, ax: right * 46, ay: -26 - 20 * m, bgcolor: "rgba(255,255,255,0.85)", borderpad: 1}));
     });
   });
-  return [true, false].map(loaded => ({type: "scatter3d", mode: "markers+text", ...columns(found[loaded].map(e => e.place)),
-    text: found[loaded].map(e => e.label), hovertext: found[loaded].map(e => e.text), hoverinfo: "text",
-    textposition: "top center", textfont: {size: 13, color: "#111111", weight: "bold"},
+  const diamonds = [true, false].map(loaded => ({type: "scatter3d", mode: "markers",
+    ...columns(found[loaded].map(e => e.place)), hovertext: found[loaded].map(e => e.text), hoverinfo: "text",
     marker: {symbol: loaded ? "diamond" : "circle-open", size: 6, color: loaded ? "#e69f00" : "#333333",
       line: {color: "#111111", width: 1}}}));
+  return {diamonds, labels};
 }
 
 // The box holds all that is shown under one key, so that a path does not jump about in it.
@@ -145,14 +153,17 @@ function box(states) {
 }
 
 function drawSpace() {
-  const now = current(), normal = normals(now.state), {middle, reach} = box(now.all), [, up, towards] = now.view;
+  const now = current(), normal = normals(now.state), {middle, reach} = box(now.all), [right, up, towards] = now.view;
+  scene.right = right;
   const axis = k => ({visible: false, range: [middle[k] - reach, middle[k] + reach], autorange: false});
   const vector = v => ({x: v[0], y: v[1], z: v[2]});
-  Plotly.react("space", [...facetTraces(now.state, normal), ...creaseTraces(now.state, normal),
-    ...markTraces(now.state, normal, now.marks, towards)], {
+  const {bands, numbers} = creaseTraces(now.state, normal);
+  const {diamonds, labels} = markTraces(now.state, normal, now.marks, towards);
+  Plotly.react("space", [...facetTraces(now.state, normal), ...bands, ...diamonds], {
     margin: {l: 0, r: 0, t: 0, b: 0}, showlegend: false, uirevision: now.key,
-    scene: {xaxis: axis(0), yaxis: axis(1), zaxis: axis(2), aspectmode: "cube", dragmode: "orbit", uirevision: now.key,
-      camera: {projection: {type: "orthographic"}, eye: vector(times(towards, 1.0)), up: vector(up),
+    scene: {xaxis: axis(0), yaxis: axis(1), zaxis: axis(2), aspectmode: "manual", aspectratio: {x: 2, y: 2, z: 2},
+      dragmode: "orbit", uirevision: now.key, annotations: [...numbers, ...labels],
+      camera: {projection: {type: "orthographic"}, eye: vector(times(towards, 3.0)), up: vector(up),
         center: {x: 0, y: 0, z: 0}}}}, CONFIG);
 }
 
