@@ -26,6 +26,8 @@ def barriers(
         bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
     ] = False,
     markdown: o.MarkdownFile = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it."""
     from origami_nlp.barriers import (
@@ -39,7 +41,9 @@ def barriers(
 
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown)
+    out = Output(json=json, figure=figure, markdown=markdown, html=html, animate=animate)
+    if panels and animate:
+        raise OptionError("--animate is for one SCENE, not for --panels")
     stated = examples.panels() if panels else [read_scene(scene or "-")]
     for one in stated:
         check_freedoms(one)
@@ -53,3 +57,4 @@ def barriers(
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("figure", draw_barriers, *found)
+    out.turn(*found)

@@ -25,6 +25,7 @@ def landscape(
     figure: o.FigureFile = None,
     npz: o.NpzFile = None,
     json: o.JsonFile = None,
+    html: o.HtmlFile = None,
     size: Annotated[int, typer.Option(help="Cells of the energy along each coordinate.")] = 401,
     passes: Annotated[
         bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
@@ -39,10 +40,12 @@ def landscape(
         draw_landscape,
         find_landscape,
         landscape_to_dict,
+        turn_landscape,
     )
+    from origami_nlp.show import TurnedPage
     from origami_nlp.space import find_space
 
-    out = Output(figure=figure, npz=npz, json=json)
+    out = Output(figure=figure, npz=npz, json=json, html=html)
     stated = read_scene(scene)
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
@@ -72,6 +75,7 @@ def landscape(
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
+    out.save("html", lambda file: TurnedPage(turn_landscape(exact, barriers)).save(file))
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,6 @@ from origami_nlp.show import Content, Piece, vertex_track
 
 if TYPE_CHECKING:
     from origami_nlp.contact.report import ContactReport
-    from origami_nlp.contact.segments import SegmentReport
 
 
 def turn_contacts(report: ContactReport) -> Content:
@@ -48,15 +47,20 @@ def turn_contacts(report: ContactReport) -> Content:
     tracks = [
         vertex_track(
             report.result.scene.vertex,
-            f"along the contact boundary: {'; '.join(curve.contacts)}",
+            _title(curve.contacts, numbers),
             curve.fold_angles,
             curve.energy,
             parameter=curve.s,
             label="arclength s [rad]",
         )
-        for curve in report.segments.curves
+        for curve, numbers in zip(report.segments.curves, report.segments.states, strict=True)
     ]
     return content.with_tracks(tracks, points_on(content, chart, tracks))
+
+
+def _title(contacts: Sequence[str], numbers: Sequence[int]) -> str:
+    through = f" through state {', '.join(map(str, numbers))}" if numbers else ""
+    return f"contact boundary{through}: {'; '.join(contacts)}"
 
 
 def _pieces(report: ContactReport) -> Iterator[Piece]:

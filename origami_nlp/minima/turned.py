@@ -15,7 +15,6 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.stability import asked, verdict
 from origami_nlp.minima.telling import contact_words, full_space_lines, moment_words
 from origami_nlp.numerics import SETTLED
-from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 from origami_nlp.show import (
     Content,
@@ -201,7 +200,7 @@ def _panels(chart: Landscape, minima: Sequence[Minimum]) -> list[Panel]:
     names = (axis_words(chart.coordinates[0]), axis_words(chart.coordinates[1]))
     return [
         Panel(
-            " ".join(filter(None, ("Energy of the symmetric states", branch.name))),
+            ", ".join(filter(None, ("Energy of the symmetric states", branch.name))),
             names,
             *branch.axes,
             branch.energy,

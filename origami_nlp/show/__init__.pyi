@@ -1,3 +1,4 @@
+from .animation import check_animation as check_animation, write_animation as write_animation
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,9 +91,27 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
         0.9, 0.5 * float((high - low).max())
     )  # folded-up states stay smaller than open ones
     corner = np.array([(low[0] + high[0]) / 2 - reach, high[1] - 2 * reach])  # top: below the title
-    right, top = corner + 2 * reach
+    draw_pose(axes, pose, vertex.sector_angles, phi, corner, 2 * reach, size)
+    return bool(np.any(pose.offsets))
+
+
+def draw_pose(
+    axes: Any,
+    pose: Pose,
+    sectors: Sequence[float],
+    phi: np.ndarray,
+    corner: np.ndarray,
+    side: float,
+    size: float,
+) -> None:
+    """Draw a turned state into a matplotlib Axes: the square of length `side` from its lower left `corner`.
+
+    sectors: sector angles [N].  phi: fold angles [N].  size: font size of the crease numbers [points].
+    """
+    labels = _label_places(pose)
+    right, top = corner + side
     axes.imshow(
-        _paint(pose, vertex, phi, corner, 2 * reach),
+        _paint(pose, sectors, phi, corner, side),
         extent=(corner[0], right, corner[1], top),
         origin="lower",
     )
@@ -111,7 +130,6 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
         )
     axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
     axes.axis("off")
-    return bool(np.any(pose.offsets))
 
 
 def _hidden_ends(pose: Pose) -> list[bool]:
@@ -251,7 +269,9 @@ def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
 # ---------------------------------------------------------------- painting
 
 
-def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
+def _paint(
+    pose: Pose, sectors: Sequence[float], phi: np.ndarray, low: np.ndarray, size: float
+) -> np.ndarray:
     """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
 
     Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
@@ -290,7 +310,7 @@ def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: f
         nearest[part][front] = depth[front] + 1e-4
         picture[part][front] = (*colour, 1.0)
 
-    for f, sector in enumerate(vertex.sector_angles):
+    for f, sector in enumerate(sectors):
         arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
         for p, q in itertools.pairwise(arc):
             band(p, q, 0.015, to_rgb(BORDER), (f,))

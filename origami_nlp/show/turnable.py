@@ -242,7 +242,9 @@ class Content:
     note: str = ""
     steps: str = ""
 
-    def with_tracks(self, tracks: Sequence[Track], points: Sequence[Sequence[np.ndarray]]) -> Content:
+    def with_tracks(
+        self, tracks: Sequence[Track], points: Sequence[Sequence[np.ndarray]]
+    ) -> Content:
         """Return the same with more paths.
 
         Parameters

@@ -225,7 +225,7 @@ function drawMaps() {
       text: marks.map(p => String(p[0] + 1)), textposition: "top right",
       textfont: {size: 15, color: "#111", weight: "bold", shadow: "0 0 3px #fff, 0 0 3px #fff, 0 0 3px #fff"},
       hovertext: marks.map(p => safe(scene.data.stations[p[0]].title)), hoverinfo: "text", customdata: marks.map(p => p[0]),
-      marker: {symbol: "star", size: marks.map(p => scene.track < 0 && p[0] === scene.station ? 19 : 13),
+      marker: {symbol: "star", opacity: 1, size: marks.map(p => scene.track < 0 && p[0] === scene.station ? 19 : 13),
         color: marks.map(p => scene.track < 0 && p[0] === scene.station ? "#e69f00" : "#ffffff"),
         line: {color: "#111", width: 1.5}}, cliponaxis: false});
     traces.push({x: here.map(p => p[0]), y: here.map(p => p[1]), mode: "markers", hoverinfo: "skip",

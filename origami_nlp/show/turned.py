@@ -168,7 +168,7 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
                 "sectors": content.body.sectors,
             },
             "stations": [_station(station) for station in content.stations],
-            "tracks": [_track(track, _kept(track, most)) for track in content.tracks],
+            "tracks": [_track(track, kept_states(track, most)) for track in content.tracks],
             "panels": [_panel(p, content, stride, most) for p in content.panels],
         }
         for content in contents
@@ -223,8 +223,21 @@ def _track(track: Track, kept: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _kept(track: Track, most: int) -> np.ndarray:
-    """Return numbers of at most `most` states of a path, evenly along it, its ends and its highest state among them."""
+def kept_states(track: Track, most: int) -> np.ndarray:
+    """Choose states of a path that has too many.
+
+    Parameters
+    ----------
+    track
+        The path.
+    most
+        About how many to keep; both ends and the highest state are kept in any case.
+
+    Returns
+    -------
+    numpy.ndarray
+        Their numbers, in order, evenly along the parameter.
+    """
     s = track.parameter
     if len(s) <= most:
         return np.arange(len(s))
@@ -247,7 +260,7 @@ def _panel(panel: Panel, content: Content, stride: int, most: int) -> dict[str, 
         ],
         "stations": panel.stations,
         "tracks": [
-            {"track": k, "points": _plain(points[_kept(content.tracks[k], most)], 5)}
+            {"track": k, "points": _plain(points[kept_states(content.tracks[k], most)], 5)}
             for k, points in panel.tracks
         ],
     }
