@@ -1,4 +1,4 @@
-"""What every result can do: be drawn, saved, read back, and become a data frame."""
+"""What every result can do: be drawn, turned, saved, read back, and become a data frame."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from origami_nlp.minima import MinimaResult
+    from origami_nlp.show import TurnedPage
 
 LARGEST = 200_000_000
 """Bytes of a file that is read back."""
@@ -77,6 +78,47 @@ def draw(result: object, path: str | PathLike[str] | None = None) -> Figure:
         check_path("path", path)
         save_figure(figure, path)
     return figure
+
+
+def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
+    """Return a result as a page that can be turned; it is the one that its command writes with ``--html``.
+
+    The extra ``view`` is needed: ``pip install "origami_nlp[view]"``.
+
+    Parameters
+    ----------
+    result
+        Minima, barriers, a landscape, or a contact report.
+    path
+        Where to save it as one file that needs no network (.html), if anywhere.
+
+    Returns
+    -------
+    TurnedPage
+        The page; in Jupyter the last line of a cell shows it.
+
+    Raises
+    ------
+    OptionError
+        If there is nothing to turn, plotly is not installed, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
+    >>> o.view(result)
+    TurnedPage(degree 6, alpha_1 = pi/3, r_k = 1: last line of a cell in Jupyter, or .save(file))
+    """
+    from origami_nlp.show import Turnable
+
+    if not isinstance(result, Turnable):
+        raise OptionError(
+            f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape or a contact report"
+        )
+    page = result.view()
+    if path is not None:
+        page.save(path)
+    return page
 
 
 def save(result: object, path: str | PathLike[str]) -> None:

@@ -1,4 +1,4 @@
-"""States in turn as a film for slides: turned round, and folded along stored paths where there are; by matplotlib alone.
+"""States in turn as a film for slides, by matplotlib alone: turned round, and folded along paths where some are stored.
 
 Nothing is shown between two stored states: what is not stored might not close, or cross itself.  A state from which no
 path leads to the next one is turned only, and the caption says so.
@@ -135,8 +135,8 @@ def film(content: Content) -> Iterator[Shot]:
     count = len(content.stations)
     for k, station in enumerate(content.stations):
         state = station.folded
-        paths = [t for t in content.tracks if t.start == k and t.end in (None, k + 1)]
-        paths += [t for t in content.tracks if t.start == k and t not in paths and _descends(t)]
+        paths = [t for t in content.tracks if t.start == k and t.end == k + 1]
+        paths = paths or [t for t in content.tracks if t.start == k and _descends(t)]
         on = (
             "" if paths or k == count - 1 else "\nno stored path from here to the next: turned only"
         )
