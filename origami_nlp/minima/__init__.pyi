@@ -47,6 +47,7 @@ from .result import (
 )
 from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
+from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words
 from .touch_draws import (

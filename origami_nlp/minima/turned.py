@@ -72,7 +72,7 @@ def turn_minima(result: MinimaResult, chart: Landscape | None = None) -> Content
     )
     tracks = [*_descents(result), *_curves(chart)]
     if not tracks:
-        why = "No path is stored: every state is stable"
+        why = "No path is stored: no descent from any state was found"
         if not asked(result.minima):
             why = "No path is stored; --full follows unstable states down, `barriers` finds the passes between states"
         return replace(content, note=f"{why}.")
