@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -156,9 +156,13 @@ class Barriers(Told, Turnable):
 
     def turned(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.barriers.turned import turn_barriers  # charts are slow to import
+        from origami_nlp.barriers.turned import add_passes  # charts are slow to import
+        from origami_nlp.chart import landscape
+        from origami_nlp.minima import CELLS
 
-        return turn_barriers(self)
+        chart = landscape(self.scene, CELLS)
+        content = add_passes(self.result.turned(chart), chart, self.passes)
+        return replace(content, pieces=(*self.told(), *content.pieces))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

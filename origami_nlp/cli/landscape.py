@@ -40,7 +40,6 @@ def landscape(
         draw_landscape,
         find_landscape,
         landscape_to_dict,
-        turn_landscape,
     )
     from origami_nlp.show import TurnedPage
     from origami_nlp.space import find_space
@@ -75,7 +74,7 @@ def landscape(
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
-    out.save("html", lambda file: TurnedPage(turn_landscape(exact, barriers)).save(file))
+    out.save("html", lambda file: TurnedPage(exact.turned(barriers)).save(file))
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -9,4 +9,3 @@ from .segments import (
     flat_parts as flat_parts,
 )
 from .segments_figure import draw_segments as draw_segments
-from .turned import turn_contacts as turn_contacts

@@ -7,12 +7,12 @@ that does not exist or never ends is null.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
-from origami_nlp.minima import MinimaResult, Minimum, contact_words
+from origami_nlp.minima import CELLS, MinimaResult, Minimum, contact_words
 from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, pick, to_plain
 
@@ -183,9 +183,29 @@ class ContactReport(Told, Turnable):
 
     def turned(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
-        from origami_nlp.contact.turned import turn_contacts  # charts are slow to import
+        from origami_nlp.chart import landscape
+        from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
-        return turn_contacts(self)
+        chart = landscape(self.result.scene, CELLS)
+        content = self.result.turned(chart)
+        stations = list(content.stations)
+        for state in self.states:
+            old = stations[state.number - 1]
+            stiff = f"tangential stiffness: {state.stiffness_words()}"
+            lines = (*old.lines, stiff, *margin_lines(state.margin))
+            stations[state.number - 1] = replace(old, lines=lines)
+        content = replace(content, stations=tuple(stations), pieces=tuple(self._pieces()))
+        return content if self.segments is None else add_segments(content, chart, self.segments)
+
+    def _pieces(self) -> Iterator[Piece]:
+        """Return the report with the margins of single creases as tables."""
+        yield replace(self.full_table(), title=self.headline)
+        for state in self.states:
+            if state.margin.creases:
+                title = f"State {state.number}: largest moment on the creases of one orbit alone"
+                yield replace(state.creases_table(), title=title)
+        if self.segments is not None:
+            yield from self.segments.told()
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

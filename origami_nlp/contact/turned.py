@@ -1,59 +1,42 @@
-"""States in contact as states that can be turned, and contact boundaries as paths."""
+"""Contact boundaries as paths that can be folded along."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from origami_nlp.chart import landscape
-from origami_nlp.minima import CELLS, points_on, turn_minima
-from origami_nlp.show import Content, Piece, vertex_track
-
-if TYPE_CHECKING:
-    from origami_nlp.contact.report import ContactReport
+from origami_nlp.chart import Landscape
+from origami_nlp.contact.segments import SegmentReport
+from origami_nlp.minima import points_on
+from origami_nlp.show import Content, vertex_track
 
 
-def turn_contacts(report: ContactReport) -> Content:
-    """Return a contact report for a page that can be turned.
+def add_segments(content: Content, chart: Landscape, segments: SegmentReport) -> Content:
+    """Add the contact boundaries that were followed to the minima of a scene.
 
     Parameters
     ----------
-    report
-        Of `find_contacts`.
+    content
+        Of `MinimaResult.turned`.
+    chart
+        The energy over the scene's coordinates.
+    segments
+        Of `find_segments`.
 
     Returns
     -------
     Content
-        As `minima.turn_minima` has it, the loads that contacts bear beside each state, and a track for each contact
-        boundary that was followed.
+        With a track for each boundary.
     """
-    from origami_nlp.contact.report import margin_lines
-
-    chart = landscape(report.result.scene, CELLS)
-    content = turn_minima(report.result, chart)
-    stations = list(content.stations)
-    for state in report.states:
-        old = stations[state.number - 1]
-        lines = (
-            *old.lines,
-            f"tangential stiffness: {state.stiffness_words()}",
-            *margin_lines(state.margin),
-        )
-        stations[state.number - 1] = replace(old, lines=lines)
-    content = replace(content, stations=tuple(stations), pieces=tuple(_pieces(report)))
-    if report.segments is None:
-        return content
     tracks = [
         vertex_track(
-            report.result.scene.vertex,
+            segments.scene.vertex,
             _title(curve.contacts, numbers),
             curve.fold_angles,
             curve.energy,
             parameter=curve.s,
             label="arclength s [rad]",
         )
-        for curve, numbers in zip(report.segments.curves, report.segments.states, strict=True)
+        for curve, numbers in zip(segments.curves, segments.states, strict=True)
     ]
     return content.with_tracks(tracks, points_on(content, chart, tracks))
 
@@ -61,16 +44,3 @@ def turn_contacts(report: ContactReport) -> Content:
 def _title(contacts: Sequence[str], numbers: Sequence[int]) -> str:
     through = f" through state {', '.join(map(str, numbers))}" if numbers else ""
     return f"contact boundary{through}: {'; '.join(contacts)}"
-
-
-def _pieces(report: ContactReport) -> Iterator[Piece]:
-    """Return the report as it is told, with the margins of single creases as tables."""
-    yield report.headline
-    yield report.full_table()
-    for state in report.states:
-        if state.margin.creases:
-            yield replace(
-                state.creases_table(), title=f"State {state.number}: largest moment on one orbit"
-            )
-    if report.segments is not None:
-        yield from report.segments.told()

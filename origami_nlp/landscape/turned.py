@@ -1,58 +1,42 @@
-"""A landscape with its exact boundaries as a map under the pointer, beside its minima in space."""
+"""The exact boundaries of a landscape on its map, for a page that can be turned."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.minima import turn_minima
+from origami_nlp.chart import Boundary
 from origami_nlp.show import Content, Line
 
-if TYPE_CHECKING:
-    from origami_nlp.barriers import Barriers
 
-
-def turn_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> Content:
-    """Return a landscape with its minima, for a page that can be turned.
+def add_boundary(
+    content: Content, boundary: Boundary, stretches: Sequence[Sequence[Line]]
+) -> Content:
+    """Put contact boundaries, 1-handles and metastable stretches on the map of a scene.
 
     Parameters
     ----------
-    exact
-        Of `find_landscape`.
-    barriers
-        Of `find_barriers`: with the paths over its passes.
+    content
+        Of `MinimaResult.turned`: a panel for each branch of the chart.
+    boundary
+        Of the scene.
+    stretches
+        Metastable ones, for each branch.
 
     Returns
     -------
     Content
-        As `minima.turn_minima` has it, with contact boundaries, 1-handles and metastable stretches on the map.
+        With these lines instead of the grid's.
     """
-    content = turn_minima(exact.result, exact.chart)
-    told = [*exact.told(), *content.pieces]
-    if barriers is not None:
-        from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
-
-        content = add_passes(content, exact.chart, barriers)
-        told[1:1] = barriers.told()
-    content = replace(content, pieces=tuple(told))
-    if exact.boundary is None:
-        return content
     panels = [
-        replace(panel, lines=tuple(_lines(exact, k))) for k, panel in enumerate(content.panels)
+        replace(panel, lines=(*_lines(boundary, k), *stretches[k]))
+        for k, panel in enumerate(content.panels)
     ]
     return replace(content, panels=tuple(panels))
 
 
-def _lines(exact: ExactLandscape, branch: int) -> list[Line]:
-    assert exact.boundary is not None
-    found = []
-    for line in exact.boundary.lines:
+def _lines(boundary: Boundary, branch: int) -> Iterator[Line]:
+    for line in boundary.lines:
         if line.branch == branch and not line.hidden:
             look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
-            found.append(Line(line.points, f"{what}: {'; '.join(line.contacts)}", look))
-    for part in exact.metastable:
-        if part.branch == branch and not part.hidden:
-            name = f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}"
-            found.append(Line(part.points, name, "metastable"))
-    return found
+            yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)

@@ -60,5 +60,4 @@ from .turned import (
     CELLS as CELLS,
     images as images,
     points_on as points_on,
-    turn_minima as turn_minima,
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.completeness import Completeness
@@ -35,6 +35,9 @@ from origami_nlp.show import (
     pick,
     to_plain,
 )
+
+if TYPE_CHECKING:
+    from origami_nlp.chart import Landscape
 
 SCHEMA = "origami-nlp/minima/1"
 NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
@@ -110,11 +113,22 @@ class MinimaResult(Told, Turnable):
             picture=picture,
         )
 
-    def turned(self) -> Content:
-        """Return states, descents and the map of the energy as plain data, see `view`."""
+    def turned(self, chart: Landscape | None = None) -> Content:
+        """Return states, descents and the map of the energy as plain data, see `view`.
+
+        Parameters
+        ----------
+        chart
+            The energy over the scene's coordinates, if it is known already.
+
+        Returns
+        -------
+        Content
+            What a page shows.
+        """
         from origami_nlp.minima.turned import turn_minima  # charts are slow to import
 
-        return turn_minima(self)
+        return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""

@@ -72,5 +72,5 @@ def draw_states(result: MinimaResult, *, columns: int = 4) -> Figure:
 
 def _empty(axes: Axes) -> float:
     """Return the share of a drawn state's height below which nothing is painted, with room for a number."""
-    painted = np.asarray(axes.images[0].get_array())[..., 3].any(axis=1)
-    return max(0.0, float(np.argmax(painted)) / len(painted) - ROOM)
+    painted = np.asarray(axes.images[0].get_array())[..., 3].max(axis=1) > 0
+    return max(0.0, float(np.argmax(painted)) / painted.size - ROOM)

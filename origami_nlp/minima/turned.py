@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,12 +14,14 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.stability import asked, verdict
 from origami_nlp.minima.telling import contact_words, full_space_lines, moment_words
 from origami_nlp.numerics import SETTLED
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 from origami_nlp.show import (
     Content,
     Line,
     Mark,
     Panel,
+    Piece,
     Station,
     Track,
     vertex_body,
@@ -28,9 +29,6 @@ from origami_nlp.show import (
     vertex_track,
     vertex_view,
 )
-
-if TYPE_CHECKING:
-    from origami_nlp.minima.result import MinimaResult
 
 CELLS = 161
 """Cells along each coordinate of the map."""
@@ -44,36 +42,45 @@ CROSSING = {
 """What is known of the states on a path, by the contact of the scene."""
 
 
-def turn_minima(result: MinimaResult, chart: Landscape | None = None) -> Content:
+def turn_minima(
+    scene: Scene,
+    model: Model,
+    minima: Sequence[Minimum],
+    told: Sequence[Piece],
+    chart: Landscape | None = None,
+) -> Content:
     """Return minima, what becomes of the unstable ones, and the map of the energy, for a page that can be turned.
 
     Parameters
     ----------
-    result
-        Of `find_minima`.
+    scene, model
+        What is folded, and its nonlinear programme.
+    minima
+        In order of energy.
+    told
+        The report in tables and lines.
     chart
-        Of its scene, if it is known already.
+        The energy over the scene's coordinates, if it is known already.
 
     Returns
     -------
     Content
         A station for each minimum, in order; a track for each descent, and for each curve of a scene with one freedom.
     """
-    scene = result.scene
     chart = chart or landscape(scene, CELLS)
-    stations = tuple(_station(result, k, m) for k, m in enumerate(result.minima))
+    stations = tuple(_station(model, k, m, asked(minima)) for k, m in enumerate(minima))
     content = Content(
         scene.label or repr(scene.vertex),
         vertex_body(scene.vertex),
         stations,
-        panels=tuple(_panels(chart, result.minima)),
-        pieces=tuple(result.told()),
+        panels=tuple(_panels(chart, minima)),
+        pieces=tuple(told),
         steps=f"Each step is a stored state that closes; {CROSSING[scene.contact]}.",
     )
-    tracks = [*_descents(result), *_curves(chart)]
+    tracks = [*_descents(scene.vertex, minima), *_curves(chart)]
     if not tracks:
         why = "No path is stored: no descent from any state was found"
-        if not asked(result.minima):
+        if not asked(minima):
             why = "No path is stored; --full follows unstable states down, `barriers` finds the passes between states"
         return replace(content, note=f"{why}.")
     return content.with_tracks(tracks, points_on(content, chart, tracks))
@@ -115,10 +122,10 @@ def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[
     return creases, facets
 
 
-def _station(result: MinimaResult, k: int, m: Minimum) -> Station:
-    vertex = result.scene.vertex
+def _station(model: Model, k: int, m: Minimum, judged: bool) -> Station:
+    vertex = model.scene.vertex
     letters = [LETTERS[n % len(LETTERS)] for n in range(len(m.contacts))]
-    known = f", {verdict(result.scene, m)}" if asked(result.minima) else ""
+    known = f", {verdict(model.scene, m)}" if judged else ""
     angles = ", ".join(f"{a:.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
     kkt = "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}"
     lines = [
@@ -135,7 +142,7 @@ def _station(result: MinimaResult, k: int, m: Minimum) -> Station:
         f"{k + 1}: {m.energy:.6g} J, {m.kind}{known}",
         vertex_folded(vertex, m.fold_angles, m.energy),
         vertex_view(vertex, m.fold_angles),
-        tuple(_mark(result.model, x, c) for x, c in zip(letters, m.contacts, strict=True)),
+        tuple(_mark(model, x, c) for x, c in zip(letters, m.contacts, strict=True)),
         tuple(lines),
     )
 
@@ -150,10 +157,10 @@ def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact_words(contact)}", high > 0, *at)
 
 
-def _descents(result: MinimaResult) -> list[Track]:
+def _descents(vertex: Vertex, minima: Sequence[Minimum]) -> list[Track]:
     """Return the stored descent of each unstable state."""
     found = []
-    for k, m in enumerate(result.minima):
+    for k, m in enumerate(minima):
         if m.full_space is None or m.full_space.descent is None:
             continue
         steps, lands = m.full_space.descent, m.full_space.lands_on
@@ -162,7 +169,7 @@ def _descents(result: MinimaResult) -> list[Track]:
         title = f"{k + 1} → {where}: descent without the symmetry"
         angles, energies = [s.fold_angles for s in steps], [s.energy for s in steps]
         last = end - 1 if end else None
-        found.append(vertex_track(result.scene.vertex, title, angles, energies, start=k, end=last))
+        found.append(vertex_track(vertex, title, angles, energies, start=k, end=last))
     return found
 
 
@@ -196,13 +203,15 @@ def _panels(chart: Landscape, minima: Sequence[Minimum]) -> list[Panel]:
         )
         at = tuple((k, *p.point) for k, p in enumerate(places))
         labels = (axis_words(chart.coordinates[0]), "energy [J]")
-        return [Panel("Energy of the closed states", labels, *2 * (np.empty(0),), None, lines, at)]
+        none = np.empty(0)
+        return [Panel("Energy of the closed states", labels, none, none, None, lines, at)]
     names = (axis_words(chart.coordinates[0]), axis_words(chart.coordinates[1]))
     return [
         Panel(
             ", ".join(filter(None, ("Energy of the symmetric states", branch.name))),
             names,
-            *branch.axes,
+            branch.axes[0],
+            branch.axes[1],
             branch.energy,
             tuple(Line(line, "states at |phi| = pi exactly", "handle") for line in chart.handles),
             tuple((n, *p.point) for n, p in enumerate(places) if p.branch == k and p.drawn),

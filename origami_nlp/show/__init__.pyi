@@ -1,10 +1,28 @@
 from .animation import check_animation as check_animation, write_animation as write_animation
+from .bodies import (
+    Body as Body,
+    Content as Content,
+    Crease as Crease,
+    Folded as Folded,
+    Line as Line,
+    Mark as Mark,
+    Panel as Panel,
+    Station as Station,
+    Track as Track,
+)
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,
     Pose as Pose,
     draw_state as draw_state,
     pose_state as pose_state,
+)
+from .folded_vertex import (
+    rotation_onto as rotation_onto,
+    vertex_body as vertex_body,
+    vertex_folded as vertex_folded,
+    vertex_track as vertex_track,
+    vertex_view as vertex_view,
 )
 from .html import inline_image as inline_image
 from .plain import (
@@ -31,24 +49,8 @@ from .table import (
     rows_markdown as rows_markdown,
     rows_table as rows_table,
 )
-from .turnable import (
-    Body as Body,
-    Content as Content,
-    Crease as Crease,
-    Folded as Folded,
-    Line as Line,
-    Mark as Mark,
-    Panel as Panel,
-    Station as Station,
-    Track as Track,
-    Turnable as Turnable,
-    rotation_onto as rotation_onto,
-    vertex_body as vertex_body,
-    vertex_folded as vertex_folded,
-    vertex_track as vertex_track,
-    vertex_view as vertex_view,
-)
 from .turned import (
+    Turnable as Turnable,
     TurnedPage as TurnedPage,
     check_view as check_view,
     page_data as page_data,

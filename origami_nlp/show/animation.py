@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.show.turnable import Content, Folded, Track
+from origami_nlp.show.bodies import Content, Folded, Track
 from origami_nlp.show.turned import kept_states
 
 if TYPE_CHECKING:

@@ -21,8 +21,8 @@ import numpy as np
 from origami_nlp.arguments import check_path
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
+from origami_nlp.show.bodies import Content, Folded, Panel, Station, Track
 from origami_nlp.show.table import pieces_html
-from origami_nlp.show.turnable import Content, Folded, Panel, Station, Track
 
 MOST_TRACKED = 55_000
 """Coordinates of states on paths that a page holds, about nine bytes each: longer paths are thinned."""
@@ -97,6 +97,29 @@ class TurnedPage:
         """
         check_path("path", path)
         write_whole(path, turned_page(*self.contents).encode())
+
+
+class Turnable:
+    """A result that can be turned in space: a class says `turned`, the rest follows."""
+
+    def turned(self) -> Content:
+        """Return what there is to see, as plain data."""
+        raise NotImplementedError
+
+    def view(self) -> TurnedPage:
+        """Return a page that can be turned (extra ``view``); the last line of a cell of Jupyter shows it.
+
+        Returns
+        -------
+        TurnedPage
+            Its `save` writes it as one file that needs no network.
+
+        Raises
+        ------
+        OptionError
+            If plotly is not installed.
+        """
+        return TurnedPage(self.turned())
 
 
 def turned_page(*contents: Content) -> str:
@@ -178,15 +201,18 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
 def _plain(array: np.ndarray, digits: int) -> list[Any]:
     """Return rounded numbers, None for nan and inf."""
     array = np.asarray(array, dtype=float)
-    rounded = np.round(array, digits) + 0.0
-    return np.where(np.isfinite(array), rounded, None).tolist()
+    rounded = (np.round(array, digits) + 0.0).astype(object)
+    rounded[~np.isfinite(array)] = None
+    listed: list[Any] = rounded.tolist()
+    return listed
 
 
 def _short(values: np.ndarray) -> list[Any]:
     """Return numbers to `ENERGY_DIGITS` significant digits, None for nan and inf."""
     array = np.asarray(values, dtype=float)
     short = [float(f"{v:.{ENERGY_DIGITS}g}") if math.isfinite(v) else None for v in array.flat]
-    return np.array(short, dtype=object).reshape(array.shape).tolist()
+    listed: list[Any] = np.array(short, dtype=object).reshape(array.shape).tolist()
+    return listed
 
 
 def _folded(state: Folded, digits: int) -> dict[str, Any]:

@@ -35,7 +35,9 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     assert state["kind"] == "contact-pinned" and state["load_margin"]["checked"]
     assert f"{state['load_margin']['norm']:.5g}" in files["markdown"].read_text()
     page = files["html"].read_text()
-    assert page.startswith("<!doctype html>") and "largest moment on one orbit" in page
+    assert (
+        page.startswith("<!doctype html>") and "largest moment on the creases of one orbit" in page
+    )
 
 
 def test_json_to_standard_output_is_json_alone(tmp_path: Path) -> None:
