@@ -79,9 +79,11 @@ def turn_minima(
     )
     tracks = [*_descents(scene.vertex, minima), *_curves(chart)]
     if not tracks:
-        why = "No path is stored: no descent from any state was found"
-        if not asked(minima):
-            why = "No path is stored; --full follows unstable states down, `barriers` finds the passes between states"
+        why = "No path is stored"
+        if not scene.group.is_trivial:
+            why += ": no descent from any state was found"
+            if not asked(minima):
+                why = "No path is stored; --full follows unstable states down when the symmetry breaks"
         return replace(content, note=f"{why}.")
     return content.with_tracks(tracks, points_on(content, chart, tracks))
 

@@ -65,7 +65,8 @@ function facetTraces(state, normal) {  // both sides of the paper, a little apar
         i.push(first); j.push(first + t); k.push(first + t + 1); colour.push(paint);
       }
     }
-    edge.push(...ring.slice(scene.data.body.sectors ? 1 : 0), null);
+    const border = scene.data.body.sectors ? ring.slice(1) : [...ring, ring[0]];
+    for (const side of [1.1 * THICK, -1.1 * THICK]) edge.push(...border.map(p => add(p, times(normal[f], side))), null);
   });
   const light = {ambient: 0.95, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0};
   return [
@@ -315,7 +316,10 @@ function chooseScene(n) {
   $("maps").replaceChildren(...data.panels.map((_, m) =>
     Object.assign(document.createElement("div"), {id: "map" + m, className: "map"})));
   scene.maps = data.panels.map(mapTraces);
-  if (data.stations.length || data.tracks.length) draw();
+  const plots = document.querySelector(".plots"), some = data.stations.length + data.tracks.length > 0;
+  plots.style.display = some ? "" : "none";
+  plots.classList.toggle("alone", !data.panels.length);
+  if (some) draw();
   else $("where").textContent = "There is no state to show.";
 }
 
