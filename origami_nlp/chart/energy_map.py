@@ -83,6 +83,13 @@ class Landscape:
     reason: str = ""
     handles: tuple[np.ndarray, ...] = ()
 
+    @property
+    def one_plane(self) -> bool:
+        """Whether all branches fit into one picture, each on its own side of zero."""
+        return len(self.branches) <= 1 or (
+            self.scene.contact == "full" and self.scene.group.order == 2
+        )
+
     def place(self, fold_angles: object) -> Place:
         """Return where the state with all N `fold_angles` [rad] lies.
 

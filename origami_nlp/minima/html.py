@@ -10,7 +10,6 @@ from html import escape
 
 from origami_nlp.chart import UNIT, landscape
 from origami_nlp.minima.completeness import Completeness
-from origami_nlp.minima.marks import STYLE
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
@@ -22,7 +21,7 @@ from origami_nlp.minima.telling import (
     undecided_lines,
 )
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Cell, Table, Words, inline_image
+from origami_nlp.show import KINDS, Cell, Table, Words, inline_image
 
 SIZE, DPI = 301, 72
 """Cells along each coordinate, and dots an inch, of the inline picture: to keep notebooks small."""
@@ -73,7 +72,7 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
         row: list[Cell] = [
             str(number),
             f"{m.energy:.6g}",
-            Words(m.kind, colour=STYLE[m.kind][0]),
+            Words(m.kind, colour=KINDS[m.kind].colour),
             freedom_words(m.local_dimension, freedom),
             ", ".join(_degrees(a) for a in m.fold_angles),
             "\n".join(contact_words(c) for c in m.contacts) or "none closed",

@@ -13,9 +13,9 @@ from .bodies import (
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,
-    Pose as Pose,
+    crease_legend as crease_legend,
     draw_state as draw_state,
-    pose_state as pose_state,
+    drawn_height as drawn_height,
 )
 from .folded_vertex import (
     rotation_onto as rotation_onto,
@@ -25,17 +25,35 @@ from .folded_vertex import (
     vertex_view as vertex_view,
 )
 from .html import inline_image as inline_image
+from .labels import label_marks as label_marks
 from .plain import (
     check_schema as check_schema,
     from_plain as from_plain,
     pick as pick,
     to_plain as to_plain,
 )
+from .pose import Pose as Pose, pose_state as pose_state
 from .style import (
-    angle_ticks as angle_ticks,
-    label_text as label_text,
-    pi_label as pi_label,
-    short_label as short_label,
+    BAND as BAND,
+    HANDLE as HANDLE,
+    IDLE as IDLE,
+    INK as INK,
+    INKS as INKS,
+    KINDS as KINDS,
+    METASTABLE as METASTABLE,
+    MISSING as MISSING,
+    PASSES as PASSES,
+    PUSHES as PUSHES,
+    RING as RING,
+    VERDICTS as VERDICTS,
+    WARNING as WARNING,
+    energy_colours as energy_colours,
+    mark_minimum as mark_minimum,
+    minima_legend as minima_legend,
+    minimum_look as minimum_look,
+    pass_look as pass_look,
+    passes_legend as passes_legend,
+    patch as patch,
 )
 from .table import (
     Cell as Cell,
@@ -48,6 +66,12 @@ from .table import (
     plain_text as plain_text,
     rows_markdown as rows_markdown,
     rows_table as rows_table,
+)
+from .text import (
+    angle_ticks as angle_ticks,
+    label_text as label_text,
+    pi_label as pi_label,
+    short_label as short_label,
 )
 from .turned import (
     Turnable as Turnable,

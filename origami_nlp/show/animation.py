@@ -20,6 +20,8 @@ from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.show.bodies import Content, Folded, Track
+from origami_nlp.show.pose import Pose
+from origami_nlp.show.text import label_text
 from origami_nlp.show.turned import kept_states
 
 if TYPE_CHECKING:
@@ -189,8 +191,7 @@ def draw_shot(figure: Figure, title: str, shot: Shot) -> None:
     shot
         The picture.
     """
-    from origami_nlp.show.drawing import Pose, draw_pose
-    from origami_nlp.show.style import label_text
+    from origami_nlp.show.drawing import draw_pose, label_places
 
     figure.clear()
     state, turn = shot.state, shot.view
@@ -203,6 +204,7 @@ def draw_shot(figure: Figure, title: str, shot: Shot) -> None:
     high = SIDE / (SIDE + 0.7)
     axes = figure.add_axes((0.0, 1 - high, 1.0, high))
     low = ((shot.middle - state.corners[0]) @ turn.T)[:2] - shot.reach
-    draw_pose(axes, pose, sectors.tolist(), state.fold_angles, low, 2 * shot.reach, 10.0)
+    places = label_places(pose)
+    draw_pose(axes, pose, places, sectors.tolist(), state.fold_angles, low, 2 * shot.reach, 10.0)
     figure.text(0.03, 0.985, label_text(title), fontsize=9, weight="bold", va="top")
     figure.text(0.03, 0.13, label_text(shot.caption), fontsize=8, va="top")

@@ -49,7 +49,7 @@ def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> Folded:
     Folded
         Corners as `folding.fold_vertex` has them, the apex at the origin.
     """
-    from origami_nlp.show.drawing import layer_offsets
+    from origami_nlp.show.pose import layer_offsets
 
     phi = np.asarray(fold_angles, dtype=float)
     creases, _ = fold_vertex(vertex, phi)
@@ -74,7 +74,7 @@ def vertex_view(vertex: Vertex, fold_angles: object) -> np.ndarray:
     numpy.ndarray
         As `Station.view`.
     """
-    from origami_nlp.show.drawing import pose_state
+    from origami_nlp.show.pose import pose_state
 
     phi = np.asarray(fold_angles, dtype=float)
     return rotation_onto(fold_vertex(vertex, phi)[0], pose_state(vertex, phi).creases)
