@@ -31,6 +31,12 @@ from .pattern import (
     read_scene as read_scene,
 )
 from .programme import Model as Model
-from .results import draw as draw, load as load, save as save, to_frame as to_frame
+from .results import (
+    draw as draw,
+    load as load,
+    save as save,
+    to_frame as to_frame,
+    view as view,
+)
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
 from .version import __version__ as __version__

@@ -21,6 +21,8 @@ def barriers(
     panels: o.Panels = False,
     markdown: o.MarkdownFile = None,
     fold: o.PathsFold = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
 ) -> None:
     """Find the lowest pass between every two minima of SCENE, and a path through it.
 
@@ -38,11 +40,13 @@ def barriers(
     given = scene.name if scene else None
     if panels == (scene is not None):
         raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown, fold=fold)
+    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
     if panels and fold is not None:
         raise OptionError(
             f"--fold = {fold!r}: paths of one SCENE make a file, those of --panels do not"
         )
+    if panels and animate:
+        raise OptionError("--animate is for one SCENE, not for --panels")
     stated = [scene.read()] if scene else examples.panels()
     for one in stated:
         check_freedoms(one)
@@ -57,3 +61,4 @@ def barriers(
     out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
+    out.turn(*found)

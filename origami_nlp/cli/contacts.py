@@ -40,4 +40,4 @@ def contacts(
     report.print_contacts(found, out.console)
     out.write("json", report.contacts_to_dict, found)
     out.write("markdown", report.as_markdown, found)
-    out.write("html", report.as_html, found)
+    out.turn(found)

@@ -26,6 +26,7 @@ def landscape(
     figure: o.FigureFile = None,
     npz: o.NpzFile = None,
     json: o.JsonFile = None,
+    html: o.HtmlFile = None,
     size: o.Size = 401,
     passes: Annotated[
         bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
@@ -41,9 +42,10 @@ def landscape(
         find_landscape,
         landscape_to_dict,
     )
+    from origami_nlp.show import TurnedPage
     from origami_nlp.space import find_space
 
-    out = Output(figure=figure, npz=npz, json=json)
+    out = Output(figure=figure, npz=npz, json=json, html=html)
     stated = scene.read()
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
@@ -73,6 +75,7 @@ def landscape(
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
+    out.save("html", lambda file: TurnedPage(exact.turned(barriers)).save(file))
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -23,6 +23,8 @@ def minima(
     figure: o.FigureFile = None,
     fold: o.StatesFold = None,
     mesh: o.StatesMesh = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
@@ -41,7 +43,15 @@ def minima(
         write_mesh,
     )
 
-    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, certificate=certificate)
+    out = Output(
+        json=json,
+        figure=figure,
+        fold=fold,
+        mesh=mesh,
+        certificate=certificate,
+        html=html,
+        animate=animate,
+    )
     if mesh:
         check_mesh(mesh)
     options: dict[str, Any] = {
@@ -79,6 +89,7 @@ def minima(
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)
     out.save("certificate", _write_certificate, result)
+    out.turn(result)
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:

@@ -102,7 +102,18 @@ FigureWanted = Annotated[
     Path, typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg).")
 ]
 HtmlFile = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write the report as a static page.")
+    Path | None,
+    typer.Option(
+        "--html",
+        metavar="FILE",
+        help="Write a page with states to turn and paths to fold along (extra view).",
+    ),
+]
+AnimateFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--animate", metavar="FILE", help="Write the states in turn as .gif, or .mp4 with ffmpeg."
+    ),
 ]
 LatexFile = Annotated[
     str | None, typer.Option(metavar="FILE", help="Write LaTeX snippets to FILE, or - for stdout.")
