@@ -6,12 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.files import write_whole
+from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.minima import fold_data, folded_frame
 
 
 def path_to_fold(path: LoadPath) -> dict[str, Any]:
@@ -20,15 +18,9 @@ def path_to_fold(path: LoadPath) -> dict[str, Any]:
     for number, leg in enumerate(path.legs, start=1):
         for p in leg.points:
             title = f"leg {number}, {path.driver.name} = {p.t:.9g} {path.driver.unit}".rstrip()
-            frames.append(
-                {
-                    **folded_frame(path.scene.vertex, np.array(p.fold_angles), title),
-                    "origaminlp:leg": number,
-                    "origaminlp:parameter": p.t,
-                    "origaminlp:energy": p.energy,
-                }
-            )
-    return fold_data(path.scene, frames)
+            more = {"leg": number, "parameter": p.t, "energy": p.energy}
+            frames.append(folded_frame(path.scene, p.fold_angles, title, **more))
+    return frames_to_fold(path.scene, frames)
 
 
 def write_path(path: LoadPath, target: str | Path) -> None:
