@@ -16,6 +16,7 @@ from .find import (
     check_options as check_options,
     find_minima as find_minima,
 )
+from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     check_mesh as check_mesh,
     fold_data as fold_data,
