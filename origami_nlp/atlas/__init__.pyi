@@ -1,3 +1,8 @@
+from .boundary import (
+    Boundaries as Boundaries,
+    EventCurve as EventCurve,
+    find_boundaries as find_boundaries,
+)
 from .family import (
     Family as Family,
     Over as Over,
