@@ -1,3 +1,8 @@
+from .boundary import (
+    Boundaries as Boundaries,
+    EventCurve as EventCurve,
+    find_boundaries as find_boundaries,
+)
 from .branches import branches_of as branches_of, chains_of as chains_of
 from .family import (
     Family as Family,

@@ -154,17 +154,8 @@ class Family:
         low, high = over.s_of(over.low), over.s_of(over.high)
         where = np.linspace(low, high, SAMPLES)
         scenes = [self.scene_of(over.t_of(float(s))) for s in where]
-        models = [Model(scene) for scene in scenes]
-        whole = max(models, key=lambda m: len(m.structure.gaps))
-        for t, scene, model in zip(where, scenes, models, strict=True):
-            if scene.group.name != whole.scene.group.name or not set(model.structure.gaps) <= set(
-                whole.structure.gaps
-            ):
-                raise OptionError(
-                    f"{over.name} = {over.t_of(float(t)):.6g}: symmetry {scene.group.name} or the facets that may "
-                    "touch are not those of the other scenes: state the symmetry, or follow a shorter range"
-                )
-        posed = [_posed_as(whole, model) for model in models]
+        names = [f"{over.name} = {over.t_of(float(s)):.6g}" for s in where]
+        posed = posed_alike([Model(scene) for scene in scenes], over.name, names)
         self._check(posed, where)
         line = line_between(posed[0], posed[-1], high - low).from_here(-low)
         first, last = (np.array(scenes[k].vertex.sector_angles) for k in (0, -1))
@@ -190,6 +181,26 @@ class Family:
                 f"the scenes over {self.over.name} do not change smoothly between {a:.6g} and {b:.6g}: "
                 "these are two families, follow each alone"
             )
+
+
+def posed_alike(models: list[Model], name: str, names: list[str]) -> list[Model]:
+    """Return models with the structure and scale of the one that has most contacts.
+
+    Raises
+    ------
+    OptionError
+        If some have another symmetry, or contacts that this one has not; name: of the parameter, names: of the scenes.
+    """
+    whole = max(models, key=lambda m: len(m.structure.gaps))
+    gaps = set(whole.structure.gaps)
+    for model, where in zip(models, names, strict=True):
+        group = model.scene.group.name
+        if group != whole.scene.group.name or not set(model.structure.gaps) <= gaps:
+            raise OptionError(
+                f"{where}: symmetry {group} or the facets that may touch are not those of other scenes over {name}: "
+                "state the symmetry, or follow a shorter range"
+            )
+    return [_posed_as(whole, model) for model in models]
 
 
 def _posed_as(whole: Model, model: Model) -> Model:

@@ -16,16 +16,12 @@ from origami_nlp.arguments import check_path, check_type
 from origami_nlp.atlas.records import PathPoint
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.files import save_figure
-from origami_nlp.show import label_text
+from origami_nlp.show import KINDS, label_text
 
-COLOURS = {
-    "interior": "#0072b2",
-    "contact-pinned": "#d55e00",
-    "contact-touching": "#e69f00",
-    "degenerate": "#7a7a7a",
-    "saddle": "#56b4e9",
-}
-OTHER = "#cc79a7"
+SADDLE = "#56B4E9"
+COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": SADDLE}
+OTHER = "#CC79A7"
+"""Of states whose verdict is neither."""
 MARKS = {
     "fold": "s",
     "nonsmooth-fold": "D",

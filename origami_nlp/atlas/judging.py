@@ -100,6 +100,7 @@ def states_at(
             what.verdict,
             what.kind,
             what.reason,
+            what.local_dimension,
             what.contacts,
             model.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan,
             frame.system.residual,

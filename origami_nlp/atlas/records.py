@@ -278,7 +278,7 @@ class StateAt:
         All N [rad].
     energy
         In the scene's units.
-    verdict, kind, certificate, contacts
+    verdict, kind, certificate, local_dimension, contacts
         As `kkt.classify` says.
     eigenvalue
         Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
@@ -294,6 +294,7 @@ class StateAt:
     verdict: str
     kind: Kind | None
     certificate: str
+    local_dimension: int
     contacts: tuple[ContactForce, ...]
     eigenvalue: float
     kkt_residual: float

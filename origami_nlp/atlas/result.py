@@ -93,6 +93,11 @@ class Atlas(Told):
         scene, s = self.family.scene(value), over.s_of(value)
         return states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
 
+    def summary(self) -> str:
+        """Return one line."""
+        found = f"{len(self.branches)} branches, {len(self.events)} events over {self.over.name}"
+        return found + (f", {len(self.alarms)} alarms" if self.alarms else "")
+
     def table(self) -> Table:
         """Return one row an interval."""
         rows = [
@@ -103,7 +108,7 @@ class Atlas(Told):
             )
             for i in self.intervals
         ]
-        return Table((self.over.name, "minima", "kinds"), rows, columns="lrl")
+        return Table((self.over.name, "minima", "kinds"), rows, self.summary(), "lrl")
 
     def told(self) -> Iterator[Piece]:
         """Return counts, events, branches, checks and what they cost."""

@@ -22,7 +22,8 @@ def follow(
         ),
     ],
     checks: Annotated[
-        int, typer.Option(help="Searches: both ends, the middle, then the widest gaps.")
+        int,
+        typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
     ] = 3,
     through_folds: Annotated[
         bool, typer.Option(help="Follow states through folds, where they are saddles.")

@@ -9,8 +9,13 @@ from .curve import (
     follow_boundary as follow_boundary,
     trace_held as trace_held,
 )
-from .equilibrium import Equilibrium as Equilibrium, Hold as Hold, Tally as Tally
-from .halves import half_branches as half_branches
+from .equilibrium import (
+    Equilibrium as Equilibrium,
+    EquilibriumCurve as EquilibriumCurve,
+    Hold as Hold,
+    Tally as Tally,
+)
+from .halves import half_branches as half_branches, is_equilibrium as is_equilibrium
 from .line import (
     ParameterLine as ParameterLine,
     line_between as line_between,

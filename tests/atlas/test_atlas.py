@@ -11,8 +11,9 @@ import pytest
 import origami_nlp as o
 from origami_nlp.atlas import Family, draw_atlas, family_of, follow, follow_family, parse_over
 from origami_nlp.atlas.fold_out import atlas_to_fold
-from origami_nlp.bench.problems import random_vertex
+from origami_nlp.bench import random_vertex
 from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.minima import judge_in_full_space
 
 TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
 
@@ -100,7 +101,8 @@ def test_a_picture_frames_and_words(atlas, tmp_path):
     assert (tmp_path / "atlas.png").stat().st_size > 10_000
     frames = atlas_to_fold(atlas)["file_frames"]
     assert len(frames) == sum(len(b.points) for b in atlas.branches)
-    assert "nonsmooth-fold" in repr(atlas) and "isolated branches" in repr(atlas)
+    assert "nonsmooth-fold" in str(atlas) and "isolated branches" in str(atlas)
+    assert "3 branches, 2 events" in repr(atlas)
 
 
 def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
@@ -122,13 +124,33 @@ def test_a_curve_through_the_flat_state_is_named_there():
 
 
 def test_a_symmetry_that_is_lost_is_located():
-    """Where a state loses its stability across the symmetry, the full scene has a branching or loses it too."""
-    atlas = follow(o.examples.degree8("pi/6"), "ratio=0.01:1", checks=2)
-    eigenvalues = [p.full_space_eigenvalue for b in atlas.branches for p in b.points]
-    assert np.isfinite(eigenvalues).any()
-    for e in atlas.events:
-        if e.type == "breaks-symmetry":
-            assert e.located
+    """On one side of the event the state is stable in the full space, on the other it is not."""
+    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-2.2:-1.8", checks=2)
+    event = next(e for e in atlas.events if e.type == "breaks-symmetry")
+    assert event.located
+    verdicts = []
+    for t in (event.t - 0.02, event.t + 0.02):
+        near = min(
+            atlas.at(t), key=lambda s: np.abs(np.subtract(s.fold_angles, event.fold_angles)).max()
+        )
+        assert near.verdict == "minimum"
+        verdicts.append(judge_in_full_space(atlas.family.scene(t), np.array(near.fold_angles)))
+    assert [v.verdict == "stable" for v in verdicts].count(True) == 1
+    for v in verdicts:
+        assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
+
+
+def test_a_pitchfork_is_passed_and_its_branches_are_followed():
+    """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
+    atlas = follow(
+        o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full_space=False
+    )
+    (event,) = [e for e in atlas.events if e.type == "branching"]
+    assert len(event.branches) == 4
+    before = minima(atlas.at(event.t - 0.05))
+    pair = [b for b in before if abs(b[0] - b[2]) > 0.1]
+    assert len(pair) == 2 and pair[0] == pytest.approx(np.roll(pair[1], 2), abs=1e-9)
+    assert compare(atlas, event.t - 0.05) == compare(atlas, event.t + 0.05) == 0
 
 
 def test_families_that_jump_are_refused():
