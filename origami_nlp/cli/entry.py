@@ -39,7 +39,7 @@ app = Group(
     completion=True,
 )
 app.add(minima, check_proof, landscape, under="Find the states of a scene")
-app.add(contacts, modes, follow, load, under="Understand them")
+app.add(contacts, modes, load, under="Understand them")
 app.add(barriers, critical, space, transitions, under="Understand them")
 app.add(example, vertices, model, under="Make and read scenes")
 app.add(follow, sweep, under=MANY)

@@ -8,12 +8,13 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import read_scene
 
 
+@takes_scene(o.SceneFile)
 def load(
-    scene: o.SceneFile,
+    scene: Source,
     crease: Annotated[
         int | None,
         typer.Option(
@@ -50,7 +51,7 @@ def load(
 
     out = Output(json=json, figure=figure, fold=fold)
     path = load_path(
-        read_scene(scene),
+        scene.read(),
         crease,
         to=to if to == "snap" else _number(to),
         state=state,

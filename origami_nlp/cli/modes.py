@@ -9,11 +9,12 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
+@takes_scene(o.SceneFile)
 def modes(
-    scene: o.SceneFile,
+    scene: Source,
     state: Annotated[
         int | None, typer.Option(metavar="K", help="Only the minimum of this number.")
     ] = None,
@@ -30,8 +31,8 @@ def modes(
 
     out = Output(json=json, markdown=markdown, figure=figure)
     result = search(
-        read_scene(scene),
-        scene,
+        scene.read(),
+        scene.name,
         seed=seed,
         max_starts=max_starts,
         effort=effort,
