@@ -37,14 +37,14 @@ def load(
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
     full_space: Annotated[
-        bool, typer.Option(help="End the path where the state would break its symmetry.")
+        bool, typer.Option(help="Locate where a state loses stability without its symmetry.")
     ] = True,
     effort: o.Effort = "normal",
     seed: o.Seed = 0,
     max_starts: o.MaxStarts = 100_000,
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
-    fold: o.StatesFold = None,
+    fold: o.PathsFold = None,
 ) -> None:
     """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis."""
     from origami_nlp.loading import draw_load, load_path, write_path

@@ -16,7 +16,7 @@ from origami_nlp.cli.source import Source, takes_scene
 def modes(
     scene: Source,
     state: Annotated[
-        int | None, typer.Option(metavar="K", help="Only the minimum of this number.")
+        int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")
     ] = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
