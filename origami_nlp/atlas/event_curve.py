@@ -130,7 +130,7 @@ def _one_way(
         if there is None or step is None or not good or turn > SHARPEST:
             h /= 2
             if h < SHORTEST:
-                return out, "singular, or no such event beyond"
+                return out, "a cusp, or singular: no such event beyond"
             continue
         share = (there.point - plane.corner) / plane.size
         if (share < 0).any() or (share > 1).any():
