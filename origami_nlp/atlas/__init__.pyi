@@ -12,6 +12,7 @@ from .family import (
 from .figure import draw_atlas as draw_atlas, draw_boundaries as draw_boundaries
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
+from .plane import Plane as Plane
 from .records import (
     Check as Check,
     PathBranch as PathBranch,

@@ -86,5 +86,6 @@ def line_between(a: Programme, b: Programme, length: float, weight: float = 0.3)
 def load_line(programme: Programme, load: np.ndarray, weight: float = 0.3) -> ParameterLine:
     """Return the line along which the load `load` [n] is multiplied by s, over `scale`, and added to what is there."""
     p = programme.parameters
-    still = Parameters(*(np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest)), load)
+    none = np.zeros_like(p.rest)
+    still = Parameters(np.zeros_like(p.sectors), none, none, load)
     return ParameterLine(programme, p, still, weight=weight)
