@@ -270,10 +270,9 @@ def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None 
             for i in line.intervals:
                 a, b = (up.s_of(t) for t in i.t)
                 if b - a > 0.04 * (high - low):
-                    x = shown(across, line.t)
-                    y = shown(up, up.t_of(0.5 * (a + b)))
+                    at = shown(across, line.t), shown(up, up.t_of(0.5 * (a + b)))
                     side = {across.low: "left", across.high: "right"}.get(line.t, "center")
-                    axes.text(x, y, f" {i.minima} ", ha=side, va="center", fontweight="bold")
+                    axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
         axes.set_xlim(*(shown(across, t) for t in (across.low, across.high)))
         axes.set_ylim(*(shown(up, t) for t in (up.low, up.high)))
         for over, label, scale in (
