@@ -10,10 +10,16 @@ from .family import (
     family_of as family_of,
     parse_over as parse_over,
 )
-from .figure import COLOURS as COLOURS, MARKS as MARKS, draw_atlas as draw_atlas
+from .figure import (
+    COLOURS as COLOURS,
+    MARKS as MARKS,
+    draw_atlas as draw_atlas,
+    draw_boundaries as draw_boundaries,
+)
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
 from .judging import parts_of as parts_of
+from .plane import Plane as Plane
 from .records import (
     Check as Check,
     PathBranch as PathBranch,

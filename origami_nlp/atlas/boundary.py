@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.atlas.event_curve import EventPoint, EventTracer, follow_event
-from origami_nlp.atlas.family import Over, parse_over
+from origami_nlp.atlas.family import Over, parse_nearby, parse_over
 from origami_nlp.atlas.find import follow_family
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
@@ -178,7 +178,8 @@ def find_boundaries(
     scene
         What is folded.
     event
-        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``.
+        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
+        ``"ratio=1.79"``, for a range around it.
     over
         The second parameter and its range.
     lines
@@ -199,7 +200,8 @@ def find_boundaries(
     check_type("scene", scene, Scene)
     check_whole("lines", lines, 1, MOST_LINES)
     begin = time.perf_counter()
-    a, b = (parse_over(o) if isinstance(o, str) else o for o in (event, over))
+    a = parse_nearby(event) if isinstance(event, str) else event
+    b = parse_over(over) if isinstance(over, str) else over
     plane, tally = Plane(scene, (a, b)), Tally()
     low, high = b.s_of(b.low), b.s_of(b.high)
     curves: list[EventCurve] = []

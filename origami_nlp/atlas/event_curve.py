@@ -20,6 +20,10 @@ FIRST, LONGEST, SHORTEST = 2e-3, 0.05, 1e-4
 """Steps along a curve, as shares of the ranges."""
 SHARPEST = 0.3
 """A step that turns the curve by more [rad] is halved."""
+CUSP, REACHES = (5e-4, 1e-3, 2e-3), (0.02, 0.05, 0.1, 0.2)
+"""Steps back in the plane [shares], and on in the states [rad], with which a fold is looked for beyond a cusp."""
+MOST_CUSPS = 4
+"""Of a curve, one way."""
 MOST = 1000
 """Points of a curve, one way."""
 FOLD_STEPS = 12
@@ -116,8 +120,10 @@ def _direction(tracer: EventTracer, first: EventPoint) -> np.ndarray | None:
 def _one_way(
     tracer: EventTracer, first: EventPoint, along: np.ndarray
 ) -> tuple[list[EventPoint], str]:
-    plane, out = tracer.plane, []
+    plane = tracer.plane
+    out: list[EventPoint] = []
     here, h, moved = first, FIRST, np.zeros(len(first.frame.state))
+    cusps = 0
     while len(out) < MOST:
         normal = np.array([-along[1], along[0]])
         guess = here.point + h * along * plane.size
@@ -129,9 +135,12 @@ def _one_way(
             turn = float(np.arccos(np.clip(step @ along / np.linalg.norm(step), -1, 1)))
         if there is None or step is None or not good or turn > SHARPEST:
             h /= 2
-            if h < SHORTEST:
+            if h >= SHORTEST:
+                continue
+            there = _past_cusp(tracer, here, along, moved)
+            if there is None or cusps == MOST_CUSPS:
                 return out, "singular, or no such event beyond"
-            continue
+            cusps, h, step = cusps + 1, FIRST, (there.point - here.point) / plane.size
         share = (there.point - plane.corner) / plane.size
         if (share < 0).any() or (share > 1).any():
             edge = _at_edge(tracer, here, there)
@@ -149,6 +158,25 @@ def _one_way(
         if len(out) > 3 and np.linalg.norm((here.point - first.point) / plane.size) < 0.5 * length:
             return out, "closed curve"
     return out, f"more than {MOST} points"
+
+
+def _past_cusp(
+    tracer: EventTracer, here: EventPoint, along: np.ndarray, moved: np.ndarray
+) -> EventPoint | None:
+    """Return a fold beyond a cusp: the curve comes back in the plane while the states go on."""
+    size = float(np.linalg.norm(moved))
+    if tracer.contact is not None or size == 0.0:
+        return None
+    onward, normal = moved / size, np.array([-along[1], along[0]])
+    for back in CUSP:
+        for reach in REACHES:
+            guess = here.point - back * along * tracer.plane.size
+            there = tracer.at(guess, normal, here.frame.state + reach * onward)
+            if there is not None and is_equilibrium(there.frame):
+                went = float((there.frame.state - here.frame.state) @ onward)
+                if 0.3 * reach < went < 3 * reach:
+                    return there
+    return None
 
 
 def _at_edge(tracer: EventTracer, a: EventPoint, b: EventPoint) -> EventPoint | None:

@@ -112,6 +112,22 @@ def parse_over(text: str) -> Over:
     return Over(name, a, b, unit, log)
 
 
+NEARBY = 1.3
+"""A value without a range stands for the range from that share of it to that multiple; angles: 0.2 rad about it."""
+
+
+def parse_nearby(text: str) -> Over:
+    """Read ``NAME=FROM:TO`` as `parse_over` does, or ``NAME=VALUE`` for a range around a value."""
+    name, _, value = text.partition("=")
+    if ":" in value or not value:
+        return parse_over(text)
+    t = _number(value, name.strip())
+    wide = parse_over(f"{name}={t / NEARBY!r}:{t * NEARBY!r}") if t > 0 else None
+    if wide is not None and wide.log:
+        return wide
+    return parse_over(f"{name}={t - 0.2!r}:{t + 0.2!r}")
+
+
 def _number(text: str, name: str) -> float:
     match = _DEGREES.fullmatch(text.strip())
     if match:

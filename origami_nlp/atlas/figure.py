@@ -13,10 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_path, check_type
+from origami_nlp.atlas.boundary import Boundaries
 from origami_nlp.atlas.records import PathPoint
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.files import save_figure
-from origami_nlp.show import KINDS, label_text
+from origami_nlp.show import INKS, KINDS, label_text
 
 SADDLE = "#56B4E9"
 COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": SADDLE}
@@ -215,3 +216,75 @@ def _legend(atlas: Atlas, figure: Figure) -> None:
             ncols=min(6, len(lines) + len(marks)),
             frameon=False,
         )
+
+
+def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw the curves of events over two parameters, with the number of minima between them.
+
+    Parameters
+    ----------
+    boundaries
+        Of `find_boundaries`.
+    path
+        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The second parameter to the right, the first one up; solid lines where the number of minima changes, dashed
+        ones where only their kind does; numbers are those along the lines that were followed.
+
+    Raises
+    ------
+    OptionError
+        If `boundaries` are none, or the file cannot be written.
+    """
+    check_type("boundaries", boundaries, Boundaries)
+    if path is not None:
+        check_path("path", path)
+    up, across = boundaries.overs
+
+    def shown(over: Any, t: float) -> float:
+        return math.degrees(t) if over.unit == "rad" else t
+
+    with mpl.rc_context({"font.size": 9}):
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+        axes = figure.subplots()
+        for k, curve in enumerate(boundaries.curves):
+            x = [shown(across, p.t[1]) for p in curve.points]
+            y = [shown(up, p.t[0]) for p in curve.points]
+            turns = "fold" in curve.type
+            name = curve.contact.split(" (")[0] or "states fold"
+            axes.plot(
+                x,
+                y,
+                color=INKS[k % len(INKS)],
+                ls="-" if turns else (0, (4, 2)),
+                lw=1.6 if turns else 1.2,
+                label=f"{curve.id}  {curve.type}: {name}"
+                if curve.contact
+                else f"{curve.id}  {name}",
+            )
+        low, high = (up.s_of(t) for t in (up.low, up.high))
+        for line in boundaries.lines:
+            for i in line.intervals:
+                a, b = (up.s_of(t) for t in i.t)
+                if b - a > 0.04 * (high - low):
+                    at = shown(across, line.t), shown(up, up.t_of(0.5 * (a + b)))
+                    side = {across.low: "left", across.high: "right"}.get(line.t, "center")
+                    axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
+        axes.set_xlim(*(shown(across, t) for t in (across.low, across.high)))
+        axes.set_ylim(*(shown(up, t) for t in (up.low, up.high)))
+        for over, label, scale in (
+            (across, axes.set_xlabel, axes.set_xscale),
+            (up, axes.set_ylabel, axes.set_yscale),
+        ):
+            unit = {"rad": " [deg]", "": ""}.get(over.unit, f" [{over.unit}]")
+            label(label_text(over.name) + unit)
+            if over.log:
+                scale("log")
+        if boundaries.curves:
+            figure.legend(loc="outside upper center", ncols=1, frameon=False, fontsize=8)
+    if path is not None:
+        save_figure(figure, path, 200)
+    return figure

@@ -11,6 +11,7 @@ import typer
 
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
+from origami_nlp.cli.boundary import boundary
 from origami_nlp.cli.check_proof import check_proof
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
@@ -42,7 +43,7 @@ app.add(minima, check_proof, landscape, under="Find the states of a scene")
 app.add(contacts, modes, load, under="Understand them")
 app.add(barriers, critical, space, transitions, under="Understand them")
 app.add(example, vertices, model, under="Make and read scenes")
-app.add(follow, sweep, under=MANY)
+app.add(follow, boundary, sweep, under=MANY)
 app.add_group("cone", cone, under=MANY)
 app.add_group("paper", paper, under=COMPARE)
 app.add(bench, under=COMPARE)

@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.numerics import CURVED, DEPENDENT, ROUNDED, SAME, SETTLED, STATIONARY, null_space
 from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.tracer import ASIDE
 from origami_nlp.programme import Contact, Programme
 
 NEWTON = 10
@@ -263,8 +264,11 @@ class EquilibriumCurve:
         def plane(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
             return row, h - float(frame.tangent @ (self.root * (point - frame.x)))
 
-        found = self.solve(frame.x + h * frame.tangent / self.root, plane)
-        return None if found is None else self.frame_of(*found, frame.tangent)
+        ahead = frame.x + h * frame.tangent / self.root
+        found = self.solve(ahead, plane)
+        if found is None or np.linalg.norm(self.root * (found[0] - ahead)) > ASIDE * abs(h) + SAME:
+            return None
+        return self.frame_of(*found, frame.tangent)
 
     def at(self, point: np.ndarray, s: float, along: np.ndarray) -> Equilibrium | None:
         """Return the point of the curve at the parameter s, by Newton from (x, s') nearby."""

@@ -25,7 +25,7 @@ class ParameterLine:
     start
         Parameters at s = 0.
     direction
-        Their change with s; for stiffness that of its logarithm.
+        Their change with s; for stiffness that of its logarithm.  Forces in space that it does not state stay.
     sector_angles, sector_change
         Of the whole vertex at s = 0 and their change with s, shape [N]; None where they do not change.
     weight
@@ -47,7 +47,7 @@ class ParameterLine:
             a.stiffness * np.exp(s * d.stiffness),
             a.rest + s * d.rest,
             a.load + s * d.load,
-            None if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
+            a.dead if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
         )
         sectors = None
         if self.sector_angles is not None and self.sector_change is not None:
@@ -59,7 +59,8 @@ class ParameterLine:
         """Return the derivative of `Parameters.vector` by s."""
         a, d = self.start, self.direction
         stiffness = a.stiffness * np.exp(s * d.stiffness) * d.stiffness
-        return replace(d, stiffness=stiffness).vector
+        still = None if a.dead is None else a.dead.divided(math.inf)
+        return replace(d, stiffness=stiffness, dead=d.dead or still).vector
 
     def from_here(self, s: float) -> ParameterLine:
         """Return the same line with s = 0 where it is s now."""
@@ -89,7 +90,6 @@ def line_between(a: Programme, b: Programme, length: float, weight: float = 0.3)
 def load_line(programme: Programme, load: np.ndarray, weight: float = 0.3) -> ParameterLine:
     """Return the line along which the load `load` [n] is multiplied by s, over `scale`, and added to what is there."""
     p = programme.parameters
-    dead = None if p.dead is None else p.dead.divided(math.inf)
-    sectors, stiffness, rest = (np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest))
-    still = Parameters(sectors, stiffness, rest, load, dead)
+    none = np.zeros_like(p.rest)
+    still = Parameters(np.zeros_like(p.sectors), none, none, load)
     return ParameterLine(programme, p, still, weight=weight)

@@ -21,6 +21,9 @@ SINGULAR = "singular: closure or contacts lose rank, or no solution beyond"
 ALIGNED = 0.9
 """A curve is closed where it comes back with tangents whose scalar product is larger: it may also cross itself."""
 
+ASIDE = 0.3
+"""The corrector moves a point by a smaller share of the step: one that it moves further lies on another curve."""
+
 TOWARDS_AN_END = 0.75
 """Each accepted step towards an end over the one before: a half would reach it only if steps had no bend."""
 
@@ -129,8 +132,9 @@ def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
     The arclength is exact to O(h^5); without a bend it is the chord.
     """
     root = curve.root
-    x = curve.correct(frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root)
-    if x is None:
+    ahead = frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root
+    x = curve.correct(ahead)
+    if x is None or np.linalg.norm(root * (x - ahead)) > ASIDE * h:
         return None
     along = frame.tangent + h * frame.bend
     new = curve.frame(x, along / np.linalg.norm(along))
