@@ -1,6 +1,6 @@
 """Any result by one name: `load` finds its class by the schema in the file, `to_frame` joins several.
 
-The methods of results (`show.Result`) do the rest; `draw` and `save` are those methods as functions.
+The methods of results (`show.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
+    from origami_nlp.show import TurnedPage
+
 _READ = {
     "origami-nlp/minima/1": ("minima", "MinimaResult"),
+    "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
 }
 
@@ -52,6 +55,47 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     """
     check_type("result", result, Result)
     return result.draw(path)
+
+
+def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
+    """Return a result as a page that can be turned; it is the one that its command writes with ``--html``.
+
+    The extra ``view`` is needed: ``pip install "origami_nlp[view]"``.
+
+    Parameters
+    ----------
+    result
+        Minima, barriers, a landscape, or a contact report.
+    path
+        Where to save it as one file that needs no network (.html), if anywhere.
+
+    Returns
+    -------
+    TurnedPage
+        The page; in Jupyter the last line of a cell shows it.
+
+    Raises
+    ------
+    OptionError
+        If there is nothing to turn, plotly is not installed, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
+    >>> o.view(result)
+    TurnedPage(degree 6, alpha_1 = pi/3, r_k = 1: last line of a cell in Jupyter, or .save(file))
+    """
+    from origami_nlp.show import Turnable
+
+    if not isinstance(result, Turnable):
+        raise OptionError(
+            f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape or a contact report"
+        )
+    page = result.view()
+    if path is not None:
+        page.save(path)
+    return page
 
 
 def save(result: Result, path: str | PathLike[str]) -> None:

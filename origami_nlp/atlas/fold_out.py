@@ -6,34 +6,26 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.files import write_whole
-from origami_nlp.minima import fold_data, folded_frame
+from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.pattern import Scene
 
 
 def atlas_to_fold(atlas: Atlas) -> dict[str, Any]:
     """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
     over, frames = atlas.over, []
-    vertices: dict[float, Any] = {}
+    scenes: dict[float, Scene] = {}
     for branch in atlas.branches:
         for k, point in enumerate(branch.points):
-            if point.t not in vertices:
-                vertices[point.t] = atlas.family.scene_of(point.t).vertex
+            if point.t not in scenes:
+                scenes[point.t] = atlas.family.scene_of(point.t)
             kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
             title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
-            frames.append(
-                {
-                    **folded_frame(vertices[point.t], np.array(point.fold_angles), title),
-                    "origaminlp:branch": branch.id,
-                    "origaminlp:parameter": point.t,
-                    "origaminlp:energy": point.energy,
-                    "origaminlp:kind": kind,
-                }
-            )
-    return fold_data(atlas.family.scene(over.low), frames)
+            own = {"branch": branch.id, "parameter": point.t, "energy": point.energy, "kind": kind}
+            frames.append(folded_frame(scenes[point.t], point.fold_angles, title, **own))
+    return frames_to_fold(atlas.family.scene(over.low), frames)
 
 
 def write_frames(atlas: Atlas, target: str | Path) -> None:

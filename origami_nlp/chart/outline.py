@@ -67,7 +67,7 @@ def outline_of(scene: Scene) -> Outline:
     >>> from origami_nlp import examples
     >>> from origami_nlp.chart import outline_of
     >>> [round(r.area, 3) for r in outline_of(examples.degree6("pi/4", contact="fold-limits")).regions]
-    [24.674]
+    [19.739]
     """
     if chart_of(scene) is None:
         raise OptionError(f"symmetry {scene.group.name}: the scene has no chart of two coordinates")
@@ -164,9 +164,7 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
     crossed = good != np.roll(good, -1, axis=1)  # side s goes from corner s to the next
     cell, side = np.nonzero(crossed)
     a, b = (grid.points(cells[cell] + AROUND[(side + k) % 4]) for k in (0, 1))
-    swap = np.asarray((a > b).any(axis=1))[
-        :, None
-    ]  # the same way from both cells that share the edge
+    swap = (a > b).any(axis=1, keepdims=True)  # the same way from both cells that share the edge
     a, b = np.where(swap, b, a), np.where(swap, a, b)
     inside = np.asarray(grid.good(a))[:, None]
     a, b = np.where(inside, a, b), np.where(inside, b, a)

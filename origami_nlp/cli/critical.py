@@ -11,12 +11,14 @@ from origami_nlp.cli.former import say_former
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import examples, read_scene
+from origami_nlp.pattern import examples
 
 
+@takes_scene(o.SceneUnlessPanels)
 def critical(
-    scene: o.SceneUnlessPanels = None,
+    scene: Source | None = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     compare: Annotated[
@@ -46,20 +48,21 @@ def critical(
     from origami_nlp.space import find_space
 
     out = Output(json=json, markdown=markdown)
+    given = scene.name if scene else None
     if panels and scene is not None:
-        raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
+        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
     if scene is None and not panels:
         say_former("critical without SCENE", "critical --panels")
-    scenes = examples.panels() if scene is None else [read_scene(scene)]
+    scenes = [scene.read()] if scene else examples.panels()
     rows, data = [], []
     euler: dict[object, int] = {}
     for number, stated in enumerate(scenes):
-        name = stated.label or str(scene)
+        name = stated.label or str(given)
         with progress("critical points", len(scenes)) as report:
             report(number, text=name)
             found = find_critical_points(stated, seed=seed)
             if compare:
-                found = compare_minima(found, search_minima(stated, scene, seed=seed))
+                found = compare_minima(found, search_minima(stated, given, seed=seed))
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
                 report(text=f"{name}: space")

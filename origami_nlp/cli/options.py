@@ -53,22 +53,14 @@ def _rest_angle(value: float | None) -> float | None:
 # ---------------------------------------------------------------- what comes in
 
 SceneFile = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
-]
-SceneOrFold = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for TOML on stdin."),
-]
-SceneOrPanels = Annotated[
-    str | None,
-    typer.Argument(
-        metavar="[SCENE]", help="Scene file (TOML), or - for stdin; none: the paper's panels."
-    ),
+    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
+        metavar="SCENE",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
     ),
 ]
 FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
@@ -83,6 +75,14 @@ Family = Annotated[
         metavar="FAMILY",
         autocompletion=lambda: ["degree6", "degree8"],
         help="degree6 or degree8.",
+    ),
+]
+
+ExampleName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8.",
     ),
 ]
 
@@ -102,7 +102,18 @@ FigureWanted = Annotated[
     Path, typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg).")
 ]
 HtmlFile = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write the report as a static page.")
+    Path | None,
+    typer.Option(
+        "--html",
+        metavar="FILE",
+        help="Write a page with states to turn and paths to fold along (extra view).",
+    ),
+]
+AnimateFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--animate", metavar="FILE", help="Write the states in turn as .gif, or .mp4 with ffmpeg."
+    ),
 ]
 LatexFile = Annotated[
     str | None, typer.Option(metavar="FILE", help="Write LaTeX snippets to FILE, or - for stdout.")
@@ -115,8 +126,25 @@ NpzFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Write grids, boundary and minima as NumPy .npz."),
 ]
+SceneOut = Annotated[
+    str | None,
+    typer.Option(
+        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
+    ),
+]
 StatesFold = Annotated[
-    str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
+    str | None,
+    typer.Option(
+        "--fold",
+        metavar="FILE",
+        help="Write the states as a FOLD file; with --full the ways down from unstable ones too.",
+    ),
+]
+PathsFold = Annotated[
+    str | None,
+    typer.Option(
+        "--fold", metavar="FILE", help="Write the paths as a FOLD file, a frame for each state."
+    ),
 ]
 StatesMesh = Annotated[
     str | None,

@@ -12,12 +12,17 @@ from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.files import Screen
-    from origami_nlp.show import Table
+    from origami_nlp.show import Table, Turnable
 
 LONG = 24
 """Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
-ENDINGS = {"figure": (".png", ".pdf", ".svg"), "npz": (".npz",)}
+ENDINGS = {
+    "figure": (".png", ".pdf", ".svg"),
+    "npz": (".npz",),
+    "html": (".html", ".htm"),
+    "animate": (".gif", ".mp4"),
+}
 """What the names of these files end in."""
 
 
@@ -37,7 +42,8 @@ class Output:
     Raises
     ------
     OptionError
-        If a file cannot be written, has the wrong ending, or is the file of another option too.
+        If a file cannot be written, has the wrong ending, or is the file of another option too; if what writes it is
+        not installed.
     """
 
     def __init__(self, *more: tuple[str, Target], **targets: Target | None) -> None:
@@ -51,6 +57,14 @@ class Output:
                     f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
                 )
         check_outputs(*named)
+        if html := targets.get("html"):
+            from origami_nlp.show import check_view
+
+            check_view(f"--html = {str(html)!r}")
+        if film := targets.get("animate"):
+            from origami_nlp.show import check_animation
+
+            check_animation(film)
         self._targets = targets
         self.console: Screen = screen(*targets.values())
 
@@ -83,6 +97,18 @@ class Output:
         if target is not None:
             save(*arguments, target)
             self.written(target)
+
+    def turn(self, *results: Turnable) -> None:
+        """Write ``--html``, a page on all `results`, and ``--animate``, the states of the first, where asked for."""
+        from origami_nlp.show import TurnedPage, write_animation
+
+        if not any(self._targets.get(option) for option in ("html", "animate")):
+            return
+        contents = [result.turned() for result in results]
+        if self._targets.get("html"):
+            self.save("html", lambda file: TurnedPage(*contents).save(file))
+        if self._targets.get("animate"):
+            self.save("animate", lambda file: write_animation(contents[0], file))
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""

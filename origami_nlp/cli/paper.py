@@ -12,9 +12,10 @@ from origami_nlp.cli.group import Group
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search_panels
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 from origami_nlp.paper import FIGURES
-from origami_nlp.pattern import examples, parse_angle, read_scene
+from origami_nlp.pattern import examples, parse_angle
 
 if TYPE_CHECKING:
     from symbolic.claim import Claim
@@ -173,8 +174,9 @@ def audit(
     out.write("markdown", as_markdown, panels)
 
 
+@takes_scene(o.SceneFile)
 def grid(
-    scene: o.SceneFile,
+    scene: Source,
     size: o.Size = 65,
     seed: o.Seed = 0,
 ) -> None:
@@ -183,7 +185,7 @@ def grid(
     from origami_nlp.minima import minima_table
     from origami_nlp.paper import follow_grid_minima, grid_minima_table
 
-    stated = read_scene(scene)
+    stated = scene.read()
     if not 9 <= size <= 4097:
         raise OptionError(f"--size = {size} must lie between 9 and 4097")
     chart = landscape(stated, 9)
@@ -191,7 +193,7 @@ def grid(
         why = chart.reason or "it has one symmetric freedom only"
         raise OptionError(f"scene has no two-dimensional chart: {why}")
     out = Output()
-    result = search(stated, scene, seed=seed)
+    result = search(stated, scene.name, seed=seed)
     out.say(minima_table(result))
     out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
 

@@ -31,7 +31,7 @@ WORDS = {
 }
 NEAREST_LABELS = 0.045
 """Labels are at least this far apart (share of the axes' height)."""
-WIDE = 0.36
+WIDE = 0.42
 """How much of a distance along the width counts for that of labels, which are wider than high."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
@@ -210,7 +210,7 @@ def _place_labels(
     every = [unit(x, y) for _, x, y in curves]
     for own, (curve, _, _) in enumerate(curves):
         points = every[own]
-        good = ((points > [0.08, 0.04]) & (points < [0.94, 0.97])).all(axis=1)
+        good = ((points > [0.08, 0.04]) & (points < [0.96, 0.97])).all(axis=1)
         if good.sum() < 5:
             continue
         at = np.flatnonzero(good)
@@ -227,7 +227,7 @@ def _place_labels(
                 gap = np.abs(offset[:, None, :] - line[None, :: max(1, len(line) // 80), :])
                 room = np.minimum(room, 1.5 * np.hypot(gap[..., 0] * 0.6, gap[..., 1]).min(axis=1))
         best = int(room.argmax())
-        if room[best] < 0.012:
+        if room[best] < 0.008:
             continue
         placed.append(offset[best])
         text = start_label(curve.branches) if curve.kind == "start" else curve.label

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.kkt import ContactForce
+from origami_nlp.minima import images
 from origami_nlp.programme import Model
 from origami_nlp.show import IDLE, PUSHES, Pose, crease_legend, draw_state, drawn_height, pose_state
 
@@ -22,17 +23,6 @@ LOOKS: dict[bool, dict[str, Any]] = {
     False: {"color": IDLE, "lw": 2.2, "ls": (0, (2, 1))},
 }
 """Lines of contacts that push, and of those that only touch."""
-
-
-def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the creases and facets (1-based) of a contact with all its images under the symmetry."""
-    orbit = model.variable_of_crease
-    n = len(orbit)
-    wanted = {orbit[c - 1] for c in contact.creases}
-    creases = tuple(i + 1 for i in range(n) if orbit[i] in wanted)
-    pairs = {frozenset((orbit[f - 1], orbit[f % n])) for f in contact.facets}
-    facets = tuple(f + 1 for f in range(n) if frozenset((orbit[f], orbit[(f + 1) % n])) in pairs)
-    return creases, facets
 
 
 def draw_contacts(

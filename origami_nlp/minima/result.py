@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.completeness import Completeness
@@ -26,7 +26,21 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Piece, Table, Told, Words, check_schema, from_plain, pick, to_plain
+from origami_nlp.show import (
+    Content,
+    Piece,
+    Table,
+    Told,
+    Turnable,
+    Words,
+    check_schema,
+    from_plain,
+    pick,
+    to_plain,
+)
+
+if TYPE_CHECKING:
+    from origami_nlp.chart import Landscape
 
 SCHEMA = "origami-nlp/minima/1"
 SUCCESS = "Solve_Succeeded"
@@ -36,7 +50,7 @@ NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(Told):
+class MinimaResult(Told, Turnable):
     """Minima of a scene in order of energy, and the record of the search for them.
 
     Attributes
@@ -136,6 +150,23 @@ class MinimaResult(Told):
             self.flags,
             picture=picture,
         )
+
+    def turned(self, chart: Landscape | None = None) -> Content:
+        """Return states, descents and the map of the energy as plain data, see `view`.
+
+        Parameters
+        ----------
+        chart
+            The energy over the scene's coordinates, if it is known already.
+
+        Returns
+        -------
+        Content
+            What a page shows.
+        """
+        from origami_nlp.minima.turned import turn_minima  # charts are slow to import
+
+        return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""

@@ -1,3 +1,16 @@
+from .animation import check_animation as check_animation, write_animation as write_animation
+from .bodies import (
+    Body as Body,
+    Content as Content,
+    Crease as Crease,
+    Folded as Folded,
+    Line as Line,
+    Mark as Mark,
+    Panel as Panel,
+    Station as Station,
+    Track as Track,
+)
+from .crease_figure import draw_pattern as draw_pattern
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,
@@ -6,6 +19,13 @@ from .drawing import (
     drawn_height as drawn_height,
 )
 from .flags import Flags as Flags, Reason as Reason
+from .folded_vertex import (
+    rotation_onto as rotation_onto,
+    vertex_body as vertex_body,
+    vertex_folded as vertex_folded,
+    vertex_track as vertex_track,
+    vertex_view as vertex_view,
+)
 from .html import inline_image as inline_image
 from .labels import label_marks as label_marks
 from .plain import (
@@ -55,4 +75,11 @@ from .text import (
     label_text as label_text,
     pi_label as pi_label,
     short_label as short_label,
+)
+from .turned import (
+    Turnable as Turnable,
+    TurnedPage as TurnedPage,
+    check_view as check_view,
+    page_data as page_data,
+    turned_page as turned_page,
 )

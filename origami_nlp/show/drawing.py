@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -70,9 +71,30 @@ def draw_state(
     """
     phi = np.asarray(fold_angles, dtype=float)
     pose, labels, corner, side, below = _placed(vertex, tuple(phi.tolist()))
+    draw_pose(axes, pose, labels, vertex.sector_angles, phi, corner, side, size)
+    if crop:
+        axes.set_ylim(bottom=below)
+    return bool(np.any(pose.offsets))
+
+
+def draw_pose(
+    axes: Any,
+    pose: Pose,
+    labels: np.ndarray,
+    sectors: Sequence[float],
+    phi: np.ndarray,
+    corner: np.ndarray,
+    side: float,
+    size: float,
+) -> None:
+    """Draw a turned state into a matplotlib Axes: the square of length `side` from its lower left `corner`.
+
+    labels: places of the crease numbers [N, 2], of `label_places`.  sectors: sector angles [N].  phi: fold angles [N].
+    size: font size of the crease numbers [points].
+    """
     right, top = corner + side
     axes.imshow(
-        _paint(pose, vertex, phi, corner, side),
+        _paint(pose, sectors, phi, corner, side),
         extent=(corner[0], right, corner[1], top),
         origin="lower",
     )
@@ -89,9 +111,8 @@ def draw_state(
             color=_crease_colour(phi[number - 1])[0],
             path_effects=[withStroke(linewidth=2.2, foreground="white")],
         )
-    axes.set(xlim=(corner[0], right), ylim=(below if crop else corner[1], top), aspect="equal")
+    axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
     axes.axis("off")
-    return bool(np.any(pose.offsets))
 
 
 def drawn_height(vertex: Vertex, fold_angles: object) -> float:
@@ -127,7 +148,7 @@ def _placed(
 ) -> tuple[Pose, np.ndarray, np.ndarray, float, float]:
     """Pose and labels of a state; lower left corner and side of the square around it, and where it ends below."""
     pose = pose_state(vertex, np.array(fold_angles))
-    labels = _label_places(pose)
+    labels = label_places(pose)
     low, high = _extent(pose, vertex, labels)
     side = max(1.8, float((high - low).max()))  # folded-up states stay smaller than open ones
     corner = np.array([(low[0] + high[0] - side) / 2, high[1] - side])  # top: below the title
@@ -177,7 +198,9 @@ def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray,
 # ---------------------------------------------------------------- painting
 
 
-def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
+def _paint(
+    pose: Pose, sectors: Sequence[float], phi: np.ndarray, low: np.ndarray, size: float
+) -> np.ndarray:
     """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
 
     Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
@@ -225,7 +248,7 @@ def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: f
         nearest[part][front] = depth[front] + 1e-4
         picture[part][front] = (*colour, 1.0)
 
-    for f, sector in enumerate(vertex.sector_angles):
+    for f, sector in enumerate(sectors):
         arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
         for p, q in itertools.pairwise(arc):
             band(p, q, 0.015, to_rgb(BORDER), (f,))
@@ -278,7 +301,7 @@ def _crease_colour(phi: float) -> tuple[Colour, float]:
     return (r, g, b), share
 
 
-def _label_places(pose: Pose) -> np.ndarray:
+def label_places(pose: Pose) -> np.ndarray:
     """Where the crease numbers go, [N, 2]: just beyond the ends, pushed apart where they meet."""
     n = len(pose.creases)
     shift = (pose.offsets + np.roll(pose.offsets, 1, axis=0)) / 2

@@ -60,7 +60,7 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
     ends = np.roll(creases, -1, axis=0)
     normals = np.cross(creases, ends)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    offsets = _offsets(phi, normals)
+    offsets = layer_offsets(phi, normals)
     weight = np.array(vertex.sector_angles)[:, None] / (2 * math.pi)
     up = (weight * normals).sum(axis=0)
     if np.linalg.norm(up) < 0.15:
@@ -76,7 +76,7 @@ def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
     return Pose(creases @ turn.T, normals @ turn.T, offsets @ turn.T)
 
 
-def _offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def layer_offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
     n = len(phi)
     closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED

@@ -84,7 +84,7 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     if grid["mode"] == "list":
         dims = ("scene",)
         coords = {name: ("scene", v) for name, v in grid["axes"].items()}
-    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "mode")}
+    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "places", "mode")}
     return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
 
 
