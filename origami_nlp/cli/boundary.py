@@ -20,10 +20,7 @@ def boundary(
             help="The parameter in whose range events are looked for; NAME=VALUE for those nearby.",
         ),
     ],
-    over: Annotated[
-        str,
-        typer.Option(metavar="NAME=FROM:TO", help="The parameter through which they are followed."),
-    ],
+    over: o.Over,
     lines: Annotated[
         int,
         typer.Option(metavar="N", help="Values of the second at which the first is followed."),

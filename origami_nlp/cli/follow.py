@@ -13,14 +13,7 @@ from origami_nlp.pattern import read_scene
 
 def follow(
     scene: o.SceneFile,
-    over: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME=FROM:TO",
-            help="The parameter: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
-            "vertex.sector_angles[1]; angles as 0.5, pi/6 or 30deg.",
-        ),
-    ],
+    over: o.Over,
     checks: Annotated[
         int,
         typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
