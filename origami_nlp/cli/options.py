@@ -210,6 +210,15 @@ Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases,
 OutFolder = typer.Option("--out", metavar="DIR", help="Folder for the results; made if new.")
 Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
 
+Over = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME=FROM:TO",
+        help="The parameter to follow states over: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
+        "vertex.sector_angles[1]; angles as 0.5, pi/6 or 30deg.",
+    ),
+]
+
 # ---------------------------------------------------------------- FOLD files
 
 FrameNumber = Annotated[

@@ -326,6 +326,7 @@ def _scene(
     rest = np.full(v.degree, math.nan)
     for choice in choices[rest_angles]:
         rest = np.where(np.isnan(rest), choice, rest)
+    preload = np.nan_to_num(frame.preload[at])
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -334,4 +335,5 @@ def _scene(
         contact,
         name=f"{frame.title or 'FOLD'}, vertex {v.number}",
         symmetry_tolerance=NOISY,
+        preload=tuple(preload.tolist()),
     )
