@@ -1,0 +1,274 @@
+"""The springs that hold given states with the largest margin, or the proof that there are none.
+
+Everything is divided by the mean stiffness, which is an unknown of its own (its inverse, `Springs.scale`), so that
+bounds and energies in the scene's units stay linear.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.design.conic import BALL, EQUAL, POSITIVE, Answer, Programme
+from origami_nlp.design.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.design.targets import TURNS, Targets
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State
+from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
+from origami_nlp.pattern import Scene
+
+LARGEST_MARGIN = 10.0
+"""Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
+MOST_PIECES = 16
+"""Smooth pieces of the feasible set at one state, each with conditions of its own."""
+
+
+class Posed:
+    """The convex programme of a question.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    """
+
+    def __init__(self, targets: Targets) -> None:
+        self.targets = targets
+        kinds = int(targets.kinds.max()) + 1
+        self.places = Springs.of(kinds)
+        self.programme = Programme(self.places.size)
+        self.count = np.bincount(targets.kinds, minlength=kinds)
+        self.balances: list[tuple[int, Balance, slice]] = []
+        self._bounds(kinds)
+        for i, placed in enumerate(targets.placed):
+            self._hold(i, placed.state, placed.target.margin, placed.target.name)
+        self._energies()
+
+    def _bounds(self, kinds: int) -> None:
+        p, v, t = self.programme, self.places, self.targets
+        eye, none = np.eye(kinds), np.zeros((kinds, kinds))
+        column = np.ones((kinds, 1))
+        mean = np.zeros(v.size)
+        mean[v.stiffness] = self.count
+        p.add(EQUAL, mean, -float(self.count.sum()), "the mean stiffness is 1")
+        cap = np.zeros(v.size)
+        cap[v.margin] = -1.0
+        p.add(POSITIVE, cap, LARGEST_MARGIN, "the margin has a cap")
+        low, high = t.stiffness
+        creases = [np.flatnonzero(t.kinds == k) + 1 for k in range(kinds)]
+        names = ["crease " + ", ".join(map(str, c)) for c in creases]
+        p.add(
+            POSITIVE,
+            np.hstack([eye, none, -low * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: stiffness at least {low:g} N m/rad" for n in names),
+        )
+        p.add(
+            POSITIVE,
+            np.hstack([-eye, none, high * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: stiffness at most {high:g} N m/rad" for n in names),
+        )
+        (least, most), extra = self.rest, 0.0
+        if not isinstance(t.preload, bool):
+            extra = t.preload
+        p.add(
+            POSITIVE,
+            np.hstack([-least * eye, eye, extra * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: rest angle at least {math.degrees(least):g} deg" for n in names),
+        )
+        p.add(
+            POSITIVE,
+            np.hstack([most * eye, -eye, extra * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: rest angle at most {math.degrees(most):g} deg" for n in names),
+        )
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """Bounds of tau / k [rad]."""
+        return (-TURNS, TURNS) if self.targets.preload is True else self.targets.rest_angles
+
+    def _hold(self, i: int, state: State, share: float, name: str) -> None:
+        own = self.targets.models[0]
+        for model in self.targets.models:
+            there = (
+                state if model is own else State(model, model.reduce(own.expand(state.x)))
+            )
+            kind = np.rint(model.reduce(self.targets.kinds.astype(float))).astype(int)
+            pieces = balances(there, kind)
+            if len(pieces) > MOST_PIECES:
+                raise OptionError(
+                    f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
+                    f"{MOST_PIECES} are the most"
+                )
+            for piece in pieces:
+                where = piece.pose(self.programme, self.places, share, name)
+                self.balances.append((i, piece, where))
+
+    def energy(self, name: str) -> np.ndarray:
+        """Row of the energy of a state less that of the flat state over the mean stiffness."""
+        t = self.targets
+        i = [s.name for s in t.states].index(name)
+        model = t.models[0]
+        kind = np.rint(model.reduce(t.kinds.astype(float))).astype(int)
+        return energy_row(model, t.placed[i].state.x, kind, self.places)
+
+    def _energies(self) -> None:
+        p, v, t = self.programme, self.places, self.targets
+        for gap in t.energies:
+            row = self.energy(gap.upper) - self.energy(gap.lower)
+            words = f"energy of {gap.upper} above {gap.lower}"
+            scale = np.zeros(v.size)
+            scale[v.scale] = 1.0
+            if gap.least == gap.most:
+                p.add(EQUAL, row - gap.least * scale, 0.0, f"{words} is {gap.least:g} J")
+                continue
+            if math.isfinite(gap.least):
+                p.add(POSITIVE, row - gap.least * scale, 0.0, f"{words} at least {gap.least:g} J")
+            if math.isfinite(gap.most):
+                p.add(POSITIVE, gap.most * scale - row, 0.0, f"{words} at most {gap.most:g} J")
+        for name, most in t.highest.items():
+            self._highest(name, most)
+
+    def _highest(self, name: str, most: float) -> None:
+        """Bound sum (k x - tau)^2 / (2 k) by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
+        p, v, t = self.programme, self.places, self.targets
+        i = [s.name for s in t.states].index(name)
+        x = t.placed[i].state.x
+        u = p.more(len(x))
+        for j in range(len(x)):
+            a = np.zeros((3, p.size))
+            k, tau, w = v.stiffness.start + j, v.torque.start + j, u.start + j
+            a[0, [k, w]] = 1.0, 1.0
+            a[1, [k, w]] = 1.0, -1.0
+            a[2, [k, tau]] = 2 * x[j], -2.0
+            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {j + 1}")
+        row = np.zeros(p.size)
+        row[v.scale] = 2 * most
+        row[u] = -self.count
+        p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
+
+    @cached_property
+    def answer(self) -> Answer:
+        """The optimum, or the proof that there is no point."""
+        c = np.zeros(self.programme.size)
+        c[self.places.margin] = 1.0
+        return self.programme.maximise(c)
+
+    @property
+    def margin(self) -> float:
+        """Largest margin t; -inf where the rows contradict each other."""
+        if self.answer.infeasible:
+            return -math.inf
+        return float(self.answer.v[self.places.margin]) if self.answer.solved else math.nan
+
+    @property
+    def feasible(self) -> bool:
+        """Whether springs hold the states with a margin that is more than rounding."""
+        return self.margin > DESIGN_MARGIN
+
+
+@dataclass(frozen=True)
+class Found:
+    """Springs in the scene's units.
+
+    Attributes
+    ----------
+    stiffness, torque
+        Of each kind of crease [N m/rad], [N m].
+    margin
+        Smallest stiffness along a free motion of a state, and smallest moment [per rad] of a contact, over the mean
+        stiffness and over the share of that state.
+    """
+
+    stiffness: np.ndarray
+    torque: np.ndarray
+    margin: float
+
+
+def springs_of(posed: Posed) -> Found:
+    """Turn the optimum into springs that fulfil every equation to rounding.
+
+    Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
+
+    Parameters
+    ----------
+    posed
+        A feasible programme.
+
+    Returns
+    -------
+    Found
+        The springs.
+    """
+    v, places = posed.answer.v.copy(), posed.places
+    k, tau = v[places.stiffness], v[places.torque]
+    kinds = len(k)
+    equal = [posed.programme.matrix(r) for r in posed.programme.rows if r.cone == EQUAL]
+    right = [-r.b for r in posed.programme.rows if r.cone == EQUAL]
+    pinned = []
+    if not posed.targets.preload or posed.targets.preload is True:
+        for j in range(kinds):
+            for bound in posed.rest:
+                if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
+                    row = np.zeros(posed.programme.size)
+                    row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
+                    pinned.append(row)
+    a = np.vstack([*equal, *pinned])
+    b = np.concatenate([*right, np.zeros(len(pinned))])
+    for _ in range(3):
+        v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+    scale = _scale(posed, v)
+    return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+
+
+def _scale(posed: Posed, v: np.ndarray) -> float:
+    """Return 1 / mean stiffness: what energies ask for, or the middle of what the bounds leave."""
+    t = posed.targets
+    absolute = t.highest or not isinstance(t.preload, bool)
+    absolute = absolute or any(
+        (math.isfinite(e) and e != 0.0) for g in t.energies for e in (g.least, g.most)
+    )
+    if absolute:
+        return float(v[posed.places.scale])
+    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    return math.sqrt(float(k.max()) / high * float(k.min()) / low)
+
+
+def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
+    """Return the scene with these springs.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    found
+        The springs.
+    name
+        Of the scene.
+
+    Returns
+    -------
+    Scene
+        With a preload where no rest angle within [-pi, pi] gives the torque.
+    """
+    k = found.stiffness[targets.kinds]
+    tau = found.torque[targets.kinds]
+    rest = np.clip(tau / k, -math.pi, math.pi)
+    wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
+    more = {"preload": tuple(np.where(wound, tau - k * rest, 0.0))} if wound.any() else {}
+    return Scene(
+        targets.vertex,
+        tuple(k),
+        tuple(rest),
+        symmetry=targets.symmetry,
+        contact=targets.contact,
+        mirror=targets.mirror,
+        name=name,
+        **more,
+    )
