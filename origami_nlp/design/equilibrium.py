@@ -19,7 +19,7 @@ import numpy as np
 
 from origami_nlp.design.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import RANK
+from origami_nlp.numerics import INDEPENDENT, RANK
 from origami_nlp.programme import Model
 
 
@@ -124,9 +124,8 @@ class Balance:
         )
         balance = self.gradient(places, programme.size)
         balance[:, moments] -= self.stratum.slopes.T
-        programme.add(
-            EQUAL, self.kernel.T @ balance, np.zeros(self.kernel.shape[1]), f"{name} balances"
-        )
+        rows = _independent(self.kernel.T @ balance)
+        programme.add(EQUAL, rows, np.zeros(len(rows)), f"{name} balances")
         model, x = self.stratum.state.programme, self.stratum.state.x
         if r:
             push = np.zeros((r, programme.size))
@@ -153,9 +152,27 @@ class Balance:
         return own
 
 
-def balances(state: State, kind: np.ndarray) -> list[Balance]:
-    """Return the conditions of a state, one for each smooth piece of the feasible set that meets there."""
-    return [Balance(Stratum(state, tuple(piece)), kind) for piece in state.pieces]
+def _independent(rows: np.ndarray) -> np.ndarray:
+    """Return orthogonal rows of the same span: symmetric states balance in most directions of themselves."""
+    _, values, vt = np.linalg.svd(rows, full_matrices=False)
+    rank = int((values > INDEPENDENT).sum())
+    return values[:rank, None] * vt[:rank]
+
+
+def balances(state: State, kind: np.ndarray, pressed: bool = True) -> list[Balance]:
+    """Return the conditions of a state, one for each smooth piece of the feasible set that meets there.
+
+    Parameters
+    ----------
+    state
+        The state.
+    kind
+        Which kind of crease each variable of its model is, shape [n].
+    pressed
+        Whether its contacts carry moments; otherwise it is to hold still without them, touching.
+    """
+    pieces = state.pieces if pressed else [()]
+    return [Balance(Stratum(state, tuple(piece)), kind) for piece in pieces]
 
 
 def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:

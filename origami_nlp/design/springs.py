@@ -6,6 +6,7 @@ bounds and energies in the scene's units stay linear.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,6 +23,8 @@ from origami_nlp.pattern import Scene
 
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
+MOST_CHOICES = 64
+"""Choices of states that touch without moment."""
 MOST_PIECES = 16
 """Smooth pieces of the feasible set at one state, each with conditions of its own."""
 
@@ -33,10 +36,12 @@ class Posed:
     ----------
     targets
         The question.
+    touching
+        Which states are to hold still without moments in their contacts, by number from 0.
     """
 
-    def __init__(self, targets: Targets) -> None:
-        self.targets = targets
+    def __init__(self, targets: Targets, touching: frozenset[int] = frozenset()) -> None:
+        self.targets, self.touching = targets, touching
         kinds = int(targets.kinds.max()) + 1
         self.places = Springs.of(kinds)
         self.programme = Programme(self.places.size)
@@ -94,27 +99,24 @@ class Posed:
         return (-TURNS, TURNS) if self.targets.preload is True else self.targets.rest_angles
 
     def _hold(self, i: int, state: State, share: float, name: str) -> None:
-        own = self.targets.models[0]
-        for model in self.targets.models:
-            there = (
-                state if model is own else State(model, model.reduce(own.expand(state.x)))
+        t = self.targets
+        there = state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
+        kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
+        pieces = balances(there, kind, i not in self.touching)
+        if len(pieces) > MOST_PIECES:
+            raise OptionError(
+                f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
+                f"{MOST_PIECES} are the most"
             )
-            kind = np.rint(model.reduce(self.targets.kinds.astype(float))).astype(int)
-            pieces = balances(there, kind)
-            if len(pieces) > MOST_PIECES:
-                raise OptionError(
-                    f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
-                    f"{MOST_PIECES} are the most"
-                )
-            for piece in pieces:
-                where = piece.pose(self.programme, self.places, share, name)
-                self.balances.append((i, piece, where))
+        for piece in pieces:
+            where = piece.pose(self.programme, self.places, share, name)
+            self.balances.append((i, piece, where))
 
     def energy(self, name: str) -> np.ndarray:
         """Row of the energy of a state less that of the flat state over the mean stiffness."""
         t = self.targets
         i = [s.name for s in t.states].index(name)
-        model = t.models[0]
+        model = t.model
         kind = np.rint(model.reduce(t.kinds.astype(float))).astype(int)
         return energy_row(model, t.placed[i].state.x, kind, self.places)
 
@@ -171,6 +173,38 @@ class Posed:
     def feasible(self) -> bool:
         """Whether springs hold the states with a margin that is more than rounding."""
         return self.margin > DESIGN_MARGIN
+
+
+def solve(targets: Targets) -> Posed:
+    """Pose and solve a question, with contacts pressed, or else touching without moment.
+
+    A fold limit at a rest angle of +-pi carries no moment: such a state can hold still only by the stiffness of all
+    its directions.  Each choice of touching states is a convex programme; the first that is feasible, fewest touching,
+    is returned, else the one of largest margin.
+
+    Parameters
+    ----------
+    targets
+        The question.
+
+    Returns
+    -------
+    Posed
+        Solved.
+    """
+    having = [i for i, p in enumerate(targets.placed) if p.state.contacts.base or p.state.contacts.branches]
+    best = None
+    choices = itertools.chain.from_iterable(
+        itertools.combinations(having, k) for k in range(len(having) + 1)
+    )
+    for touching in itertools.islice(choices, MOST_CHOICES):
+        posed = Posed(targets, frozenset(touching))
+        if posed.feasible:
+            return posed
+        if best is None or posed.margin > best.margin:
+            best = posed
+    assert best is not None
+    return best
 
 
 @dataclass(frozen=True)

@@ -156,23 +156,27 @@ class Targets:
         )
 
     @cached_property
-    def models(self) -> tuple[Model, ...]:
-        """The programmes in which states must stand: that of the symmetry, and where asked that without."""
-        own = Model(self.blank)
+    def model(self) -> Model:
+        """The programme with the symmetry, of equal springs."""
+        return Model(self.blank)
+
+    @cached_property
+    def free(self) -> Model:
+        """The programme in which the states must stand: without the symmetry where that is asked for."""
         if not self.full_space or self.blank.group.is_trivial:
-            return (own,)
-        return own, Model(replace(self.blank, symmetry="none", mirror=None))
+            return self.model
+        return Model(replace(self.blank, symmetry="none", mirror=None))
 
     @cached_property
     def kinds(self) -> np.ndarray:
         """Which kind of crease each crease is, equal where the symmetry asks for equal springs, shape [N]."""
-        own = self.models[0]
+        own = self.model
         return np.rint(own.expand(np.arange(own.size, dtype=float))).astype(int)
 
     @cached_property
     def placed(self) -> tuple[Placed, ...]:
         """The states where they close: exact fold angles of every target."""
-        return tuple(place(self.models[0], t) for t in self.states)
+        return tuple(place(self.model, t) for t in self.states)
 
 
 @dataclass(frozen=True)
@@ -225,7 +229,7 @@ def place(model: Model, target: Target) -> Placed:
         )
     x = np.clip(x, -model.bound, model.bound)
     near, residual = project(model, x)
-    contacts = State(model, near, DESIGN_SNAP).contacts.base if residual <= CLOSES else ()
+    contacts = State(model, near, DESIGN_SNAP).pieces[0] if residual <= CLOSES else ()
     if contacts:
         held, left = project(model, near, contacts)
         if left <= CLOSES and np.abs(held - near).max() <= 2 * DESIGN_SNAP:
