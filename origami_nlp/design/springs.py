@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.design.conic import BALL, EQUAL, POSITIVE, Answer, Programme
 from origami_nlp.design.equilibrium import Balance, Springs, balances, energy_row
-from origami_nlp.design.targets import TURNS, Targets
+from origami_nlp.design.targets import Targets
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
@@ -77,7 +77,7 @@ class Posed:
             np.zeros(kinds),
             tuple(f"{n}: stiffness at most {high:g} N m/rad" for n in names),
         )
-        (least, most), extra = self.rest, 0.0
+        (least, most), extra = t.rest, 0.0
         if not isinstance(t.preload, bool):
             extra = t.preload
         p.add(
@@ -92,11 +92,6 @@ class Posed:
             np.zeros(kinds),
             tuple(f"{n}: rest angle at most {math.degrees(most):g} deg" for n in names),
         )
-
-    @property
-    def rest(self) -> tuple[float, float]:
-        """Bounds of tau / k [rad]."""
-        return (-TURNS, TURNS) if self.targets.preload is True else self.targets.rest_angles
 
     def _hold(self, i: int, state: State, share: float, name: str) -> None:
         t = self.targets
@@ -248,7 +243,7 @@ def springs_of(posed: Posed) -> Found:
     pinned = []
     if not posed.targets.preload or posed.targets.preload is True:
         for j in range(kinds):
-            for bound in posed.rest:
+            for bound in posed.targets.rest:
                 if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
                     row = np.zeros(posed.programme.size)
                     row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound

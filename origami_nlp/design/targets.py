@@ -17,7 +17,7 @@ from origami_nlp.pattern import Contact, Scene, Vertex
 from origami_nlp.programme import Model
 
 TURNS = 4 * math.pi
-"""How far beyond flat the rest angle of a wound spring may be with ``preload`` [rad]: two turns."""
+"""Largest rest angle of a wound spring [rad]: two turns."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,10 @@ class Targets:
     stiffness
         Bounds of each crease [N m/rad], both positive.
     rest_angles
-        Bounds of each rest angle [rad], within [-pi, pi]; beyond with `preload`.
+        Bounds of each rest angle [rad], within [-pi, pi] (the default); with ``preload=True`` of wound springs, by
+        default two turns either way.
     preload
-        Largest torque beyond what a rest angle within its bounds gives [N m]; True: rest angles up to two turns.
+        Whether springs may be wound beyond [-pi, pi], or the largest torque beyond what a rest angle gives [N m].
     energies
         Differences of energy that are asked for.
     highest
@@ -100,7 +101,7 @@ class Targets:
     contact: Contact = "full"
     mirror: int | None = None
     stiffness: tuple[float, float] = (0.005, 0.5)
-    rest_angles: tuple[float, float] = (-math.pi, math.pi)
+    rest_angles: tuple[float, float] | None = None
     preload: float | bool = False
     energies: tuple[EnergyGap, ...] = ()
     highest: dict[str, float] = field(default_factory=dict)
@@ -128,12 +129,14 @@ class Targets:
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
             raise OptionError(f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]")
-        low, high = _pair("rest_angles", self.rest_angles)
-        if not -math.pi - 1e-12 <= low <= high <= math.pi + 1e-12:
-            raise OptionError(
-                f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-pi, pi]; preload = true lets "
-                "springs be wound beyond"
-            )
+        if self.rest_angles is not None:
+            low, high = _pair("rest_angles", self.rest_angles)
+            most = TURNS if self.preload is True else math.pi
+            if not -most - 1e-12 <= low <= high <= most + 1e-12:
+                raise OptionError(
+                    f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
+                    + ("" if self.preload is True else "; preload = true lets springs be wound beyond")
+                )
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
 
@@ -141,6 +144,14 @@ class Targets:
         known = [t.name for t in self.states]
         if name not in known:
             raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """Bounds of each rest angle [rad]."""
+        if self.rest_angles is not None:
+            return self.rest_angles
+        most = TURNS if self.preload is True else math.pi
+        return -most, most
 
     @cached_property
     def blank(self) -> Scene:
