@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.design.springs import Posed, solve
-from origami_nlp.design.targets import TURNS, Targets
+from origami_nlp.springs.convex import Posed, solve
+from origami_nlp.springs.targets import TURNS, Targets
 from origami_nlp.errors import OrigamiError
 
 WEIGHTY = 1e-4

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.design.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
+from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import INDEPENDENT, RANK
 from origami_nlp.programme import Model

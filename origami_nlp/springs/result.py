@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from origami_nlp.design.reasons import Reason
-from origami_nlp.design.targets import Targets
+from origami_nlp.springs.reasons import Reason
+from origami_nlp.springs.targets import Targets
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
@@ -129,7 +129,7 @@ class Design(Told):
         else:
             yield Words("no other minimum was found")
         if self.minima is not None and self.minima.completeness is not None:
-            yield Words(f"complete: {self.minima.completeness.words}")
+            yield Words(next(self.minima.completeness.lines()))
 
     def table(self) -> Table:
         """The states, one a row."""

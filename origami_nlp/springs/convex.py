@@ -13,9 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.design.conic import BALL, EQUAL, POSITIVE, Answer, Programme
-from origami_nlp.design.equilibrium import Balance, Springs, balances, energy_row
-from origami_nlp.design.targets import Targets
+from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme
+from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.springs.targets import Targets
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
