@@ -13,6 +13,7 @@ from origami_nlp.cli.check_proof import check_proof
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
+from origami_nlp.cli.design import design
 from origami_nlp.cli.example import example
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
@@ -30,6 +31,7 @@ app = Group("Energy minima of an origami vertex: found, classified, and which ar
 app.add(minima, check_proof, contacts, barriers, critical, space, landscape, transitions)
 app.add(vertices, model, example)
 app.add_group("cone", cone)
+app.add(design)
 app.add(sweep)
 app.add_group("paper", paper, open=True)  # its commands had no group at first
 app.add(bench)

@@ -10,3 +10,4 @@ from .targets import (
     Targets as Targets,
     place as place,
 )
+from .targets_file import Ask as Ask, parse_targets as parse_targets, read_targets as read_targets
