@@ -10,6 +10,7 @@ from .errors import OrigamiError as OrigamiError
 from .folding import examine as examine
 from .kkt import State as State, Stratum as Stratum, classify as classify
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
+from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     MinimaResult as MinimaResult,
     Minimum as Minimum,
@@ -18,7 +19,9 @@ from .minima import (
     write_fold as write_fold,
     write_mesh as write_mesh,
 )
+from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
+    Load as Load,
     Scene as Scene,
     Vertex as Vertex,
     examples as examples,

@@ -110,6 +110,8 @@ class Barriers(Told):
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
+    PICTURE = "draw_barriers"
+
     @property
     def scene(self) -> Scene:
         """The scene."""
@@ -153,6 +155,13 @@ class Barriers(Told):
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
             yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for p in self.passes:
+            rises = [p.energy - end for end in self._energies(p)]
+            row = {"scene": self.scene.label, "from": p.from_state, "to": p.to_state}
+            row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
+            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
@@ -19,15 +15,14 @@ def barriers(
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
-    full: Annotated[
-        bool, typer.Option("--full", help="Also bound the barriers without the symmetry.")
-    ] = False,
-    panels: Annotated[
-        bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
-    ] = False,
+    full: o.Full = False,
+    panels: o.Panels = False,
     markdown: o.MarkdownFile = None,
 ) -> None:
-    """Find the lowest pass between every two minima of SCENE, and a path through it."""
+    """Find the lowest pass between every two minima of SCENE, and a path through it.
+
+    With --full the barriers without the symmetry are bounded as well.
+    """
     from origami_nlp.barriers import (
         barriers_table,
         barriers_to_dict,

@@ -15,7 +15,7 @@ from origami_nlp.pattern import read_scene
 def contacts(
     scene: o.SceneFile,
     state: Annotated[
-        int | None, typer.Option(metavar="K", help="Only the minimum of this number.")
+        int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")
     ] = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,

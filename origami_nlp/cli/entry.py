@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import NoReturn
+from typing import Annotated, NoReturn
+
+import typer
 
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
@@ -15,10 +17,13 @@ from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
 from origami_nlp.cli.design import design
 from origami_nlp.cli.example import example
+from origami_nlp.cli.follow import follow
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
+from origami_nlp.cli.load import load
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
+from origami_nlp.cli.modes import modes
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
@@ -26,15 +31,38 @@ from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
+from origami_nlp.version import __version__
 
-app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
-app.add(minima, check_proof, contacts, barriers, critical, space, landscape, transitions)
-app.add(vertices, model, example)
-app.add_group("cone", cone)
-app.add(design)
-app.add(sweep)
-app.add_group("paper", paper, open=True)  # its commands had no group at first
-app.add(bench)
+MANY = "Many scenes, many creases"
+COMPARE = "Compare with the paper and with other solvers"
+app = Group(
+    "Energy minima of an origami vertex: found, classified, and which are stable states.",
+    completion=True,
+)
+app.add(minima, check_proof, landscape, under="Find the states of a scene")
+app.add(contacts, modes, follow, load, under="Understand them")
+app.add(barriers, critical, space, transitions, under="Understand them")
+app.add(design, example, vertices, model, under="Make and read scenes")
+app.add(sweep, under=MANY)
+app.add_group("cone", cone, under=MANY)
+app.add_group("paper", paper, under=COMPARE)
+app.add(bench, under=COMPARE)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"origami-nlp {__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def origami_nlp(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Take the options of the program itself."""
 
 
 def main() -> None:

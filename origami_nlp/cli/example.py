@@ -17,11 +17,16 @@ FAMILIES = {"degree6": examples.degree6, "degree8": examples.degree8}
 def example(
     family: o.Family,
     alpha: Annotated[
-        str, typer.Option(help='Sector angle alpha_1 [rad], a number or e.g. "pi/4".')
+        str,
+        typer.Option(metavar="ANGLE", help='Sector angle alpha_1 [rad], a number or e.g. "pi/4".'),
     ] = "pi/4",
-    ratio: Annotated[float, typer.Option(help="Stiffness ratio r_k = k_m / k_v.")] = 1.0,
-    symmetry: Annotated[str | None, typer.Option(help="Override the paper's symmetry.")] = None,
-    contact: Annotated[str, typer.Option(help="full, fold-limits or none.")] = "full",
+    ratio: o.Ratio = 1.0,
+    symmetry: Annotated[
+        str | None, typer.Option(metavar="GROUP", help="Override the paper's symmetry.")
+    ] = None,
+    contact: Annotated[
+        str, typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none.")
+    ] = "full",
 ) -> None:
     """Print a scene file of the paper's FAMILY of vertices (sections 3.1 and 3.2)."""
     if family not in FAMILIES:

@@ -25,7 +25,7 @@ def landscape(
     figure: o.FigureFile = None,
     npz: o.NpzFile = None,
     json: o.JsonFile = None,
-    size: Annotated[int, typer.Option(help="Cells of the energy along each coordinate.")] = 401,
+    size: o.Size = 401,
     passes: Annotated[
         bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
     ] = False,

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
@@ -27,13 +25,11 @@ def minima(
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
-    full: Annotated[
-        bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
-    ] = False,
+    full: o.Full = False,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
     vertex: o.VertexNumber = None,
-    frame: Annotated[int | None, typer.Option(help="FOLD file: the frame, from 0.")] = None,
+    frame: o.FrameNumber = None,
     symmetry: o.FoldSymmetry = None,
     contact: o.FoldContact = None,
     stiffness: o.FoldStiffness = None,

@@ -12,4 +12,4 @@ def model(scene: o.SceneFile) -> None:
     from origami_nlp.programme import Model
 
     stated = read_scene(scene)
-    Output().say(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)
+    Output().say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)

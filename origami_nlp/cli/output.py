@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,10 @@ from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.files import Screen
+    from origami_nlp.show import Table
 
+LONG = 24
+"""Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
 ENDINGS = {"figure": (".png", ".pdf", ".svg"), "npz": (".npz",)}
 """What the names of these files end in."""
@@ -54,6 +58,18 @@ class Output:
         """Print for people, as `rich.console.Console.print` does."""
         self.console.print(*things, **options)
 
+    def page(self, markdown: str) -> None:
+        """Print Markdown for people, its tables as all others."""
+        from itertools import groupby
+
+        from rich.markdown import Markdown
+
+        for tabular, lines in groupby(markdown.splitlines(), lambda line: line.startswith("|")):
+            if tabular:
+                self.say(_table(list(lines)))
+            elif text := "\n".join(lines).strip():
+                self.say(Markdown(text), width=self.console.page)
+
     def write(self, option: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the file of `option`, if there is one.
 
@@ -70,10 +86,24 @@ class Output:
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
-        from origami_nlp.files import is_stdout
+        from origami_nlp.files import is_stdout, printable
 
         if files := [str(target) for target in targets if not is_stdout(target)]:
-            self.say("written: " + ", ".join(files), highlight=False, soft_wrap=True)
+            for file in files:  # whole, to be copied
+                self.console.out(f"written: {printable(file)}", highlight=False)
+
+
+def _table(lines: list[str]) -> Table:
+    """Return a table of Markdown; its first column is of words, as are all that hold long texts."""
+    from origami_nlp.show import Table
+
+    heads, _, *rows = [
+        [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        for line in lines
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    letters = ["L" if k == 0 or w > LONG else "r" for k, w in enumerate(widths)]
+    return Table(heads, rows, columns="".join(letters), framed=False, narrow=True)
 
 
 def _write(make: Callable[[], Any], target: Target) -> None:

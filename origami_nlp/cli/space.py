@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
@@ -14,7 +10,7 @@ from origami_nlp.pattern import read_scene
 
 def space(
     scene: o.SceneFile,
-    size: Annotated[int, typer.Option(help="Rings of the mesh around the flat state.")] = 64,
+    rings: o.Rings = 64,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
 ) -> None:
@@ -24,7 +20,7 @@ def space(
     out = Output(json=json, figure=figure)
     stated = read_scene(scene)
     with progress(f"{stated.label or scene}: mesh, walls, layers"):
-        found = find_space(stated, size)
+        found = find_space(stated, rings)
     print_space(found, out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_space, found)

@@ -15,6 +15,7 @@ import numpy as np
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
+from origami_nlp.files import Brief
 from origami_nlp.minima import MinimaResult, Minimum, contact_words
 from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, inline_image, pick, to_plain
@@ -39,8 +40,8 @@ SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
 
-@dataclass(frozen=True)
-class PinnedState:
+@dataclass(frozen=True, repr=False)
+class PinnedState(Brief):
     """One minimum with closed contacts.
 
     Attributes
@@ -216,7 +217,7 @@ class ContactReport(Told):
         if self.states:
             parts.append(
                 "<p><small>Thick magenta lines are creases in contact, magenta outlines facets in contact, "
-                "images under the symmetry included; grey contacts carry nothing.</small></p>"
+                "images under the symmetry included; dashed grey contacts carry nothing.</small></p>"
             )
         if self.segments is not None:
             parts += [
@@ -230,6 +231,16 @@ class ContactReport(Told):
                 ),
             ]
         return "\n".join([*parts, "</body></html>"]) + "\n"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for state in self.states:
+            row = {"scene": self.result.scene.label, "state": state.number}
+            row |= {"energy": state.minimum.energy, "kind": state.minimum.kind}
+            last = {"margin": state.margin.norm, "margin_is": state.margin.status}
+            for c in state.minimum.contacts:
+                least, most = c.multiplier_range
+                own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
+                yield row | own | last
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

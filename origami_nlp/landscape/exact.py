@@ -17,9 +17,11 @@ from origami_nlp.arguments import check_type
 from origami_nlp.chart import (
     Boundary,
     Landscape,
+    Outline,
     Place,
     admissible_region,
     landscape,
+    outline_of,
     trace_boundary,
     with_energy,
 )
@@ -94,6 +96,8 @@ class ExactLandscape(Told):
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
+    PICTURE = "draw_landscape"
+
     @property
     def counts(self) -> tuple[int, int | None, int | None]:
         """N_sym, N_not-ruled-out, N_full: symmetric minima, those not unstable and those stable in the full space.
@@ -109,9 +113,14 @@ class ExactLandscape(Told):
     @property
     def one_plane(self) -> bool:
         """Whether all branches fit into one picture, each on its own side of zero."""
-        return len(self.chart.branches) == 1 or (
-            self.chart.scene.contact == "full" and self.chart.scene.group.order == 2
-        )
+        return self.chart.one_plane
+
+    @property
+    def outline(self) -> Outline:
+        """What bounds the states of each branch; found now where the boundary is not traced."""
+        if self.boundary is None:
+            return outline_of(self.chart.scene)
+        return Outline(self.regions, self.boundary)
 
     def table(self) -> Table:
         """Return one row a minimum: energy, place on the landscape, kind and verdict."""

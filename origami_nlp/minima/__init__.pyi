@@ -16,12 +16,21 @@ from .find import (
     check_options as check_options,
     find_minima as find_minima,
 )
-from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
+from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
+from .fold_out import (
+    check_mesh as check_mesh,
+    fold_data as fold_data,
+    folded_frame as folded_frame,
+    write_fold as write_fold,
+    write_mesh as write_mesh,
+)
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
     hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
+    mode_symmetry as mode_symmetry,
+    permutations as permutations,
 )
 from .ipopt import (
     OPTIONS as OPTIONS,

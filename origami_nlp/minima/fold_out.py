@@ -24,7 +24,7 @@ from origami_nlp.folding import fold_vertex, layer_problem, ordered
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import TOUCHES
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
+from origami_nlp.pattern import PRELOAD_KEY, REST_KEY, STIFFNESS_KEY, Scene, Vertex
 from origami_nlp.version import __version__
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
@@ -36,12 +36,16 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
     A flat sheet has its crease pattern as the file's own frame; paper that does not lie flat has no flat
     pattern, and the first state takes its place.
     """
-    scene = result.scene
+    states = [_state_frame(result.scene, k, m) for k, m in enumerate(result.minima, start=1)]
+    return fold_data(result.scene, states)
+
+
+def fold_data(scene: Scene, states: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the crease pattern of a scene with frames of `folded_frame` as FOLD data."""
     n = scene.degree
     rim = [*range(1, n + 1)]
     edges = [[0, i] for i in rim] + [[i, i % n + 1] for i in rim]
     pad = [0.0] * n
-    states = [_state_frame(scene, k, m) for k, m in enumerate(result.minima, start=1)]
     data: dict[str, Any] = {
         "file_spec": 1.1,
         "file_creator": f"origami_nlp {__version__}",
@@ -51,6 +55,15 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
         "faces_vertices": [[0, i, i % n + 1] for i in rim],
         STIFFNESS_KEY: [*scene.stiffness, *[None] * n],
         REST_KEY: [*(math.degrees(a) for a in scene.rest_angles), *[None] * n],
+        **({PRELOAD_KEY: [*scene.preload, *[None] * n]} if scene.preload else {}),
+        **(
+            {
+                "origaminlp:loads": [load.to_dict() for load in scene.loads],
+                "origaminlp:heldFacet": scene.held_facet,
+            }
+            if scene.loads
+            else {}
+        ),
         "origaminlp:symmetry": scene.symmetry,
         "origaminlp:contact": scene.contact,
     }
@@ -112,22 +125,10 @@ def _letter(angle: float) -> str:
 
 
 def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
-    phi = np.array(m.fold_angles)
-    n = len(phi)
-    creases, _ = fold_vertex(scene.vertex, phi)
-    orders = face_orders(creases, phi)
     full = m.full_space
+    title = f"state {number}: {m.kind}, {m.energy:.6g} J" + (f", {full.verdict}" if full else "")
     return {
-        "frame_title": f"state {number}: {m.kind}, {m.energy:.6g} J"
-        + (f", {full.verdict}" if full else ""),
-        "frame_classes": ["foldedForm"],
-        "frame_attributes": ["3D", "selfTouching" if orders else "nonSelfTouching"],
-        "frame_parent": 0,
-        "frame_inherit": True,
-        "vertices_coords": [[0.0, 0.0, 0.0], *creases.tolist()],
-        "edges_assignment": [*(_letter(v) for v in phi), *"B" * n],
-        "edges_foldAngle": [*np.degrees(phi).tolist(), *[0.0] * n],
-        "faceOrders": orders,
+        **folded_frame(scene.vertex, np.array(m.fold_angles), title),
         "origaminlp:energy": m.energy,
         "origaminlp:kind": m.kind,
         "origaminlp:certificate": m.certificate,
@@ -135,6 +136,24 @@ def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
         "origaminlp:kktResidual": m.kkt_residual if math.isfinite(m.kkt_residual) else None,
         "origaminlp:multipliers": [{"contact": c.text, "moment": c.multiplier} for c in m.contacts],
         **({"origaminlp:fullSpace": full.verdict} if full else {}),
+    }
+
+
+def folded_frame(vertex: Vertex, fold_angles: np.ndarray, title: str) -> dict[str, Any]:
+    """Return one folded state [N] as a frame of a FOLD file."""
+    creases, _ = fold_vertex(vertex, fold_angles)
+    orders = face_orders(creases, fold_angles)
+    n = len(fold_angles)
+    return {
+        "frame_title": title,
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["3D", "selfTouching" if orders else "nonSelfTouching"],
+        "frame_parent": 0,
+        "frame_inherit": True,
+        "vertices_coords": [[0.0, 0.0, 0.0], *creases.tolist()],
+        "edges_assignment": [*(_letter(v) for v in fold_angles), *"B" * n],
+        "edges_foldAngle": [*np.degrees(fold_angles).tolist(), *[0.0] * n],
+        "faceOrders": orders,
     }
 
 

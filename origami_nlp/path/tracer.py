@@ -150,7 +150,7 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
     It ends at the first of `ends` (the first in their order where two come at once), where it is singular, and after
     `steps.most` points or the length `steps.far`.  None where the curve does not turn around.
     """
-    ahead, lengths, end = _one_way(curve, first, steps, ends)
+    ahead, lengths, end = trace_ahead(curve, first, steps, ends)
     behind: list[F] = []
     back: list[float] = []
     start = end
@@ -158,15 +158,15 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
         turned = curve.frame(first.x, -first.tangent)
         if turned is None:
             return None
-        behind, back, start = _one_way(curve, turned, steps, ends)
+        behind, back, start = trace_ahead(curve, turned, steps, ends)
     s = np.array([*(-v for v in reversed(back)), 0.0, *lengths])
     return Trace((*reversed(behind), first, *ahead), s, start, end, len(behind))
 
 
-def _one_way(
+def trace_ahead(
     curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]]
 ) -> tuple[list[F], list[float], str]:
-    """Trace from `first` along its tangent: frames with their arclength, and why they end."""
+    """Trace from `first` along its tangent: the frames after it with their arclength, and why they end."""
     frames: list[F] = []
     s: list[float] = []
     here, at, h = first, 0.0, steps.first

@@ -12,6 +12,7 @@ from .crease_pattern import (
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
+    PRELOAD_KEY as PRELOAD_KEY,
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
     Frame as Frame,
@@ -20,6 +21,13 @@ from .fold_file import (
 )
 from .fold_scene import read_fold_scene as read_fold_scene
 from .labels import Labels as Labels, canonical_labels as canonical_labels
+from .loads import (
+    DeadLoads as DeadLoads,
+    Load as Load,
+    dead_loads as dead_loads,
+    flat_points as flat_points,
+    followed as followed,
+)
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

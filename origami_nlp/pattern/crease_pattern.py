@@ -203,6 +203,7 @@ def scene_at(
     rest = np.full(v.degree, math.nan)
     for choice in choices[rest_angles]:
         rest = np.where(np.isnan(rest), choice, rest)
+    preload = np.nan_to_num(frame.preload[at])
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -211,6 +212,7 @@ def scene_at(
         contact,
         name=f"{frame.title or 'FOLD'}, vertex {number}",
         symmetry_tolerance=NOISY,
+        preload=tuple(preload.tolist()),
     )
 
 
@@ -320,7 +322,8 @@ def _analyse(
 
 
 def _is_sprung(frame: Frame, edge: int) -> bool:
-    return not (np.isnan(frame.stiffness[edge]) and np.isnan(frame.rest_angles[edge]))
+    springs = frame.stiffness[edge], frame.rest_angles[edge], frame.preload[edge]
+    return not np.isnan(springs).all()
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:

@@ -115,6 +115,7 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     arrays = {f"count_{kind.replace('-', '_')}": v.reshape(shape) for kind, v in by_kind.items()}
     return {
         "axes": axes,
+        "places": {name: list(places) for name, places, _ in sweep["axes"]},
         "mode": sweep["search"]["mode"],
         "count": count.reshape(shape),
         **arrays,

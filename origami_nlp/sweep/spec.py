@@ -329,6 +329,8 @@ def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
         return
     match = _PLACE.fullmatch(place)
     table = base.get(match[1], {}) if match else None
+    if place.startswith("creases.preload[") and isinstance(table, dict):  # none stated: zeros
+        table.setdefault("preload", [0.0] * len(table.get("stiffness", ())))
     if match is None or not isinstance(table, Mapping) or match[2] not in table:
         raise SweepError(
             f'{where}.set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]"'
