@@ -16,7 +16,8 @@ def design(
         str, typer.Argument(metavar="TARGETS", help="What is asked for (TOML), or - for stdin.")
     ],
     out: Annotated[
-        str | None, typer.Option(metavar="FILE", help="Write the scene (TOML) to FILE, or - for stdout.")
+        str | None,
+        typer.Option(metavar="FILE", help="Write the scene (TOML) to FILE, or - for stdout."),
     ] = None,
     json: o.JsonFile = None,
     seed: o.Seed = 0,

@@ -13,13 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme
-from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
-from origami_nlp.springs.targets import Targets
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
 from origami_nlp.pattern import Scene
+from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme
+from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.springs.targets import Targets
 
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
@@ -95,7 +95,9 @@ class Posed:
 
     def _hold(self, i: int, state: State, share: float, name: str) -> None:
         t = self.targets
-        there = state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
+        there = (
+            state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
+        )
         kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
         pieces = balances(there, kind, i not in self.touching)
         if len(pieces) > MOST_PIECES:
@@ -187,7 +189,11 @@ def solve(targets: Targets) -> Posed:
     Posed
         Solved.
     """
-    having = [i for i, p in enumerate(targets.placed) if p.state.contacts.base or p.state.contacts.branches]
+    having = [
+        i
+        for i, p in enumerate(targets.placed)
+        if p.state.contacts.base or p.state.contacts.branches
+    ]
     best = None
     choices = itertools.chain.from_iterable(
         itertools.combinations(having, k) for k in range(len(having) + 1)

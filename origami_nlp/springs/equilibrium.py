@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import INDEPENDENT, RANK
 from origami_nlp.programme import Model
+from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Balance:
             Where moments and forces w are.
         """
         own = programme.more(self.free)
-        r, m = len(self.stratum.contacts), self.to_closure.shape[0]
+        r = len(self.stratum.contacts)
         moments, forces = (
             slice(own.start, own.start + r),
             slice(own.start + r, own.stop),
@@ -191,5 +191,3 @@ def slope_row(
     np.add.at(out, places.stiffness.start + kind, model.multiplicity * x * step)
     np.add.at(out, places.torque.start + kind, -model.multiplicity * step)
     return out
-
-

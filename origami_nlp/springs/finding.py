@@ -104,9 +104,7 @@ def design(
 def _none(targets: Targets, posed: Posed) -> Design:
     reason = why_not(posed)
     a = posed.answer
-    return Design(
-        targets, posed.margin, None, (), (), reason, (), None, a.iterations, a.residual
-    )
+    return Design(targets, posed.margin, None, (), (), reason, (), None, a.iterations, a.residual)
 
 
 def _check(
@@ -123,9 +121,7 @@ def _check(
             m = result.minima[i]
             ours.add(i)
             verdict = m.full_space.verdict if m.full_space else None
-            held.append(
-                _held(placed, phi, far[i], m.energy, m.kind, m.certificate, verdict)
-            )
+            held.append(_held(placed, phi, far[i], m.energy, m.kind, m.certificate, verdict))
             if verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.errors import OrigamiError
 from origami_nlp.springs.convex import Posed, solve
 from origami_nlp.springs.targets import TURNS, Targets
-from origami_nlp.errors import OrigamiError
 
 WEIGHTY = 1e-4
 """Rows whose dual is below this share of the largest are not named."""

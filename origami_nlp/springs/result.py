@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from origami_nlp.springs.reasons import Reason
-from origami_nlp.springs.targets import Targets
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.springs.reasons import Reason
+from origami_nlp.springs.targets import Targets
 
 SCHEMA = "origami-nlp/design/1"
 

@@ -128,14 +128,20 @@ class Targets:
             self._known(name, "highest energy")
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
-            raise OptionError(f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]")
+            raise OptionError(
+                f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]"
+            )
         if self.rest_angles is not None:
             low, high = _pair("rest_angles", self.rest_angles)
             most = TURNS if self.preload is True else math.pi
             if not -most - 1e-12 <= low <= high <= most + 1e-12:
                 raise OptionError(
                     f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
-                    + ("" if self.preload is True else "; preload = true lets springs be wound beyond")
+                    + (
+                        ""
+                        if self.preload is True
+                        else "; preload = true lets springs be wound beyond"
+                    )
                 )
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)

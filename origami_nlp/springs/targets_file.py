@@ -102,7 +102,8 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
             raise OptionError(f"unknown table [{table}]: targets have {', '.join(_KEYS)}")
         if (table == "states") != isinstance(content, list):
             raise OptionError(
-                f"{table}: write " + ("[[states]], one a state" if table == "states" else f"[{table}]")
+                f"{table}: write "
+                + ("[[states]], one a state" if table == "states" else f"[{table}]")
             )
         for entry in content if isinstance(content, list) else [content]:
             if not isinstance(entry, Mapping):
@@ -124,7 +125,11 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
             highest[target.name] = check_number(
                 f"state {target.name!r}: energy_at_most", entry["energy_at_most"], 0.0
             )
-    springs, model, ask = data.get("springs", {}), dict(data.get("model", {})), dict(data.get("ask", {}))
+    springs, model, ask = (
+        data.get("springs", {}),
+        dict(data.get("model", {})),
+        dict(data.get("ask", {})),
+    )
     name = model.pop("name", None)
     more: dict[str, Any] = {}
     if "stiffness" in springs:
@@ -142,9 +147,7 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
         if not isinstance(full, bool):
             raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
         more["full_space"] = full
-    targets = Targets(
-        vertex, tuple(states), energies=tuple(gaps), highest=highest, **model, **more
-    )
+    targets = Targets(vertex, tuple(states), energies=tuple(gaps), highest=highest, **model, **more)
     return targets, Ask(**ask), name
 
 
@@ -179,7 +182,9 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
         raise OptionError(
             f"[[states]] {name!r} has {len(phi)} fold angles, the vertex {degree} creases"
         )
-    tolerance = check_number(f"{name!r}: tolerance_deg", entry.get("tolerance_deg", 0.0), 0.0, 180.0)
+    tolerance = check_number(
+        f"{name!r}: tolerance_deg", entry.get("tolerance_deg", 0.0), 0.0, 180.0
+    )
     return Target(name, tuple(phi), entry.get("margin", 1.0), math.radians(tolerance))
 
 
@@ -203,7 +208,9 @@ def _like(words: Any, folder: Path, name: str) -> list[float]:
     states = data.get("minima") if isinstance(data, dict) else None
     if not isinstance(states, list) or len(states) < int(number):
         many = len(states) if isinstance(states, list) else "no"
-        raise OptionError(f"[[states]] {name!r}: {file!r} has {many} minima, like asks for {number}")
+        raise OptionError(
+            f"[[states]] {name!r}: {file!r} has {many} minima, like asks for {number}"
+        )
     phi = states[int(number) - 1].get("fold_angles")
     if not isinstance(phi, list) or not all(isinstance(a, int | float) for a in phi):
         raise OptionError(f"[[states]] {name!r}: minimum {number} of {file!r} has no fold_angles")
