@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,10 +18,14 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
 from origami_nlp.pattern import Scene
-from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme
+from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, Rows
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.springs.targets import Targets
 
+PROVED = 1e-6
+"""Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
+LEAST_MARGIN = 0.01
+"""Of a design that makes barriers largest: at 0 its wells would be none."""
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
 MOST_CHOICES = 64
@@ -38,10 +43,24 @@ class Posed:
         The question.
     touching
         Which states are to hold still without moments in their contacts, by number from 0.
+    more
+        Further rows over the springs and the margin, see `Springs`.
+    heights
+        Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
+    elastic
+        Let states be out of balance at this price, for a search for better ones.
     """
 
-    def __init__(self, targets: Targets, touching: frozenset[int] = frozenset()) -> None:
+    def __init__(
+        self,
+        targets: Targets,
+        touching: frozenset[int] = frozenset(),
+        more: Sequence[Rows] = (),
+        heights: Sequence[np.ndarray] = (),
+        elastic: float = 0.0,
+    ) -> None:
         self.targets, self.touching = targets, touching
+        self.every_refuted = False
         kinds = int(targets.kinds.max()) + 1
         self.places = Springs.of(kinds)
         self.programme = Programme(self.places.size)
@@ -51,6 +70,45 @@ class Posed:
         for i, placed in enumerate(targets.placed):
             self._hold(i, placed.state, placed.target.margin, placed.target.name)
         self._energies()
+        for rows in more:
+            self.programme.add(rows.cone, rows.a, rows.b, rows.words)
+        self.aim = np.zeros(self.programme.size)
+        self.aim[self.places.margin] = 1.0
+        if heights:
+            self._lift(heights)
+        if elastic:
+            self._soften(elastic)
+
+    def _lift(self, heights: Sequence[np.ndarray]) -> None:
+        """Make the smallest height the aim."""
+        p = self.programme
+        least = p.more(1).start
+        for row in heights:
+            up = np.zeros(p.size)
+            up[: len(row)], up[least] = row, -1.0
+            p.add(POSITIVE, up, 0.0, "the smallest barrier")
+        floor = np.zeros(p.size)
+        floor[self.places.margin] = 1.0
+        p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
+        self.aim = np.zeros(p.size)
+        self.aim[least] = 1.0
+
+    def _soften(self, price: float) -> None:
+        """Replace the balance of states by a price on what is left."""
+        p = self.programme
+        rows = [r for r in p.rows if isinstance(r.words, str) and r.words.endswith(" balances")]
+        p.rows = [r for r in p.rows if not any(r is other for other in rows)]
+        aim = [self.aim]
+        for r in rows:
+            left = p.more(len(r.b))
+            for sign in (1.0, -1.0):
+                a = sign * p.matrix(r)
+                a[np.arange(len(r.b)), np.arange(left.start, left.stop)] = 1.0
+                p.add(POSITIVE, a, sign * r.b, r.words)
+            aim.append(np.full(len(r.b), -price))
+        self.aim = np.concatenate(
+            [np.pad(self.aim, (0, p.size - len(self.aim) - sum(map(len, aim[1:])))), *aim[1:]]
+        )
 
     def _bounds(self, kinds: int) -> None:
         p, v, t = self.programme, self.places, self.targets
@@ -155,9 +213,7 @@ class Posed:
     @cached_property
     def answer(self) -> Answer:
         """The optimum, or the proof that there is no point."""
-        c = np.zeros(self.programme.size)
-        c[self.places.margin] = 1.0
-        return self.programme.maximise(c)
+        return self.programme.maximise(self.aim)
 
     @property
     def margin(self) -> float:
@@ -171,8 +227,21 @@ class Posed:
         """Whether springs hold the states with a margin that is more than rounding."""
         return self.margin > DESIGN_MARGIN
 
+    @property
+    def refuted(self) -> bool:
+        """Whether it is proved that no springs hold the states so, with a margin that is more than rounding.
 
-def solve(targets: Targets) -> Posed:
+        Not where a state is singular (flat, or flat-folded with creases that lose rank): there the conditions prove a
+        minimum, but a minimum need not fulfil them.
+        """
+        if any(balance.lost.shape[1] for _, balance, _ in self.balances):
+            return False
+        a = self.answer
+        proved = a.infeasible or (a.solved and self.margin <= DESIGN_MARGIN)
+        return proved and a.residual <= PROVED
+
+
+def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndarray] = ()) -> Posed:
     """Pose and solve a question, with contacts pressed, or else touching without moment.
 
     A fold limit at a rest angle of +-pi carries no moment: such a state can hold still only by the stiffness of all
@@ -183,11 +252,13 @@ def solve(targets: Targets) -> Posed:
     ----------
     targets
         The question.
+    more, heights
+        See `Posed`.
 
     Returns
     -------
     Posed
-        Solved.
+        Solved; where not feasible, `every_refuted` tells whether all choices were refuted.
     """
     having = [
         i
@@ -198,13 +269,16 @@ def solve(targets: Targets) -> Posed:
     choices = itertools.chain.from_iterable(
         itertools.combinations(having, k) for k in range(len(having) + 1)
     )
+    refuted = 2 ** len(having) <= MOST_CHOICES
     for touching in itertools.islice(choices, MOST_CHOICES):
-        posed = Posed(targets, frozenset(touching))
+        posed = Posed(targets, frozenset(touching), more, heights)
         if posed.feasible:
             return posed
+        refuted = refuted and posed.refuted
         if best is None or posed.margin > best.margin:
             best = posed
     assert best is not None
+    best.every_refuted = refuted
     return best
 
 
@@ -267,7 +341,9 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     t = posed.targets
     absolute = t.highest or not isinstance(t.preload, bool)
     absolute = absolute or any(
-        (math.isfinite(e) and e != 0.0) for g in t.energies for e in (g.least, g.most)
+        (math.isfinite(e) and e != 0.0)
+        for g in (*t.energies, *t.barriers)
+        for e in (g.least, g.most)
     )
     if absolute:
         return float(v[posed.places.scale])

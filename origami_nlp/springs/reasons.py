@@ -14,7 +14,8 @@ from origami_nlp.springs.targets import TURNS, Targets
 
 WEIGHTY = 1e-4
 """Rows whose dual is below this share of the largest are not named."""
-BISECTIONS = 20
+BISECTIONS, COARSE = 20, 6
+"""Where a size is looked for; the second where each question is many programmes."""
 WIDEST = 1e4
 """Largest factor by which a range of stiffness is widened when a change is looked for."""
 
@@ -49,13 +50,23 @@ class Reason:
         return f"{why} ({self.proof})"
 
 
-def why_not(posed: Posed) -> Reason:
+Works = Callable[[Targets], bool]
+
+
+def works(targets: Targets) -> bool:
+    """Tell whether springs hold the states of a question, whatever else is asked for."""
+    return solve(targets).feasible
+
+
+def why_not(posed: Posed, tried: Works = works) -> Reason:
     """Turn the dual of a programme without an answer into words.
 
     Parameters
     ----------
     posed
         Solved, and not feasible.
+    tried
+        Tells whether a changed question has an answer.
 
     Returns
     -------
@@ -82,7 +93,7 @@ def why_not(posed: Posed) -> Reason:
         if any(words.startswith(f"{n} ") or f" {n} " in f" {words} " for _, words in heavy)
     )
     bounds = tuple(words for _, words in heavy if not words.endswith((" balances", " is stiff")))
-    return Reason(states, bounds, proof_of(posed), changes(posed.targets))
+    return Reason(states, bounds, proof_of(posed), changes(posed.targets, tried))
 
 
 def proof_of(posed: Posed) -> str:
@@ -97,20 +108,23 @@ def proof_of(posed: Posed) -> str:
     return f"not decided: the solver ended with {a.status}"
 
 
-def changes(targets: Targets) -> tuple[str, ...]:
+def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
     """Find changes after which springs hold the states, each tried alone.
 
     Parameters
     ----------
     targets
         A question without an answer.
+    tried
+        Tells whether a changed one has one.
 
     Returns
     -------
     tuple of str
-        In words, with the size of the change found by bisection to one part in a million.
+        In words, with the size of the change found by bisection.
     """
     out = []
+    steps = COARSE if targets.barriers else BISECTIONS
     low, high = targets.rest
     if targets.preload is False:
         size = max(-low, high)
@@ -118,7 +132,7 @@ def changes(targets: Targets) -> tuple[str, ...]:
         def wound(f: float) -> Targets:
             return replace(targets, preload=True, rest_angles=(f * low, f * high))
 
-        least = _least(wound, 1.0, TURNS / size)
+        least = _least(tried, wound, 1.0, TURNS / size, steps)
         if least is not None:
             out.append(
                 f"let rest angles reach {math.degrees(least * size):.4g} deg (preload = true)"
@@ -128,30 +142,32 @@ def changes(targets: Targets) -> tuple[str, ...]:
     def wider(f: float) -> Targets:
         return replace(targets, stiffness=(low / f, high * f))
 
-    least = _least(wider, 1.0, WIDEST)
+    least = _least(tried, wider, 1.0, WIDEST, steps)
     if least is not None:
         out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
     if len(targets.states) > 1:
         for target in targets.states:
-            if _works(without(targets, target.name)):
+            if _works(tried, without(targets, target.name)):
                 out.append(f"leave out state {target.name!r}")
     return tuple(out)
 
 
-def _least(make: Callable[[float], Targets], good: float, bad: float) -> float | None:
+def _least(
+    tried: Works, make: Callable[[float], Targets], good: float, bad: float, steps: int
+) -> float | None:
     """Return the smallest factor in (good, bad] that works, by bisection; None if the largest does not."""
     low, high = good, bad
-    if not _works(make(high)):
+    if not _works(tried, make(high)):
         return None
-    for _ in range(BISECTIONS):
+    for _ in range(steps):
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if _works(make(middle)) else (middle, high)
+        low, high = (low, middle) if _works(tried, make(middle)) else (middle, high)
     return high
 
 
-def _works(targets: Targets) -> bool:
+def _works(tried: Works, targets: Targets) -> bool:
     try:
-        return solve(targets).feasible
+        return tried(targets)
     except OrigamiError:
         return False
 
@@ -162,5 +178,6 @@ def without(targets: Targets, name: str) -> Targets:
         targets,
         states=tuple(t for t in targets.states if t.name != name),
         energies=tuple(g for g in targets.energies if name not in (g.upper, g.lower)),
+        barriers=tuple(b for b in targets.barriers if name not in (b.start, b.end)),
         highest={k: v for k, v in targets.highest.items() if k != name},
     )

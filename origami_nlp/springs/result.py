@@ -11,6 +11,7 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 from origami_nlp.springs.reasons import Reason
+from origami_nlp.springs.robustness import Tolerance
 from origami_nlp.springs.targets import Targets
 
 SCHEMA = "origami-nlp/design/1"
@@ -53,6 +54,29 @@ class HeldState:
     full_space: str | None
 
 
+@dataclass(frozen=True)
+class HeldBarrier:
+    """A barrier of a design, as measured.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    rise
+        Highest energy on the way less that of `start` [J]; nan where not known.
+    fold_angles
+        Where it is highest, [N].
+    why
+        What is wrong with it; "" where it is as asked.
+    """
+
+    start: str
+    end: str
+    rise: float
+    fold_angles: tuple[float, ...]
+    why: str
+
+
 @dataclass(frozen=True, repr=False)
 class Design(Told):
     """Springs for given states, checked by the main job; or the reason why there are none.
@@ -80,7 +104,17 @@ class Design(Told):
         Of the conic solver.
     residual
         Of its dual: the margin is the largest to about this.
+    barriers
+        Those that were asked for, as measured.
+    tolerance
+        How far the springs may be off, where it was asked for.
+    refuted
+        Where there is no scene: whether it is proved that no springs do what was asked.
+    rounds
+        Of cuts that forbade minima.
     """
+
+    PICTURE = "draw_design"
 
     targets: Targets
     margin: float
@@ -92,6 +126,10 @@ class Design(Told):
     minima: MinimaResult | None
     iterations: int
     residual: float
+    barriers: tuple[HeldBarrier, ...] = ()
+    tolerance: Tolerance | None = None
+    refuted: bool = False
+    rounds: int = 0
 
     @property
     def feasible(self) -> bool:
@@ -108,6 +146,10 @@ class Design(Told):
         if self.scene is None:
             assert self.reason is not None
             yield Words(f"No design: {self.reason.text}")
+            if not self.refuted:
+                yield Words(
+                    "this proves nothing: see what of the question the programme leaves open"
+                )
             for change in self.reason.changes:
                 yield Words(f"what would help, alone: {change}")
             return
@@ -119,6 +161,10 @@ class Design(Told):
         )
         yield self.table()
         yield self.springs()
+        for b in self.barriers:
+            yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.12g} J")
+        if self.tolerance is not None:
+            yield from self._tolerance(self.tolerance)
         for words in self.failed:
             yield Words(f"not verified: {words}")
         if self.extra_minima:
@@ -130,6 +176,23 @@ class Design(Told):
             yield Words("no other minimum was found")
         if self.minima is not None and self.minima.completeness is not None:
             yield Words(next(self.minima.completeness.lines()))
+
+    @staticmethod
+    def _tolerance(found: Tolerance) -> Iterator[Piece]:
+        for loss in found.losses:
+            how = (
+                "kept that far"
+                if loss.event == "kept"
+                else f"along the worst direction found, then: {loss.event}"
+            )
+            yield Words(
+                f"{loss.state} stands until every stiffness and rest angle is off by "
+                f"{loss.percent:.4g} % ({how})"
+            )
+        if found.trials:
+            yield Words(
+                f"random springs within {found.percent:.4g} %: all states stand in {found.kept} of {found.trials}"
+            )
 
     def table(self) -> Table:
         """The states, one a row."""
@@ -180,6 +243,9 @@ class Design(Told):
                 {"energy": e, "kind": k, "fold_angles": list(p)} for e, k, p in self.extra_minima
             ],
             "reason": to_plain(self.reason) if self.reason else None,
+            "barriers": [to_plain(b) for b in self.barriers],
+            "tolerance": to_plain(self.tolerance) if self.tolerance else None,
+            "refuted": self.refuted,
             "failed": list(self.failed),
             "iterations": self.iterations,
             "residual": to_plain(self.residual),

@@ -69,6 +69,26 @@ class EnergyGap:
 
 
 @dataclass(frozen=True)
+class BarrierAsk:
+    """How much energy it shall take to leave one state for another [J].
+
+    With one freedom the springs are made for it; with two they are checked for it.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    least, most
+        Bounds of the highest energy on the way less that of `start`; equal for an exact barrier.
+    """
+
+    start: str
+    end: str
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True)
 class Targets:
     """A question: which springs hold these states?
 
@@ -89,6 +109,8 @@ class Targets:
         Whether springs may be wound beyond [-pi, pi], or the largest torque beyond what a rest angle gives [N m].
     energies
         Differences of energy that are asked for.
+    barriers
+        Barriers between two states that are asked for.
     highest
         Largest energy of states by name [J]; no preload then.
     full_space
@@ -104,12 +126,14 @@ class Targets:
     rest_angles: tuple[float, float] | None = None
     preload: float | bool = False
     energies: tuple[EnergyGap, ...] = ()
+    barriers: tuple[BarrierAsk, ...] = ()
     highest: dict[str, float] = field(default_factory=dict)
     full_space: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "states", tuple(self.states))
         object.__setattr__(self, "energies", tuple(self.energies))
+        object.__setattr__(self, "barriers", tuple(self.barriers))
         names = [t.name for t in self.states]
         if not names:
             raise OptionError("states is empty: give at least one [[states]] with fold_angles_deg")
@@ -123,6 +147,14 @@ class Targets:
                 raise OptionError(
                     f"energy of {gap.upper!r} above {gap.lower!r}: [{gap.least:g}, {gap.most:g}] "
                     "must be [least, most]"
+                )
+        for ask in self.barriers:
+            for name in (ask.start, ask.end):
+                self._known(name, "barrier")
+            if ask.start == ask.end or not 0.0 <= ask.least <= ask.most or ask.least == math.inf:
+                raise OptionError(
+                    f"barrier from {ask.start!r} to {ask.end!r}: [{ask.least:g}, {ask.most:g}] "
+                    "must be 0 <= least <= most, between two states"
                 )
         for name in self.highest:
             self._known(name, "highest energy")

@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.files import parse_toml, read_limited
 from origami_nlp.pattern import Vertex, parse_angles
-from origami_nlp.springs.targets import EnergyGap, Target, Targets
+from origami_nlp.springs.targets import BarrierAsk, EnergyGap, Target, Targets
 
 _KEYS = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
@@ -22,6 +22,7 @@ _KEYS = {
         *("name", "fold_angles", "fold_angles_deg", "like", "margin", "tolerance_deg"),
         *("energy_above", "energy_difference", "energy_at_most"),
     ),
+    "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
     "ask": ("maximise", "full_space", "tolerance_percent", "extra_states", "rounds"),
 }
@@ -100,11 +101,9 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
     for table, content in data.items():
         if table not in _KEYS:
             raise OptionError(f"unknown table [{table}]: targets have {', '.join(_KEYS)}")
-        if (table == "states") != isinstance(content, list):
-            raise OptionError(
-                f"{table}: write "
-                + ("[[states]], one a state" if table == "states" else f"[{table}]")
-            )
+        if (table in ("states", "barriers")) != isinstance(content, list):
+            many = {"states": "[[states]], one a state", "barriers": "[[barriers]], one a pair"}
+            raise OptionError(f"{table}: write {many.get(table, f'[{table}]')}")
         for entry in content if isinstance(content, list) else [content]:
             if not isinstance(entry, Mapping):
                 raise OptionError(f"{table} = {shown(entry)} must be a table")
@@ -125,6 +124,7 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
             highest[target.name] = check_number(
                 f"state {target.name!r}: energy_at_most", entry["energy_at_most"], 0.0
             )
+    barriers = tuple(_barrier(entry) for entry in data.get("barriers", []))
     springs, model, ask = (
         data.get("springs", {}),
         dict(data.get("model", {})),
@@ -147,7 +147,15 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
         if not isinstance(full, bool):
             raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
         more["full_space"] = full
-    targets = Targets(vertex, tuple(states), energies=tuple(gaps), highest=highest, **model, **more)
+    targets = Targets(
+        vertex,
+        tuple(states),
+        energies=tuple(gaps),
+        highest=highest,
+        barriers=barriers,
+        **model,
+        **more,
+    )
     return targets, Ask(**ask), name
 
 
@@ -226,6 +234,25 @@ def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:
     else:
         least = most = check_number(f"{name!r}: energy_difference", value)
     return EnergyGap(name, entry["energy_above"], least, most)
+
+
+def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
+    """Read what is asked of a barrier."""
+    ends = [entry.get(key) for key in ("from", "to")]
+    if not all(isinstance(name, str) for name in ends):
+        raise OptionError("[[barriers]] needs from = 'STATE' and to = 'STATE'")
+    who = f"barrier from {ends[0]!r} to {ends[1]!r}"
+    value = {
+        key: check_number(f"{who}: {key}", entry[key], 0.0)
+        for key in ("at_least", "at_most", "exactly")
+        if key in entry
+    }
+    if "exactly" in value:
+        if len(value) > 1:
+            raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
+        return BarrierAsk(str(ends[0]), str(ends[1]), value["exactly"], value["exactly"])
+    least, most = value.get("at_least", 0.0), value.get("at_most", math.inf)
+    return BarrierAsk(str(ends[0]), str(ends[1]), least, most)
 
 
 def _two(name: str, value: Any, *, numbers: bool = True, finite: bool = True) -> list[Any]:
