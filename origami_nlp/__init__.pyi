@@ -1,4 +1,4 @@
-from . import cone as cone, sweep as sweep
+from . import cone as cone, springs as springs, sweep as sweep
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .contact import (
     ContactReport as ContactReport,
@@ -42,4 +42,5 @@ from .results import (
     view as view,
 )
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
+from .springs import Design as Design, design as design
 from .version import __version__ as __version__

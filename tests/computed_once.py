@@ -65,7 +65,7 @@ def _searched(number: int) -> MinimaResult:
 
 @shared
 def barriers_with_handles() -> Barriers:
-    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1, two of whose states are handles, also in the full space."""
+    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1, with two handles, also in the full space."""
     scene = examples.degree6("pi/3", 1)
     return find_barriers(scene, panel_result(scene, full=True), True, spacing=0.25)
 

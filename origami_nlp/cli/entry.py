@@ -16,6 +16,7 @@ from origami_nlp.cli.check_proof import check_proof
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
+from origami_nlp.cli.design import design
 from origami_nlp.cli.example import example
 from origami_nlp.cli.follow import follow
 from origami_nlp.cli.group import Group
@@ -42,7 +43,7 @@ app = Group(
 app.add(minima, check_proof, landscape, under="Find the states of a scene")
 app.add(contacts, modes, load, under="Understand them")
 app.add(barriers, critical, space, transitions, under="Understand them")
-app.add(example, vertices, model, under="Make and read scenes")
+app.add(design, example, vertices, model, under="Make and read scenes")
 app.add(follow, boundary, sweep, under=MANY)
 app.add_group("cone", cone, under=MANY)
 app.add_group("paper", paper, under=COMPARE)

@@ -259,7 +259,8 @@ def vertex_scenes(
             tell(f"vertex {v.number}: {note}")
     if not scenes:
         raise FoldFileError(
-            f"frame {frame.number} has no interior vertex that can be analysed: origami-nlp vertices says why of each"
+            f"frame {frame.number} has no interior vertex that can be analysed: "
+            + ("; ".join(notes) or "origami-nlp vertices says why of each")
         )
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
         tell(LETTERS_ONLY)

@@ -1,5 +1,6 @@
 """The stable expressions solve the equations of `symbolic.derive`: exact polynomial identities."""
 
+import pytest
 import sympy as sp
 
 from symbolic.derive import dihedral_form, reflection_form
