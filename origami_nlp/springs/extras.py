@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -58,7 +59,7 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
     out = []
     for steps in _downhill(targets, x, wanted):
         energies = [energy_row(model, y, kind, places) for y in steps]
-        rows = np.array([a - b for a, b in zip(energies, energies[1:], strict=False)])
+        rows = np.array([a - b for a, b in itertools.pairwise(energies)])
         rows[:, places.margin] -= FALLS * STEP**2
         out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
     return out
@@ -74,7 +75,7 @@ def _falling(
 ) -> np.ndarray | None:
     """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead."""
     model, rows = targets.model, []
-    for a, b in zip(side, side[1:], strict=False):
+    for a, b in itertools.pairwise(side):
         step = b - a
         length = float(np.linalg.norm(model.root * step))
         if length < 1e-6:
