@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, SETTLED
 from origami_nlp.springs.conic import POSITIVE, Rows
-from origami_nlp.springs.equilibrium import Springs, energy_row
+from origami_nlp.springs.equilibrium import Springs, energy_row, slope_row
 from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.ways import curve_of
 
 FALLS = 0.1
 """Slope that a cut asks for, over the margin."""
-STEPS, STEP = 3, 0.1
-"""Number and length [rad] of the steps from a minimum that shall lead down."""
+STEPS, FEW, STEP = 60, 3, 0.1
+"""Numbers and length [rad] of the steps from a minimum that shall lead down: all the way to a wanted state, or a few."""
 NEAR = 0.05
 """A curve passes a state where a sample comes this near [rad]."""
 
 
-def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
+def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]:
     """Return rows each of which makes a state no minimum.
 
     With one freedom the energy falls at every sample from the state to the next wanted one (or to a singular state
-    where curves meet); otherwise it falls along a few steps towards a wanted one, or along a soft direction.
+    where curves meet); otherwise it falls along steps to a wanted one, or along a few steps in any direction.
 
     Parameters
     ----------
@@ -37,8 +38,8 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
 
     Returns
     -------
-    list of tuple of Rows
-        The choices there are.
+    list of list of tuple of Rows
+        The choices there are, those first that leave least room for others like it.
     """
     model = targets.model
     places = Springs.of(int(targets.kinds.max()) + 1)
@@ -54,14 +55,17 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
             rows = _falling(targets, side, why, wanted, kind, places)
             if rows is not None:
                 out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-        return out
-    out = []
-    for steps in _downhill(targets, x, wanted):
-        energies = [energy_row(model, y, kind, places) for y in steps]
-        rows = np.array([a - b for a, b in zip(energies, energies[1:], strict=False)])
-        rows[:, places.margin] -= FALLS * STEP**2
-        out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-    return out
+        return [out]
+    whole, few = [], []
+    for walk, arrives in _downhill(targets, x, wanted):
+        energies = [energy_row(model, y, kind, places) for y in walk]
+        rows = np.array([a - b for a, b in itertools.pairwise(energies)])
+        rows[:, places.margin] -= FALLS * STEP
+        if arrives:
+            whole.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+        rows = rows[:FEW]
+        few.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+    return [whole, few]
 
 
 def _falling(
@@ -74,7 +78,7 @@ def _falling(
 ) -> np.ndarray | None:
     """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead."""
     model, rows = targets.model, []
-    for a, b in zip(side, side[1:], strict=False):
+    for a, b in itertools.pairwise(side):
         step = b - a
         length = float(np.linalg.norm(model.root * step))
         if length < 1e-6:
@@ -87,27 +91,36 @@ def _falling(
         rows.append(row)
         corner = math.pi * np.round(b / math.pi)
         if np.abs(b - corner).max() <= NEAR and not State(model, corner).regular:
-            return np.array(rows)  # curves cross there
+            # curves cross there: down to it, and up from it along this one
+            back = b - corner
+            back = back if np.abs(back).max() > SETTLED else a - corner
+            back = back / float(np.linalg.norm(model.root * back))
+            slope = slope_row(model, corner, back, kind, places)
+            slope[places.margin] -= FALLS
+            return np.array([*rows, slope])
     return np.array(rows) if rows and why.startswith("singular") else None
 
 
 def _downhill(
     targets: Targets, x: np.ndarray, wanted: list[np.ndarray]
-) -> Iterator[list[np.ndarray]]:
-    """Walks of a few admissible steps from a state: towards wanted ones, and along its own directions."""
+) -> Iterator[tuple[list[np.ndarray], bool]]:
+    """Walks of admissible steps from a state, and whether they arrive: at wanted ones, or along its own directions."""
     model = targets.model
     z = State(model, x).kernel
-    soft = [s * v / model.root for v in z.T for s in (1.0, -1.0)]
-    for towards in [*wanted, *(x + 2.0 * d for d in soft)]:
+    ways = [(w, STEPS) for w in wanted]
+    ways += [(x + s * v / model.root, FEW) for v in z.T for s in (1.0, -1.0)]
+    for towards, most in ways:
         walk = [x]
-        for _ in range(STEPS):
+        for _ in range(most):
             ahead = towards - walk[-1]
             size = float(np.linalg.norm(model.root * ahead))
-            if size < STEP:
+            if size < 1.5 * STEP:
                 break
             y, residual = project(model, walk[-1] + STEP / size * ahead)
-            if residual > CLOSES or model.refuses(y) or np.abs(y - walk[-1]).max() < STEP / 20:
+            nearer = float(np.linalg.norm(model.root * (towards - y))) < size - STEP / 20
+            if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW):
                 break
             walk.append(y)
         if len(walk) > 1:
-            yield walk
+            left = float(np.linalg.norm(model.root * (towards - walk[-1])))
+            yield walk, most == STEPS and left < 1.5 * STEP

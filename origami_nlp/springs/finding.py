@@ -170,13 +170,13 @@ class _Work:
         """Solve with the best cut for each of them; None where no springs are left."""
         posed = None
         for _, _, phi in best.extra_minima:
-            options = cuts(self.targets, np.array(phi))
-            solved = [(self.solved(self.targets, rows), rows) for rows in options]
-            solved = [s for s in solved if s[0].feasible]
-            if not solved:
-                continue
-            posed, rows = max(solved, key=lambda s: _value(s[0]))
-            self.more = (*self.more, *rows)
+            for options in cuts(self.targets, np.array(phi)):
+                solved = [(self.solved(self.targets, rows), rows) for rows in options]
+                solved = [s for s in solved if s[0].feasible]
+                if solved:
+                    posed, rows = max(solved, key=lambda s: _value(s[0]))
+                    self.more = (*self.more, *rows)
+                    break
         return posed
 
     def most_tolerant(self, best: Design) -> Design:
