@@ -22,6 +22,11 @@ from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, 
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.springs.targets import Targets
 
+MOVED = 1e-3
+"""Largest change that closes equations and active bounds, over the mean stiffness: more is another design."""
+TINY = 1e-9
+"""Least stiffness over the mean that is scaled by; what is less comes of conditions that all but depend on each other,
+and the check of the scene says so."""
 PROVED = 1e-6
 """Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
 LEAST_MARGIN = 0.01
@@ -315,25 +320,44 @@ def springs_of(posed: Posed) -> Found:
     Found
         The springs.
     """
-    v, places = posed.answer.v.copy(), posed.places
-    k, tau = v[places.stiffness], v[places.torque]
-    kinds = len(k)
+    places = posed.places
     equal = [posed.programme.matrix(r) for r in posed.programme.rows if r.cone == EQUAL]
-    right = [-r.b for r in posed.programme.rows if r.cone == EQUAL]
-    pinned = []
-    if not posed.targets.preload or posed.targets.preload is True:
-        for j in range(kinds):
-            for bound in posed.targets.rest:
-                if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
-                    row = np.zeros(posed.programme.size)
-                    row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
-                    pinned.append(row)
-    a = np.vstack([*equal, *pinned])
-    b = np.concatenate([*right, np.zeros(len(pinned))])
-    for _ in range(3):
-        v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+    right = np.concatenate([-r.b for r in posed.programme.rows if r.cone == EQUAL])
+    rest, stiffness = _active(posed)
+    for pinned in (
+        (*rest, *stiffness),
+        rest,
+        (),
+    ):  # bounds that contradict the balance are no bounds
+        v = posed.answer.v.copy()
+        a = np.vstack([*equal, *pinned])
+        b = np.concatenate([right, np.zeros(len(pinned))])
+        for _ in range(3):
+            v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+        moved = np.abs(v - posed.answer.v)[: places.size].max()
+        if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
+            break
     scale = _scale(posed, v)
     return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+
+
+def _active(posed: Posed) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return rows that keep rest angles, and stiffnesses, exactly at the bounds that they are at."""
+    v, places, t = posed.answer.v, posed.places, posed.targets
+    k, tau = v[places.stiffness], v[places.torque]
+    rest, stiffness = [], []
+    for j in range(len(k)):
+        for bound in t.rest if isinstance(t.preload, bool) else ():
+            if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
+                row = np.zeros(posed.programme.size)
+                row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
+                rest.append(row)
+        for bound in t.stiffness:
+            if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]:
+                row = np.zeros(posed.programme.size)
+                row[places.stiffness.start + j], row[places.scale] = 1.0, -bound
+                stiffness.append(row)
+    return rest, stiffness
 
 
 def _scale(posed: Posed, v: np.ndarray) -> float:
@@ -347,7 +371,7 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     )
     if absolute:
         return float(v[posed.places.scale])
-    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    k, (low, high) = np.maximum(v[posed.places.stiffness], TINY), t.stiffness
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 

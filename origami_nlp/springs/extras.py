@@ -18,7 +18,7 @@ from origami_nlp.springs.ways import curve_of
 FALLS = 0.1
 """Slope that a cut asks for, over the margin."""
 STEPS, FEW, STEP = 60, 3, 0.1
-"""Numbers and length [rad] of the steps from a minimum that shall lead down: all the way to a wanted state, or a few."""
+"""Numbers and length [rad] of the steps from a minimum that shall lead down: to a wanted state, or a few."""
 NEAR = 0.05
 """A curve passes a state where a sample comes this near [rad]."""
 
