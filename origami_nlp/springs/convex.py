@@ -360,15 +360,17 @@ def _active(posed: Posed) -> tuple[list[np.ndarray], list[np.ndarray]]:
     return rest, stiffness
 
 
+def _levels(targets: Targets) -> list[float]:
+    """Return all energies that differences and barriers are compared with [J]."""
+    gaps = [e for g in targets.energies for e in (g.least, g.most)]
+    return gaps + [e for b in targets.barriers for e in (b.least, b.most)]
+
+
 def _scale(posed: Posed, v: np.ndarray) -> float:
     """Return 1 / mean stiffness: what energies ask for, or the middle of what the bounds leave."""
     t = posed.targets
     absolute = t.highest or not isinstance(t.preload, bool)
-    absolute = absolute or any(
-        (math.isfinite(e) and e != 0.0)
-        for g in (*t.energies, *t.barriers)
-        for e in (g.least, g.most)
-    )
+    absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
     if absolute:
         return float(v[posed.places.scale])
     k, (low, high) = np.maximum(v[posed.places.stiffness], TINY), t.stiffness
@@ -396,7 +398,6 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
     tau = found.torque[targets.kinds]
     rest = np.clip(tau / k, -math.pi, math.pi)
     wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
-    more = {"preload": tuple(np.where(wound, tau - k * rest, 0.0))} if wound.any() else {}
     return Scene(
         targets.vertex,
         tuple(k),
@@ -405,5 +406,5 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
         contact=targets.contact,
         mirror=targets.mirror,
         name=name,
-        **more,
+        preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
     )

@@ -48,7 +48,7 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
     wanted = [p.state.x for p in targets.placed]
     words = "a minimum that nobody asked for is none"
     if model.freedom == 1 and (curve := curve_of(model, x)) is not None:
-        out = []
+        out: list[tuple[Rows, ...]] = []
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))
         for side, why in ends:
@@ -56,7 +56,8 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
             if rows is not None:
                 out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
         return [out]
-    whole, few = [], []
+    whole: list[tuple[Rows, ...]] = []
+    few: list[tuple[Rows, ...]] = []
     for walk, arrives in _downhill(targets, x, wanted):
         energies = [energy_row(model, y, kind, places) for y in walk]
         rows = np.array([a - b for a, b in itertools.pairwise(energies)])
@@ -77,7 +78,8 @@ def _falling(
     places: Springs,
 ) -> np.ndarray | None:
     """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead."""
-    model, rows = targets.model, []
+    model = targets.model
+    rows: list[np.ndarray] = []
     for a, b in itertools.pairwise(side):
         step = b - a
         length = float(np.linalg.norm(model.root * step))
@@ -110,17 +112,33 @@ def _downhill(
     ways = [(w, STEPS) for w in wanted]
     ways += [(x + s * v / model.root, FEW) for v in z.T for s in (1.0, -1.0)]
     for towards, most in ways:
-        walk = [x]
-        for _ in range(most):
-            ahead = towards - walk[-1]
-            size = float(np.linalg.norm(model.root * ahead))
-            if size < 1.5 * STEP:
-                break
-            y, residual = project(model, walk[-1] + STEP / size * ahead)
-            nearer = float(np.linalg.norm(model.root * (towards - y))) < size - STEP / 20
-            if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW):
-                break
-            walk.append(y)
+        walk = _walk(targets, x, towards, most)
         if len(walk) > 1:
-            left = float(np.linalg.norm(model.root * (towards - walk[-1])))
-            yield walk, most == STEPS and left < 1.5 * STEP
+            yield walk, most == STEPS and _arrives(targets, walk, towards)
+    flat = np.zeros(model.size)  # where both halves of the states meet
+    first = _walk(targets, x, flat, STEPS)
+    for w in wanted:
+        second = _walk(targets, w, flat, STEPS)
+        if _arrives(targets, first, flat) and _arrives(targets, second, flat):
+            yield [*first, flat, *second[:0:-1]], True
+
+
+def _walk(targets: Targets, x: np.ndarray, towards: np.ndarray, most: int) -> list[np.ndarray]:
+    """Closed states from x towards another, as far as that comes nearer."""
+    model = targets.model
+    walk = [x]
+    for _ in range(most):
+        ahead = towards - walk[-1]
+        size = float(np.linalg.norm(model.root * ahead))
+        if size < 1.5 * STEP:
+            break
+        y, residual = project(model, walk[-1] + STEP / size * ahead)
+        nearer = float(np.linalg.norm(model.root * (towards - y))) < size - STEP / 20
+        if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW):
+            break
+        walk.append(y)
+    return walk
+
+
+def _arrives(targets: Targets, walk: list[np.ndarray], towards: np.ndarray) -> bool:
+    return float(np.linalg.norm(targets.model.root * (towards - walk[-1]))) < 1.5 * STEP

@@ -54,7 +54,7 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
     figure = Figure(
         figsize=(10.5, 2.5 * rows + 3.4), dpi=110, facecolor="white", layout="constrained"
     )
-    above, below = figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4))
+    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4)))
     across = min(ACROSS, max(len(states), 3))
     for k in range(rows * across):
         axes = above.add_subplot(rows, across, k + 1)

@@ -18,8 +18,6 @@ from origami_nlp.springs.targets import Targets
 
 PRICE = 100.0
 """Of torques out of balance, over the margin, while targets move: large enough to be exact where springs exist."""
-STEP = 1e-6
-"""Of the differences that gradients are taken by [rad]."""
 
 
 @dataclass(frozen=True)
