@@ -108,8 +108,21 @@ def face_page(name: str) -> str:
     return "\n".join(lines)
 
 
+def one_by_one(text: str) -> str:
+    """Give each of the attributes `a, b` that share their words these words: else `a` is read as the type of `b`."""
+    before, head, after = text.partition("Attributes\n----------\n")
+    told, *others = re.split(r"(?=^\w+\n-{3,}$)", after, maxsplit=1, flags=re.MULTILINE)
+    shared = r"^(?P<names>\w+(?:, \w+)+)\n(?P<words>(?: +.*\n)+)"
+
+    def each(found: re.Match) -> str:
+        return "".join(f"{name}\n{found['words']}" for name in found["names"].split(", "))
+
+    return before + head + re.sub(shared, each, told, flags=re.MULTILINE) + "".join(others)
+
+
 def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> None:
     """Make a docstring say as a page what it says as text: bars, and fields one below another."""
+    lines[:] = one_by_one("\n".join(lines) + "\n").splitlines()
     named = {one.name for one in fields(thing)} if is_dataclass(thing) else set()
     within = False  # the words of a field
     for i, line in enumerate(lines):

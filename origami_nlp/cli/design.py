@@ -34,10 +34,7 @@ def design(
             help="Write the targets of --example to FILE, or - for stdout.",
         ),
     ] = None,
-    out: Annotated[
-        str | None,
-        typer.Option(metavar="FILE", help="Write the scene (TOML) to FILE, or - for stdout."),
-    ] = None,
+    scene: o.SceneOut = None,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
     seed: o.Seed = 0,
@@ -56,7 +53,7 @@ def design(
         read_targets,
     )
 
-    files = Output(out=out, json=json, figure=figure, targets=write)
+    files = Output(scene=scene, json=json, figure=figure, targets=write)
     if (targets is None) == (example is None):
         raise OptionError("give TARGETS, or --example NAME")
     if write is not None and example is None:
@@ -71,7 +68,7 @@ def design(
     answer.tell(files.console)
     files.write("json", answer.to_dict)
     if answer.scene is not None:
-        files.write("out", format_scene, answer.scene)
+        files.write("scene", format_scene, answer.scene)
         files.write("figure", draw_design, answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)

@@ -112,6 +112,15 @@ class Design(Told):
         Where there is no scene: whether it is proved that no springs do what was asked.
     rounds
         Of cuts that forbade minima.
+
+    Examples
+    --------
+    >>> import math, origami_nlp as o
+    >>> vertex = o.Vertex(("pi/2",) * 4)
+    >>> straight = (math.pi / 3, 0.0, math.pi / 3, 0.0)
+    >>> answer = o.design(o.springs.Targets(vertex, (o.springs.Target("book", straight),)))
+    >>> answer.feasible, [state.name for state in answer.states]
+    (True, ['book'])
     """
 
     PICTURE = "draw_design"
