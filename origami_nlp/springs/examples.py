@@ -122,7 +122,7 @@ stiffness = [0.005, 0.5]
 preload = true
 """,
     "monostable8": """\
-# The degree-8 vertex of the paper (alpha = 45 deg), stable in one state alone: springs are wound.
+# The degree-8 vertex of the paper (alpha = 45 deg), stable in one state alone.
 [vertex]
 sector_angles_deg = [45.0, 45.0, 45.0, 45.0, 45.0, 45.0, 45.0, 45.0]
 
