@@ -35,6 +35,7 @@ from origami_nlp.springs.examples import EXAMPLES
 from tests.springs.questions import question
 
 pytest.importorskip("clarabel")
+LONG = pytest.mark.slow
 CASES = [
     *((n, s, 1, p, 0) for n, s, p in ((4, 0, 0), (5, 1, 1), (6, 2, 0), (8, 3, 0))),
     *((n, s, 2, p, f) for n, s, p, f in ((4, 0, 0, 0), (4, 1, 1, 0), (4, 5, 1, 1), (5, 2, 0, 1))),
@@ -196,7 +197,9 @@ def test_energies_are_exact():
         pytest.fail("neither gap is feasible")
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=LONG) if n == "monostable8" else n for n in EXAMPLES]
+)
 def test_examples_verify(name, tmp_path):
     targets, ask, title = parse_targets(example_targets(name))
     found = design(targets, ask, name=title)
@@ -252,7 +255,6 @@ def test_the_exact_choice_is_that_of_all_subsets():
 
 
 def test_targets_move_to_springs():
-    helped = 0
     for seed in range(12):
         targets = question(seed, 4, 2)
         if solve(targets).feasible:
@@ -264,11 +266,11 @@ def test_targets_move_to_springs():
         assert max(moved.by) <= math.radians(25) + 1e-9
         scene = scene_of(moved.targets, springs_of(solve(moved.targets)))
         assert held_by_hand(moved.targets, scene)
-        helped += 1
-    assert helped
+        return
+    pytest.fail("no question was helped")
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(range(1, 20), marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, pytest.param(range(1, 21), marks=LONG)])
 def test_a_tolerance_is_where_a_state_is_lost(seed):
     from origami_nlp.minima import find_minima
     from origami_nlp.springs import tolerance_of
