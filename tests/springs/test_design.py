@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 
@@ -281,6 +282,9 @@ def test_a_tolerance_is_where_a_state_is_lost(seed):
         states = {p.target.name: targets.model.expand(p.state.x) for p in targets.placed}
         found = tolerance_of(scene, states, draws=2 if one == 0 else 8)
         loss = min(found.losses, key=lambda x: x.percent)
+        if loss.event == "kept":
+            assert one and loss.percent == 50.0
+            continue
         assert 0 < loss.percent < 50 and "fold" in loss.event
         line = line_of(scene, np.array(loss.stiffness), np.array(loss.rest_angles))
         counts = []
@@ -294,8 +298,9 @@ def test_a_tolerance_is_where_a_state_is_lost(seed):
                 scene, stiffness=tuple(k), rest_angles=tuple(rest), preload=tuple(torque - k * rest)
             )
             minima = find_minima(other, prove=False).minima
-            counts.append(len(minima))
-        assert counts[1] < counts[0]
+            counts.append(Counter(m.kind for m in minima))
+        # (a state that is pinned may take over where a free one is lost)
+        assert counts[0] - counts[1]
         assert lost_at(line, states[loss.state], 0.99 * loss.percent / 100)[1] == "kept"
 
 
