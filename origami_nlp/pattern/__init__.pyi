@@ -30,3 +30,4 @@ from .scene_file import (
     scene_to_dict as scene_to_dict,
 )
 from .vertex import Vertex as Vertex
+from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
