@@ -1,1 +1,5 @@
 from .closure import Closure as Closure
+from .crossings import Crossings as Crossings, convex_parts as convex_parts
+from .descent import Descended as Descended, descend as descend
+from .poses import Poses as Poses
+from .sheet import Sheet as Sheet

@@ -1,0 +1,204 @@
+"""A pattern as a nonlinear programme: energy over fold angles, closure as equations, fold limits as bounds.
+
+Closure rows are redundant as a rule (a Miura sheet of m x n facets has (m - 2)(n - 2) that say nothing new, and they
+carry self-stress), so that no step here decides on a rank: linear systems are those of the proximal method,
+
+    [ H   J' ] [ d       ]   [ -grad L ]
+    [ J  -eps] [ d lambda] = [ -c      ],
+
+whose solution does not notice dependent rows, and minima are certified by positive curvature on the kernel of J,
+which is enough whether or not rows are dependent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from origami_nlp.numerics import RANK, ROUNDED
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.closure import Closure
+from origami_nlp.sheets.crossings import Crossings
+
+PROXIMAL = 1e-10
+"""Weight of closure multipliers in linear systems: what it leaves is closed by one more step."""
+MOST_DENSE = 400
+"""Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+LONGEST = 0.5
+"""Steps of a projection are cut to this largest change of a fold angle [rad]."""
+
+
+class Sheet:
+    """The programme of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+
+    Attributes
+    ----------
+    closure
+        Its equations.
+    crossings
+        Its test of facets that cross.
+    scale
+        Mean stiffness [N m/rad]: residuals of torques are over it.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        self.closure = Closure(pattern)
+        self.crossings = Crossings(pattern)
+        self.scale = float(pattern.stiffness.mean())
+
+    @property
+    def size(self) -> int:
+        """Number of creases n."""
+        return self.pattern.creases
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Over `scale`, [n]."""
+        return self.pattern.stiffness / self.scale
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Gradient of the energy over `scale`, [n]."""
+        return self.stiffness * (phi - self.pattern.rest)
+
+    def energy(self, phi: np.ndarray) -> float:
+        """Elastic energy over `scale`."""
+        return float(0.5 * self.stiffness @ (phi - self.pattern.rest) ** 2)
+
+    def residual(self, phi: np.ndarray) -> float:
+        """Largest entry of closure."""
+        return float(np.abs(self.closure.values(phi)).max(initial=0.0))
+
+    def system(self, matrix: sparse.csr_array, jacobian: sparse.csr_array) -> _Factor:
+        """Factorise [matrix J'; J -eps] for several right-hand sides."""
+        return _Factor(matrix, jacobian)
+
+    def project(
+        self, phi: np.ndarray, held: np.ndarray | None = None, steps: int = 40
+    ) -> tuple[np.ndarray, float]:
+        """Move fold angles onto closure by steps of least length.
+
+        Parameters
+        ----------
+        phi
+            Shape [n] [rad].
+        held
+            Of bool: those that stay, shape [n].
+        steps
+            Of Gauss-Newton at most.
+
+        Returns
+        -------
+        phi : numpy.ndarray
+            Where the steps ended.
+        residual : float
+            Largest entry of closure there: whether that is close enough is for the caller to say.
+        """
+        phi = phi.copy()
+        free = None if held is None else np.flatnonzero(~held)
+        for _ in range(steps):
+            at = self.closure.turned(phi)
+            c = self.closure.values(phi, at)
+            if np.abs(c).max(initial=0.0) <= ROUNDED:
+                break
+            j = self.closure.jacobian(phi, at)
+            j = j if free is None else j[:, free]
+            d, _ = _Factor(sparse.eye_array(j.shape[1], format="csr"), j).solve(
+                np.zeros(j.shape[1]), -c
+            )
+            d *= min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+            if free is None:
+                phi += d
+            else:
+                phi[free] += d
+        return phi, self.residual(phi)
+
+    def multipliers(
+        self, phi: np.ndarray, held: Iterable[int] = ()
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Balance the springs by closure, and by fold limits that are held.
+
+        Parameters
+        ----------
+        phi
+            A closed state, [n].
+        held
+            Creases at a fold limit.
+
+        Returns
+        -------
+        closure : numpy.ndarray
+            Multipliers of smallest norm, [m].
+        limits : numpy.ndarray
+            Moments over `scale` of the limits held, positive where they push, one each.
+        imbalance : numpy.ndarray
+            Torque that is left, [n].
+        """
+        held = list(held)
+        j, g = self.closure.jacobian(phi), self.torque(phi)
+        free = np.setdiff1d(np.arange(self.size), held)
+        j_free = j[:, free]
+        lam = np.zeros(j.shape[0])
+        factor = _Factor(sparse.eye_array(len(free), format="csr"), j_free)
+        left = g[free]
+        for _ in range(3):  # refined: eps leaves a share of 1e-10 at each
+            _, more = factor.solve(left, np.zeros(j.shape[0]))
+            lam += more
+            left = g[free] - j_free.T @ lam
+        balance = g - j.T @ lam
+        limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
+        balance[held] = 0.0
+        return lam, limits, balance
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> sparse.csr_array:
+        """Hessian of U - multipliers . closure over `scale`, sparse [n, n]."""
+        return sparse.diags_array(self.stiffness).tocsr() - self.closure.hessian(phi, multipliers)
+
+    def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
+        """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
+        free = np.setdiff1d(np.arange(self.size), list(held))
+        j = self.closure.jacobian(phi).toarray()[:, free]
+        _, values, vt = np.linalg.svd(j, full_matrices=True)
+        rank = int((values > RANK).sum())
+        z = np.zeros((self.size, len(free) - rank))
+        z[free] = vt[rank:].T
+        return z
+
+    def rank(self, phi: np.ndarray) -> int:
+        """Rank of the Jacobian of closure, singular values below `RANK` being zero."""
+        j = self.closure.jacobian(phi).toarray()
+        if not j.size:
+            return 0
+        return int((np.linalg.svd(j, compute_uv=False) > RANK).sum())
+
+
+@dataclass(eq=False)
+class _Factor:
+    """Sparse factors of [matrix J'; J -eps]."""
+
+    matrix: sparse.csr_array
+    jacobian: sparse.csr_array
+
+    def __post_init__(self) -> None:
+        m = self.jacobian.shape[0]
+        damping = -PROXIMAL * sparse.eye_array(m)
+        whole = sparse.block_array(
+            [[self.matrix, self.jacobian.T], [self.jacobian, damping]], format="csc"
+        )
+        self._lu = splu(whole)
+
+    def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return both parts of the solution."""
+        both = self._lu.solve(np.concatenate([top, bottom]))
+        return both[: len(top)], both[len(top) :]
