@@ -3,3 +3,4 @@ from .crossings import Crossings as Crossings, convex_parts as convex_parts
 from .descent import Descended as Descended, descend as descend
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
+from .curve import Curve as Curve, follow as follow_curve, tangents as tangents, wells as wells
