@@ -13,8 +13,10 @@ from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_
 from .minima import (
     MinimaResult as MinimaResult,
     Minimum as Minimum,
+    VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
     find_minima as find_minima,
+    find_vertexwise as find_vertexwise,
     write_fold as write_fold,
     write_mesh as write_mesh,
 )
@@ -25,9 +27,16 @@ from .pattern import (
     format_scene as format_scene,
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
+    read_fold_scenes as read_fold_scenes,
     read_scene as read_scene,
 )
 from .programme import Model as Model
-from .results import draw as draw, load as load, save as save, to_frame as to_frame
+from .results import (
+    draw as draw,
+    load as load,
+    save as save,
+    to_frame as to_frame,
+    view as view,
+)
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
 from .version import __version__ as __version__

@@ -23,6 +23,7 @@ _MAKERS = {
     "Sweep": "a Sweep: what read_sweep(file) returns",
     "Executor": "an executor of concurrent.futures, or None",
     "Axes": "Axes of matplotlib",
+    "Result": "a result of a find_ function",
 }
 
 

@@ -1,11 +1,17 @@
 """The notebooks run from top to bottom, and what is stored in them is what they print."""
 
+import ast
+import base64
 import re
+from collections import Counter
+from hashlib import sha256
 from pathlib import Path
 
 import nbformat
 import pytest
 from nbclient import NotebookClient
+
+import origami_nlp
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
 NAMES = (
@@ -19,10 +25,13 @@ VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succe
 
 
 LONG = (
+    "00_primer.ipynb",
     "01_stable_states.ipynb",
     "04_landscapes.ipynb",
     "05_cones.ipynb",
     "07_from_a_fold_file.ipynb",
+    "09_proof.ipynb",
+    "11_from_measurements.ipynb",
 )
 """Run with the long studies: what they call has tests of its own."""
 
@@ -37,6 +46,92 @@ def printed(cell):
     """What a cell printed, with what may vary blanked out."""
     text = "".join(out.text for out in cell.get("outputs", []) if out.output_type == "stream")
     return VARIES.sub("~", text)
+
+
+ALL = sorted(path.name for path in FOLDER.glob("*.ipynb"))
+
+
+def source(book):
+    """Its code, without commands of the notebook."""
+    cells = (cell.source for cell in book.cells if cell.cell_type == "code")
+    return re.sub(r"^[%!].*$", "", "\n".join(cells), flags=re.MULTILINE)
+
+
+def not_public(code):
+    """Names with an underscore in front, and names of the package that it does not offer."""
+    tree = ast.parse(code)
+    package = {
+        alias.asname or alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import)
+        for alias in node.names
+        if alias.name == "origami_nlp"
+    }
+    offered = {*origami_nlp.__all__, "__version__"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            if node.attr.startswith("_") and node.attr not in offered:
+                yield node.attr
+            if isinstance(node.value, ast.Name) and node.value.id in package:
+                yield from {node.attr} - offered
+        if isinstance(node, ast.ImportFrom):
+            yield from (a.name for a in node.names if a.name.startswith("_"))
+            if node.module == "origami_nlp":
+                yield from {a.name for a in node.names} - offered
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield from re.findall(r"^_[a-z]\w*$", node.value)  # for getattr
+
+
+@pytest.mark.parametrize("stored", ALL, indirect=True)
+def test_cells_use_public_names_only(stored):
+    assert not list(not_public(source(stored)))
+
+
+def test_the_check_of_names_sees_private_ones():
+    code = (
+        "import origami_nlp as o\nfrom origami_nlp.kkt import _x\no.find_minima\no.nothing\na._b\n"
+    )
+    assert set(not_public(code + "getattr(a, '_c')")) == {"_x", "nothing", "_b", "_c"}
+
+
+def pictures(cell):
+    """Each picture that a cell shows, by its bytes."""
+    for out in cell.get("outputs", []):
+        data = out.get("data", {})
+        html = re.findall(r"base64,([^'\"]+)", data.get("text/html", ""))
+        for text in [data["image/png"], *html] if "image/png" in data else html:
+            yield sha256(base64.b64decode(text)).hexdigest()
+
+
+@pytest.mark.parametrize("stored", ALL, indirect=True)
+def test_nothing_is_shown_twice(stored):
+    code = [cell for cell in stored.cells if cell.cell_type == "code"]
+    shown = Counter(picture for cell in code for picture in pictures(cell))
+    assert not [name for name, times in shown.items() if times > 1]
+    tables = Counter(
+        out.data["text/html"]
+        for cell in code
+        for out in cell.get("outputs", [])
+        if "text/html" in out.get("data", {})
+    )
+    assert not [table[:200] for table, times in tables.items() if times > 1]
+    bare = re.compile(r"<Figure size .*>")  # said, not shown: %matplotlib inline is missing
+    for cell in code:
+        for out in cell.get("outputs", []):
+            data = out.get("data", {})
+            assert "image/png" in data or not bare.fullmatch(data.get("text/plain", ""))
+
+
+def test_the_primer_has_one_picture_a_word():
+    book = nbformat.read(FOLDER / "00_primer.ipynb", as_version=4)
+    words, count = "", {}
+    for cell in book.cells:
+        head = re.match(r"## (.*)", cell.source) if cell.cell_type == "markdown" else None
+        words = head[1] if head else words
+        if cell.cell_type == "code" and words:
+            count[words] = count.get(words, 0) + len(list(pictures(cell)))
+    assert count.pop("What else a table says") == 0
+    assert len(count) >= 7 and set(count.values()) == {1}
 
 
 @pytest.mark.parametrize("stored", [*NAMES, *LONG], indirect=True)

@@ -7,3 +7,4 @@ from .result import (
     barriers_to_dict as barriers_to_dict,
     print_barriers as print_barriers,
 )
+from .turned import add_passes as add_passes

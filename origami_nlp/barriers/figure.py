@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,23 +16,32 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STABLE, UNSTABLE, UNJUDGED, INK = "#c8960c", "#b2182b", "#7a7a7a", "#222222"
-"""Leaves: stable and unstable in the full space, not judged there; and lines."""
-PASS_MARK = {
-    "saddle": "X",
-    "contact saddle": "P",
-    "corner": "v",
-    "flat state": "s",
-    "singular": "D",
-    "mesh": "o",
-}
-PASS_COLOUR = "#2166ac"
+STAR = 13.0
+"""Size of a star [points]."""
+Tree = tuple[Any, ...]
+"""A branch of a merge tree: () is a leaf, otherwise kind of pass, its energy as written, and its branches."""
 
 
 def draw_barriers(
-    *several: Barriers, path: str | PathLike[str] | None = None, columns: int = 3
+    *several: Barriers, path: str | PathLike[str] | None = None, columns: int = 2
 ) -> Figure:
-    """Draw the merge tree of each scene, row by row; the figure is saved if a path is given.
+    """Draw the merge tree of a scene, or of several scenes each tree of another shape once.
+
+    Two trees have one shape if the same kinds of passes join as many minima in the same way.
+
+    Parameters
+    ----------
+    several
+        Of `find_barriers`.
+    path
+        Where to save, or None.
+    columns
+        Trees side by side.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The first scene of each shape; the title says how many others share it.
 
     Raises
     ------
@@ -42,51 +51,89 @@ def draw_barriers(
     if not several:
         raise OptionError("several = () must be at least one result of find_barriers")
 
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
     from origami_nlp.files import save_figure
+    from origami_nlp.show import minima_legend, passes_legend
 
-    columns = min(columns, len(several))
-    rows = math.ceil(len(several) / columns)
-    figure = Figure(figsize=(3.3 * columns + 0.3, 2.7 * rows + 0.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    shapes: dict[Tree, list[Barriers]] = {}
+    for barriers in several:
+        shapes.setdefault(shape_of(barriers), []).append(barriers)
+    columns = min(columns, len(shapes))
+    rows = math.ceil(len(shapes) / columns)
+    width = 4.2 * columns if columns > 1 else 5.2
+    figure = Figure(figsize=(width, 3.1 * rows + 0.6), dpi=110, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
-    kinds: set[str] = set()
-    leaves: set[str] = set()
-    for k, ax in enumerate(axes.flat):
-        if k >= len(several):
-            ax.axis("off")
-            continue
-        leaves |= merge_tree_axes(ax, several[k])
-        kinds |= {j.pass_kind for j in several[k].merges}
+    for ax in axes.flat[len(shapes) :]:
+        ax.axis("off")
+    for k, (ax, alike) in enumerate(zip(axes.flat, shapes.values(), strict=False)):
+        merge_tree_axes(ax, alike[0])
+        if len(alike) > 1:
+            more = f"and {len(alike) - 1} more with this tree"
+            ax.set_title(f"{ax.get_title()}\n{more}", fontsize=9)
         if k % columns == 0:
             ax.set_ylabel("energy [J]")
-    words = {STABLE: "stable", UNSTABLE: "unstable in the full space", UNJUDGED: "minimum"}
-    handles = [
-        Line2D([], [], marker="o", ls="", color=c, markeredgecolor=INK, label=words[c])
-        for c in (STABLE, UNSTABLE, UNJUDGED)
-        if c in leaves
-    ]
-    handles += [
-        Line2D([], [], marker=mark, ls="", color=PASS_COLOUR, markeredgecolor=INK, label=kind)
-        for kind, mark in PASS_MARK.items()
-        if kind in kinds
-    ]
+    drawn = [alike[0] for alike in shapes.values()]
+    found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
+    handles = minima_legend(found, STAR)
+    handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=min(len(handles), 2 * columns),
-        fontsize=8,
+        ncols=min(len(handles), 4 if columns > 1 else 2),
+        fontsize=9,
+        frameon=False,
     )
     if path is not None:
-        save_figure(figure, path, 200)
+        save_figure(figure, path)
     return figure
 
 
-def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
-    """Draw the merge tree of one scene; return the colours of its leaves.
+def shape_of(barriers: Barriers) -> Tree:
+    """Return what scenes with the same merge tree have in common.
+
+    Parameters
+    ----------
+    barriers
+        Of `find_barriers`.
+
+    Returns
+    -------
+    tuple
+        Trees as sorted nested tuples; passes of one kind and, as written, one height join their branches at once.
+    """
+    trees: dict[int, Tree] = {k: () for k in range(1, len(barriers.result.minima) + 1)}
+    for join in barriers.merges:
+        height = f"{join.energy:.4g}"
+        branches: list[Tree] = []
+        for side in (join.first, join.second):
+            tree = trees[side[0]]
+            branches += tree[2] if tree[:2] == (join.pass_kind, height) else [tree]
+        whole = (join.pass_kind, height, tuple(sorted(branches, key=repr)))
+        for leaf in (*join.first, *join.second):
+            trees[leaf] = whole
+
+    def bare(tree: Tree) -> Tree:
+        return (tree[0], *sorted(map(bare, tree[2]), key=repr)) if tree else ()
+
+    groups = {id(tree): tree for tree in trees.values() if tree}
+    alone = sum(not tree for tree in trees.values())
+    return (*sorted(map(bare, groups.values()), key=repr), *[()] * alone)
+
+
+def _judged(minimum: Any) -> str | None:
+    return minimum.full_space.verdict if minimum.full_space else None
+
+
+def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
+    """Draw the merge tree of one scene.
+
+    Parameters
+    ----------
+    ax
+        Of matplotlib.
+    barriers
+        Of `find_barriers`.
 
     Raises
     ------
@@ -95,62 +142,64 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> set[str]:
     """
     from matplotlib.axes import Axes
 
+    from origami_nlp.show import INK, label_text, mark_minimum, pass_look
+
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
-    colours = set()
     top = {k + 1: m.energy for k, m in enumerate(minima)}
     branch: dict[int, tuple[int, ...]] = {k + 1: (k + 1,) for k in range(len(minima))}
     at = dict(place)
     reach = [m.energy for m in minima] + [j.energy for j in barriers.merges]
     span = max(reach) - min(reach) or 1.0
+    written: set[tuple[str, int]] = set()
     for join in barriers.merges:
         one, two = join.first[0], join.second[0]
         x, y = at[one], at[two]
         for leaf, where in ((one, x), (two, y)):
-            ax.plot([where, where], [top[leaf], join.energy], color=INK, lw=1.2)
-        ax.plot([x, y], [join.energy] * 2, color=INK, lw=1.2)
+            ax.plot([where, where], [top[leaf], join.energy], color=INK, lw=1.2, zorder=1)
+        ax.plot([x, y], [join.energy] * 2, color=INK, lw=1.2, zorder=1)
         # above the middle of its leaves: passes of one height do not come to lie on a leaf
-        middle = float(np.mean([place[leaf] for leaf in (*branch[one], *branch[two])]))
-        mark = PASS_MARK.get(join.pass_kind, "o")
-        ax.plot(middle, join.energy, mark, color=PASS_COLOUR, mec=INK, mew=0.6, ms=6, zorder=3)
-        last = len(join.first) + len(join.second) == len(minima)
-        ax.annotate(
-            f"{join.energy:.4g}",
-            (middle, join.energy),
-            (0, 6) if last else (-5, 4),  # beside the branch that goes on upwards
-            textcoords="offset points",
-            ha="center" if last else "right",
-            va="bottom",
-            fontsize=7.5,
-        )
-        for leaf in (*branch[one], *branch[two]):
-            at[leaf], top[leaf] = middle, join.energy
-            branch[leaf] = (*branch[one], *branch[two])
+        leaves = (*branch[one], *branch[two])
+        middle = float(np.mean([place[leaf] for leaf in leaves]))
+        look = pass_look(join.pass_kind, STAR)
+        ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
+        text = f"{join.energy:.4g}"
+        if not any((text, leaf) in written for leaf in leaves):
+            last = len(leaves) == len(minima)
+            ax.annotate(
+                text,
+                (middle, join.energy),
+                (0, 7) if last else (-6, 4),  # beside the branch that goes on upwards
+                textcoords="offset points",
+                ha="center" if last else "right",
+                va="bottom",
+                fontsize=8.5,
+                gid="label",
+            )
+        written |= {(text, leaf) for leaf in leaves}
+        for leaf in leaves:
+            at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        verdict = m.full_space.verdict if m.full_space else None
-        colour = {"stable": STABLE, "unstable": UNSTABLE}.get(str(verdict), UNJUDGED)
-        colours.add(colour)
-        ax.plot(place[k], m.energy, "o", color=colour, mec=INK, mew=0.6, ms=6, zorder=3)
+        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), STAR)
         ax.annotate(
             f"#{k}\n{m.energy:.4g}",
             (place[k], m.energy),
-            (0, -6),
+            (0, -8),
             textcoords="offset points",
             ha="center",
             va="top",
-            fontsize=7.5,
+            fontsize=8.5,
+            gid="label",
         )
     ax.set_xlim(-0.6, len(minima) - 0.4)
-    ax.set_ylim(min(reach) - 0.24 * span, max(reach) + 0.16 * span)
+    ax.set_ylim(min(reach) - 0.28 * span, max(reach) + 0.18 * span)
     ax.set_xticks([])
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
-    title = barriers.scene.label.replace("alpha_1", r"$\alpha_1$").replace("r_k", "$r_k$")
-    ax.set_title(title.replace("pi", r"$\pi$").replace("*", ""), fontsize=8.5)
-    return colours
+    ax.set_title(label_text(barriers.scene.label), fontsize=9.5)
 
 
 def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
 from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
 from origami_nlp.programme import Contact, Programme, fold_limit
@@ -25,8 +26,8 @@ OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""
 
 
-@dataclass(frozen=True)
-class Pass:
+@dataclass(frozen=True, repr=False)
+class Pass(Brief):
     """The lowest pass between two minima.
 
     Attributes

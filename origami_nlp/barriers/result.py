@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,10 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.folding import frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Table, Told, pick, short_label, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, pick, short_label, to_plain
 
 HEADS = (
     "from",
@@ -76,7 +77,7 @@ class Unlisted:
 
 
 @dataclass(frozen=True, repr=False)
-class Barriers(Told):
+class Barriers(Told, Turnable):
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
 
     Attributes
@@ -110,6 +111,8 @@ class Barriers(Told):
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
+    PICTURE = "draw_barriers"
+
     @property
     def scene(self) -> Scene:
         """The scene."""
@@ -128,6 +131,20 @@ class Barriers(Told):
         """Return one row for each pair of minima; energies in the scene's units."""
         title = f"lowest passes of '{self.scene.label}'"
         return Table(HEADS, [self._cells(p) for p in self.passes], title, "rrrrrlL")
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
+        return frames_to_fold(
+            self.scene,
+            [
+                frame
+                for p in self.passes
+                if len(p.path)
+                for frame in path_frames(
+                    self.scene, p.path, p.path_energy, f"path {p.from_state} to {p.to_state}"
+                )
+            ],
+        )
 
     def _energies(self, p: Pass) -> tuple[float, float]:
         """Return the energies of the minima on either side of a pass."""
@@ -153,6 +170,23 @@ class Barriers(Told):
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
             yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for p in self.passes:
+            rises = [p.energy - end for end in self._energies(p)]
+            row = {"scene": self.scene.label, "from": p.from_state, "to": p.to_state}
+            row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
+            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
+
+    def turned(self) -> Content:
+        """Return states and the paths over the passes as plain data, see `view`."""
+        from origami_nlp.barriers.turned import add_passes  # charts are slow to import
+        from origami_nlp.chart import landscape
+        from origami_nlp.minima import CELLS
+
+        chart = landscape(self.scene, CELLS)
+        content = add_passes(self.result.turned(chart), chart, self.passes)
+        return replace(content, pieces=(*self.told(), *content.pieces))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.files import save_figure
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
-from origami_nlp.show import rows_markdown, rows_table
+from origami_nlp.show import label_text, rows_markdown, rows_table
 
 STAGES = (
     "building",
@@ -169,7 +169,7 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
         width = np.array([b.seconds[stage] for b in budgets])
         axes.barh(y, width, left=left, color=colour, edgecolor="white", linewidth=0.4, label=stage)
         left += width
-    axes.set_yticks(y, [b.name for b in budgets], fontsize=8)
+    axes.set_yticks(y, [label_text(b.name) for b in budgets], fontsize=9)
     axes.set_ylim(len(budgets) - 0.4, -0.6)
     axes.set_xlabel("seconds of one search (CPU time, solver building included)")
     axes.spines[["top", "right"]].set_visible(False)

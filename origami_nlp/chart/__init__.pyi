@@ -1,8 +1,9 @@
 from .axes import (
-    HANDLE as HANDLE,
     UNIT as UNIT,
+    area_legend as area_legend,
     colour_bar as colour_bar,
     coordinate_label as coordinate_label,
+    curve_name as curve_name,
     draw_area as draw_area,
     draw_curves as draw_curves,
     energy_image as energy_image,
@@ -32,4 +33,5 @@ from .energy_map import (
     landscape as landscape,
 )
 from .grid import allowed as allowed, chart_limits as chart_limits, distance_from as distance_from
+from .outline import Outline as Outline, outline_of as outline_of
 from .region import admissible_region as admissible_region

@@ -1,28 +1,37 @@
-"""Putting a landscape and its minima into matplotlib Axes: areas, curves, markers, labels.
+"""Putting a landscape into matplotlib Axes: areas cut at exact boundaries, or curves.
 
-Kinds of minima differ in colour (Okabe and Ito's palette, safe for colour-blind readers) and in
-shape.  A square around a marker: the feasible set there is a curve (1-handle); a dot in a white
-marker: an isolated point; a ring: a family of states shares this point of the chart.
+Colours and lines are those of `show.style`; minima and passes are marked by who knows them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize, PowerNorm
-from matplotlib.patches import Rectangle
-from matplotlib.patheffects import withStroke
+from matplotlib.lines import Line2D
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
+from origami_nlp.chart.chart import chart_of
 from origami_nlp.chart.energy_map import Branch, Landscape
-from origami_nlp.show import angle_ticks
+from origami_nlp.chart.grid import chart_limits
+from origami_nlp.chart.outline import Outline
+from origami_nlp.show import HANDLE, INK, INKS, angle_ticks, energy_colours, patch
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
-CURVES = ("#0072B2", "#009E73", "#000000", "#D55E00", "#CC79A7", "#E69F00")
+DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
+"""Of the curves of one freedom, so that they differ in grey too."""
+WHITE = {
+    "full": "excluded: facets cross or |φ| > π",
+    "fold-limits": "excluded: |φ| > π",
+    "none": "no closed state with all |φ| ≤ π",
+}
+"""What is white in a picture, by the contact of the scene."""
 
 
 def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
@@ -49,67 +58,193 @@ def cell_edges(values: np.ndarray) -> tuple[float, float]:
 
 
 def draw_area(
-    axes: Any, chart: Landscape, k: int, norm: Normalize, avoid: list[tuple[float, float]]
+    axes: Any,
+    chart: Landscape,
+    branches: Sequence[int],
+    norm: Normalize,
+    outline: Outline,
+    line: float = 1.1,
 ) -> Any:
-    """Draw branch k as colours with sparse contour lines; returns the image for the colour bar.
+    """Draw branches of a landscape, cut exactly at the outline.
 
-    avoid: points of markers, beside which contour lines get no label.
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    chart
+        Of two coordinates.
+    branches
+        Which of the chart's, from 0.
+    norm
+        Of `norm_of`.
+    outline
+        Of `outline_of`.
+    line
+        Width of a boundary [points].
+
+    Returns
+    -------
+    matplotlib.image.AxesImage
+        The energies, for a colour bar.
     """
-    branch = chart.branches[k]
-    x, y = branch.axes
-    (left, right), (low, high) = cell_edges(x), cell_edges(y)
-    energy = np.ma.masked_invalid(branch.energy)
-    image = energy_image(axes, branch, energy, norm, cmap="cividis", interpolation="nearest")
-    levels = _levels(norm, energy)
-    if levels:
-        lines = axes.contour(
-            x, y, energy, levels=levels, colors="white", linewidths=0.6, alpha=0.75
-        )
-        labels = axes.clabel(lines, fontsize=7, fmt="%g", inline_spacing=2)
-        reach = 0.05 * np.array([right - left, high - low])
-        for label in labels:
-            away = [np.abs(np.subtract(label.get_position(), p)) > reach for p in avoid]
-            label.set_visible(all(a.any() for a in away))
-            label.set_alpha(1.0)
-            label.set_path_effects([withStroke(linewidth=1.4, foreground="#30343a")])
-    for line in chart.handles:
-        axes.plot(line[:, 0], line[:, 1], **HANDLE, clip_on=False)
-    axes.add_patch(
-        Rectangle((left, low), right - left, high - low, fill=False, color="#555555", linewidth=0.8)
-    )
+    image = None
+    for k in branches:
+        image = _draw_energy(axes, chart.branches[k], outline.regions[k], norm, line)
+    for boundary in outline.boundary.lines if outline.boundary else ():
+        if boundary.branch in branches and not boundary.hidden:
+            look: dict[str, Any] = {"color": INK, "linewidth": line, "zorder": 3}
+            if boundary.thin:
+                look = HANDLE | {"linewidth": 1.9 * line}
+            axes.plot(*boundary.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
+    if outline.boundary is None:
+        for k in branches:
+            edge = PathPatch(region_path(outline.regions[k]), fc="none", ec=INK, lw=line, zorder=3)
+            axes.add_patch(edge)
     for spine in axes.spines.values():
-        spine.set_visible(False)
-    # margins: a marker at phi = +-pi is seen whole
-    pad_x, pad_y = 0.045 * (right - left), 0.045 * (high - low)
-    axes.set(xlim=(left - pad_x, right + pad_x), ylim=(low - pad_y, high + pad_y))
+        spine.set(color="#8A8A8A", linewidth=0.6, zorder=0)
+    whole = chart_of(chart.scene)
+    assert whole is not None
+    x0, x1, y0, y1 = chart_limits(whole)
+    bounds = [r.bounds for r in outline.regions if not r.is_empty]
+    if outline.boundary is None and bounds:  # nothing is closed far above and below
+        step = math.pi / 4
+        y0 = max(y0, step * math.floor(min(b[1] for b in bounds) / step + 1e-9))
+        y1 = min(y1, step * math.ceil(max(b[3] for b in bounds) / step - 1e-9))
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_xlabel(coordinate_label(chart.coordinates[0]))
-    axes.set_ylabel(coordinate_label(chart.coordinates[1]))
-    angle_ticks(axes.xaxis, left, right)
-    angle_ticks(axes.yaxis, low, high)
-    if branch.name:
-        axes.set_title(branch.name.replace("-", "−"), fontsize=10, pad=4)
+    axes.set_ylabel(coordinate_label(chart.coordinates[1]), labelpad=0)
+    angle_ticks(axes.xaxis, x0, x1)
+    angle_ticks(axes.yaxis, y0, y1)
     return image
 
 
-def draw_curves(axes: Any, chart: Landscape) -> None:
-    """Draw energy against a fold angle, one line for each curve of states."""
+def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[Any]:
+    """Return legend entries for the lines and the white of `draw_area`.
+
+    Parameters
+    ----------
+    chart, outline, line
+        Of `draw_area`.
+
+    Returns
+    -------
+    list of matplotlib.artist.Artist
+        Handles with labels.
+    """
+    lines = outline.boundary.lines if outline.boundary else ()
+    words = "contact" if lines else "border of the closed states"
+    entries: list[Any] = [Line2D([], [], color=INK, linewidth=line, label=words)]
+    if any(each.thin for each in lines):
+        entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
+    return [*entries, patch("white", WHITE[chart.scene.contact])]
+
+
+def _draw_energy(axes: Any, branch: Branch, region: Any, norm: Normalize, line: float) -> Any:
+    """Draw the colours and contour lines of one branch, cut at its exact boundary."""
+    energy = np.ma.masked_invalid(fill_outwards(branch))
+    look = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
+    image = energy_image(axes, branch, energy, norm, **look)
+    levels = [norm.inverse(v) for v in np.linspace(0.0, 1.0, 12)[1:-1]]
+    look = {"levels": levels, "colors": "white", "linewidths": 0.4 * line, "alpha": 0.7}
+    lines = axes.contour(*branch.axes, energy, **look, zorder=2)
+    clip = PathPatch(region_path(region), transform=axes.transData, fc="none", ec="none")
+    axes.add_patch(clip)
+    image.set_clip_path(clip)
+    lines.set_clip_path(clip)
+    return image
+
+
+def region_path(region: Any) -> Path:
+    """Return shapely polygons, holes included, as one compound path."""
+    parts = [
+        Path(np.asarray(ring.coords), closed=True)
+        for polygon in region.geoms
+        for ring in (polygon.exterior, *polygon.interiors)
+    ]
+    return Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
+
+
+def fill_outwards(branch: Branch, steps: int = 6) -> np.ndarray:
+    """Carry the energy on over the edge by linear extrapolation, for cells that the boundary cuts."""
+    energy = branch.energy.copy()
+    for _ in range(steps):
+        padded = np.pad(energy, 2, constant_values=np.nan)
+        rows, columns = energy.shape
+        guesses = []
+        for dr, dc in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)):
+            near = padded[2 + dr : 2 + dr + rows, 2 + dc : 2 + dc + columns]
+            far = padded[2 + 2 * dr : 2 + 2 * dr + rows, 2 + 2 * dc : 2 + 2 * dc + columns]
+            guesses.append(np.where(np.isfinite(far), 2 * near - far, near))
+        every = np.array(guesses)
+        known = np.isfinite(every)
+        count = known.sum(axis=0)
+        mean = np.where(known, every, 0.0).sum(axis=0) / np.maximum(count, 1)
+        energy = np.where(np.isnan(energy) & (count > 0), np.maximum(mean, 0.0), energy)
+    return energy
+
+
+def draw_curves(axes: Any, chart: Landscape) -> list[Any]:
+    """Draw energy against a fold angle, one line for each curve of states.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    chart
+        Of one coordinate.
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        Handles for a legend, which name the curves.
+    """
+    handles = []
     for k, branch in enumerate(chart.branches):
-        axes.plot(
-            branch.axes[0],
-            branch.energy,
-            color=CURVES[k % len(CURVES)],
-            linestyle=("-", "--", "-.")[k // len(CURVES) % 3],
-            linewidth=1.8,
-            label=branch.name or None,
-        )
+        look = {"color": INKS[k % len(INKS)], "linestyle": DASHES[k % len(DASHES)]}
+        name = curve_name(chart, k)
+        handles += axes.plot(branch.axes[0], branch.energy, **look, linewidth=1.8, label=name)
     axes.set(xlim=(-1.06 * math.pi, 1.06 * math.pi))
     axes.margins(y=0.09)
     angle_ticks(axes.xaxis, -math.pi, math.pi)
     axes.set_xlabel(coordinate_label(chart.coordinates[0]))
     axes.set_ylabel(f"energy U [{UNIT}]")
     axes.grid(color="#dddddd", linewidth=0.6)
-    if len(chart.branches) > 1:
-        axes.legend(fontsize=8, framealpha=0.9)
+    return handles
+
+
+def curve_name(chart: Landscape, k: int) -> str:
+    """Name a curve of states by the folds of its creases where the coordinate is largest.
+
+    Parameters
+    ----------
+    chart
+        Of one coordinate.
+    k
+        Which curve, from 0.
+
+    Returns
+    -------
+    str
+        Such as ``VMV− for φ₁ > 0``: crease 1 a valley, 2 a mountain, 3 a valley, 4 not folded.
+
+    Examples
+    --------
+    >>> from origami_nlp import Scene, Vertex
+    >>> from origami_nlp.chart import curve_name, landscape
+    >>> scene = Scene(Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (0,) * 4, "D1")
+    >>> chart = landscape(scene, 64)
+    >>> [curve_name(chart, k) for k in range(len(chart.branches))]
+    ['VMMM for φ₁ > 0', 'V−V− for φ₁ > 0']
+    """
+    crease = int(chart.coordinates[0].removeprefix("phi_"))
+    states = chart.branches[k].fold_angles
+    at = states[:, crease - 1]
+    towards = 1.0 if np.nanmax(at) > -np.nanmin(at) - 1e-6 else -1.0
+    # halfway: where creases are at their limits or flat again, the rest tells nothing
+    middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
+    letters = "".join("V" if phi > 1e-6 else "M" if phi < -1e-6 else "−" for phi in middle)
+    subscript = str(crease).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    return f"{letters} for φ{subscript} {'>' if towards > 0 else '<'} 0"
 
 
 def colour_bar(image: Any, axes: Any) -> None:
@@ -119,30 +254,9 @@ def colour_bar(image: Any, axes: Any) -> None:
     bar.ax.yaxis.set_major_locator(MaxNLocator(7))
 
 
-def _levels(norm: Normalize, energy: Any) -> list[float]:
-    """At most seven contour levels, 1-2-5 apart where the energies span decades."""
-    low, high = float(norm.vmin or 0.0), float(norm.vmax or 1.0)
-    values = energy.compressed()
-    if not values.size:
-        return []
-    decades = range(math.floor(math.log10(max(high, 1e-300))) - 3, math.ceil(math.log10(high)) + 1)
-    nice = [m * 10.0**e for e in decades for m in (1, 2, 5) if low < m * 10.0**e < high]
-    if len(nice) < 4:
-        nice = [v for v in MaxNLocator(6).tick_values(low, high) if low < v < high]
-    return [v for v in nice[-7:] if values.min() < v < values.max()]
-
-
 def coordinate_label(name: str) -> str:
     """Return the name of a chart's coordinate for an axis."""
     if name.startswith("phi_"):
         return rf"$\varphi_{{{name[4:]}}}$ [rad]"
     crease = name.rsplit(" ", 1)[-1].rstrip(")")
     return rf"elevation $\upsilon$ of crease {crease} [rad]"
-
-
-HANDLE: dict[str, Any] = {
-    "color": "#A0206A",
-    "linewidth": 2.2,
-    "linestyle": (0, (3, 1.5)),
-    "zorder": 4,
-}

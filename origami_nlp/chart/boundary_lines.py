@@ -18,6 +18,7 @@ from origami_nlp.chart.boundary_walk import STEPS, walk
 from origami_nlp.chart.chart import Chart, chart_of, chart_points
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
 from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, thin_at
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED
 from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
@@ -37,8 +38,8 @@ NEAR = 0.35
 """A bisected point within this many cells of a line belongs to it."""
 
 
-@dataclass(frozen=True)
-class BoundaryLine:
+@dataclass(frozen=True, repr=False)
+class BoundaryLine(Brief):
     """One contact boundary between two corners.
 
     contacts, rows: held closed.  branch: of the chart.  points: chart coordinates [m, 2].  fold_angles: [m, N].
@@ -67,8 +68,8 @@ class BoundaryLine:
         return bool(np.ptp(self.points, axis=0).max() < SETTLED)
 
 
-@dataclass(frozen=True)
-class Boundary:
+@dataclass(frozen=True, repr=False)
+class Boundary(Brief):
     """All boundary lines of a scene's chart.
 
     crossings: bisected boundary points between the cells of the grid, per branch [k, 2].

@@ -22,13 +22,14 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
 from origami_nlp.folding import examine
 from origami_nlp.numerics import TOUCHES
 from origami_nlp.pattern import Scene
 
 
-@dataclass(frozen=True)
-class Branch:
+@dataclass(frozen=True, repr=False)
+class Branch(Brief):
     """One sheet of the landscape (an area, or one curve).
 
     name: empty where there is only one.
@@ -64,8 +65,8 @@ LARGEST_SIZE = 8192
 """Cells along each coordinate; that many take about 5 GB."""
 
 
-@dataclass(frozen=True)
-class Landscape:
+@dataclass(frozen=True, repr=False)
+class Landscape(Brief):
     """Energy over the coordinates of a scene.
 
     kind: ``"area"`` (two coordinates), ``"curve"`` (one) or ``"none"``.
@@ -82,6 +83,13 @@ class Landscape:
     branches: tuple[Branch, ...]
     reason: str = ""
     handles: tuple[np.ndarray, ...] = ()
+
+    @property
+    def one_plane(self) -> bool:
+        """Whether all branches fit into one picture, each on its own side of zero."""
+        return len(self.branches) <= 1 or (
+            self.scene.contact == "full" and self.scene.group.order == 2
+        )
 
     def place(self, fold_angles: object) -> Place:
         """Return where the state with all N `fold_angles` [rad] lies.

@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import examples, read_scene
+from origami_nlp.pattern import examples
 
 
+@takes_scene(o.SceneUnlessPanels)
 def barriers(
-    scene: o.SceneUnlessPanels = None,
+    scene: Source | None = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
-    full: Annotated[
-        bool, typer.Option("--full", help="Also bound the barriers without the symmetry.")
-    ] = False,
-    panels: Annotated[
-        bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")
-    ] = False,
+    full: o.Full = False,
+    panels: o.Panels = False,
     markdown: o.MarkdownFile = None,
+    fold: o.PathsFold = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
 ) -> None:
-    """Find the lowest pass between every two minima of SCENE, and a path through it."""
+    """Find the lowest pass between every two minima of SCENE, and a path through it.
+
+    With --full the barriers without the symmetry are bounded as well.
+    """
     from origami_nlp.barriers import (
         barriers_table,
         barriers_to_dict,
@@ -37,19 +37,28 @@ def barriers(
         print_barriers,
     )
 
+    given = scene.name if scene else None
     if panels == (scene is not None):
-        raise OptionError(f"SCENE = {scene!r}: give a scene file or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown)
-    stated = examples.panels() if panels else [read_scene(scene or "-")]
+        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
+    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
+    if panels and fold is not None:
+        raise OptionError(
+            f"--fold = {fold!r}: paths of one SCENE make a file, those of --panels do not"
+        )
+    if panels and animate:
+        raise OptionError("--animate is for one SCENE, not for --panels")
+    stated = [scene.read()] if scene else examples.panels()
     for one in stated:
         check_freedoms(one)
     found = []
     for one in stated:
-        result = search(one, scene, seed=seed, full=full)
-        with progress(f"{one.label or scene}: passes between the minima"):
+        result = search(one, given, seed=seed, full=full)
+        with progress(f"{one.label or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
         print_barriers(found[-1], out.console)
     documents = [barriers_to_dict(b) for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
+    out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
+    out.turn(*found)

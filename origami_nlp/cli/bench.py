@@ -15,10 +15,14 @@ from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
 
 
+def _families() -> list[str]:
+    from origami_nlp.bench import FAMILIES
+
+    return list(FAMILIES)
+
+
 def bench(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="A few problems and methods, in about a minute.")
-    ] = False,
+    quick: o.Quick = False,
     hard: Annotated[
         bool, typer.Option("--hard", help="Run the hard cases instead: error and verdict of each.")
     ] = False,
@@ -40,17 +44,26 @@ def bench(
     ] = None,
     before: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="--search: another checkout to compare with."),
+        typer.Option(metavar="DIR", help="--search: another checkout to compare with."),
     ] = None,
     family: Annotated[
         list[str] | None,
-        typer.Option(help="--search: a family of scenes, once for each; default all."),
+        typer.Option(
+            metavar="FAMILY",
+            autocompletion=_families,
+            help="--search: a family of scenes (repeatable); default all.",
+        ),
     ] = None,
-    effort: Annotated[str | None, typer.Option(help="--search: of the main job.")] = None,
+    effort: Annotated[
+        str | None,
+        typer.Option(
+            metavar="quick|normal|thorough", help="--search: of the main job (default normal)."
+        ),
+    ] = None,
     unions: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER",
+            metavar="DIR",
             help="Where all known minima of each scene are kept: a run that is stopped goes on there "
             "(default: a temporary folder for --search, none otherwise).",
         ),
@@ -103,8 +116,6 @@ def _link(figure: Path | None, markdown: str | None) -> str | None:
 
 def _speed(out: Output, quick: bool, seed: int, unions: Path | None, link: str | None) -> None:
     """Run all methods, show the headline and the targets, and write what was asked for."""
-    from rich.markdown import Markdown
-
     from origami_nlp.bench import (
         draw_bench,
         in_short,
@@ -112,12 +123,11 @@ def _speed(out: Output, quick: bool, seed: int, unions: Path | None, link: str |
         run_bench,
         write_bench,
     )
-    from origami_nlp.files import PAGE
 
     with progress("bench") as report:
         tell = lambda text: report(text=text)  # noqa: E731
         data = run_bench(quick=quick, seed=seed, tell=tell, unions=unions)
-    out.say(Markdown(in_short(data)), width=PAGE)
+    out.page(in_short(data))
     out.save("json", write_bench, data)
     out.save("figure", draw_bench, data)
     out.write("markdown", as_markdown, data, link)
@@ -134,10 +144,7 @@ def _search(
     """Measure searches on families of scenes (`origami_nlp.bench.coverage`)."""
     import tempfile
 
-    from rich.markdown import Markdown
-
     from origami_nlp.bench import coverage_markdown, draw_coverage, measure_coverage, scenes_for
-    from origami_nlp.files import PAGE
 
     folder = unions or Path(tempfile.gettempdir()) / "origami_nlp-unions"
     with progress("bench") as report:
@@ -150,7 +157,7 @@ def _search(
             effort=effort,
             tell=lambda text: report(text=text),
         )
-    out.say(Markdown(coverage_markdown(data)), width=PAGE)
+    out.page(coverage_markdown(data))
     out.write("json", lambda: data)
     out.save("figure", draw_coverage, data)
     out.write("markdown", coverage_markdown, data)

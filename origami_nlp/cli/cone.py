@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.output import Output
@@ -21,12 +22,9 @@ QUICK = (6, 8, 10, 12, 100, 1000)
 
 def count(
     degree: o.Degree,
-    ratio: o.Ratio,
-    elevation: o.RestElevation,
-    depth: Annotated[
-        float,
-        typer.Option(help="Count wells deeper than this share of U_flat; 0 counts all minima."),
-    ] = 0.0,
+    rest_elevation: o.RestElevation,
+    ratio: o.Ratio = 1.0,
+    depth: o.Depth = 0.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
     json: o.JsonFile = None,
@@ -41,7 +39,7 @@ def count(
     )
 
     out = Output(json=json)
-    nu = parse_angle(elevation, "--elevation")
+    nu = parse_angle(rest_elevation, "--rest-elevation")
     found = count_minima(Cone(degree, rest, end), ratio, nu, depth=depth)
     print_count(found, out.console)
     out.save("json", write_lines, count_to_dict(found))
@@ -72,12 +70,8 @@ def foldings(
 
 
 def branch(
-    flaps: Annotated[
-        str, typer.Option(help='Valley and mountain flaps around the ring: "VVM", or "V2M".')
-    ],
-    elevation: Annotated[
-        str, typer.Option(help='Elevation nu, up > 0 and down < 0: 0.3 or "-pi/6".')
-    ],
+    flaps: o.Flaps,
+    elevation: o.Elevation,
     end: o.EndRule = "contract",
     json: o.JsonFile = None,
 ) -> None:
@@ -94,19 +88,15 @@ def branch(
 
 def draw(
     figure: o.FigureWanted,
-    degree: Annotated[
-        int | None, typer.Option(help="Draw all different foldings of this degree (up to 16).")
-    ] = None,
-    flaps: Annotated[
-        str | None, typer.Option(help='Draw this assignment only: "VVM", or "V2M".')
-    ] = None,
-    elevation: Annotated[
-        list[str] | None,
-        typer.Option(help='Elevation nu, such as 0.3 or "-pi/6"; with --flaps, may be repeated.'),
-    ] = None,
+    degree: o.DegreeWanted = None,
+    flaps: o.FlapsWanted = None,
+    elevation: o.Elevations = None,
     end: o.EndRule = "contract",
 ) -> None:
-    """Draw all different foldings of a degree, or one assignment at one or more elevations."""
+    """Draw all different foldings of a --degree up to 16, or one cone by its --flaps.
+
+    A cone by its flaps is drawn at every --elevation that is given.
+    """
     from origami_nlp.cone import ConeBranch, check_degree, draw_branch, draw_foldings, parse_flaps
 
     out = Output(figure=figure)
@@ -129,12 +119,10 @@ def phase(
     figure: o.FigureFile = None,
     csv: o.CsvFile = None,
     json: o.JsonFile = None,
-    depth: Annotated[
-        float, typer.Option(help="Count minima deeper than this share of U_flat; 0 counts all.")
-    ] = 0.0,
+    depth: o.Depth = 0.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
-    size: Annotated[int, typer.Option(help="Points of the map along each coordinate.")] = 200,
+    size: o.Size = 200,
     without_contact: Annotated[
         bool, typer.Option("--without-contact", help="Do not count minima at the end of a branch.")
     ] = False,
@@ -166,37 +154,10 @@ def phase(
     out.save("figure", draw_phase, diagram)
 
 
-def fractions(
-    size: Annotated[int, typer.Option(help="Points of each region along each coordinate.")] = 40,
-    markdown: o.MarkdownFile = None,
-    json: o.JsonFile = None,
-) -> None:
-    """Go through every number of stable states printed in section 5, under nine readings."""
-    from origami_nlp.cone import check_size
-    from origami_nlp.paper import (
-        STATEMENTS,
-        check_statements,
-        findings_to_dict,
-        section5_table as table,
-    )
-    from origami_nlp.show import folding_table, rows_markdown
-
-    check_size(size)
-    out = Output(markdown=markdown, json=json)
-    with progress("printed numbers", len(STATEMENTS)) as report:
-        findings = check_statements(size, progress=report)
-    title = "numbers printed in section 5; what occurs there (share of the printed one)"
-    short = [table.short_row(f) for f in findings]
-    out.say(folding_table(table.SHORT_HEADS, short, title, (1, 3)))
-    rows = [table.finding_row(f) for f in findings]
-    out.write("markdown", rows_markdown, table.FINDING_HEADS, rows)
-    out.write("json", findings_to_dict, findings)
-
-
 def full(
     degree: o.Degree,
-    ratio: o.Ratio,
-    elevation: o.RestElevation,
+    rest_elevation: o.RestElevation,
+    ratio: o.Ratio = 1.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
     json: o.JsonFile = None,
@@ -205,52 +166,37 @@ def full(
     from origami_nlp.cone import Cone, full_space, full_space_to_dict, print_full_space
 
     out = Output(json=json)
-    nu = parse_angle(elevation, "--elevation")
+    nu = parse_angle(rest_elevation, "--rest-elevation")
     with progress("branch minima") as report:
         found = full_space(Cone(degree, rest, end), ratio, nu, progress=report)
     print_full_space(found, out.console)
     out.write("json", full_space_to_dict, found)
 
 
-def limits(
-    elevation: Annotated[str, typer.Option(help="Elevation in (0, pi/4).")] = "0.6",
-    ratio: o.Ratio = 1.0,
-    json: o.JsonFile = None,
-) -> None:
-    """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from origami_nlp.paper import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
-    from origami_nlp.show import folding_table
-
-    out = Output(json=json)
-    found = measure(parse_angle(elevation, "--elevation"), ratio)
-    out.say(folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p"))
-    out.write("json", limits_to_dict, found)
-
-
 def speed(
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer degrees, one map.")] = False,
-    points: Annotated[int, typer.Option(min=1, help="Random points a degree.")] = 10,
+    quick: o.Quick = False,
+    samples: o.Samples = 10,
     seed: o.Seed = 0,
     markdown: o.MarkdownFile = None,
 ) -> None:
-    """Measure the time of an exact count against N, beside brute force, each with its error."""
-    from rich.markdown import Markdown
+    """Measure the time of an exact count against N, beside brute force, each with its error.
 
+    Of each degree so many --samples are drawn: random points (nu_0, r_k).
+    """
     from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
-    from origami_nlp.files import PAGE
 
     out = Output(markdown=markdown)
     with progress("measuring") as report:
         rows = measure(
             QUICK if quick else DEGREES,
-            points,
+            check_whole("--samples", samples, 1),
             seed,
             maps=(12,) if quick else MAP_DEGREES,
             progress=lambda degree: report(text=f"degree {degree} done"),
         )
-    out.say(Markdown(as_markdown(rows)), width=PAGE)
+    out.page(as_markdown(rows))
     out.write("markdown", as_markdown, rows)
 
 
 cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
-cone.add(count, foldings, branch, draw, phase, fractions, full, limits, speed)
+cone.add(count, phase, full, foldings, branch, draw, speed)

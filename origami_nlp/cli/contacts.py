@@ -9,13 +9,14 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
+@takes_scene(o.SceneFile)
 def contacts(
-    scene: o.SceneFile,
+    scene: Source,
     state: Annotated[
-        int | None, typer.Option(metavar="K", help="Only the minimum of this number.")
+        int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")
     ] = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
@@ -33,10 +34,10 @@ def contacts(
 
     out = Output(json=json, markdown=markdown, html=html)
     result = search(
-        read_scene(scene), scene, seed=seed, max_starts=max_starts, effort=effort, workers=workers
+        scene.read(), scene.name, seed=seed, max_starts=max_starts, effort=effort, workers=workers
     )
     found = find_contacts(result, state=state, segments=segments)
     report.print_contacts(found, out.console)
     out.write("json", report.contacts_to_dict, found)
     out.write("markdown", report.as_markdown, found)
-    out.write("html", report.as_html, found)
+    out.turn(found)

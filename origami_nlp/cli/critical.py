@@ -7,20 +7,27 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli import options as o
+from origami_nlp.cli.former import say_former
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import panels, read_scene
+from origami_nlp.pattern import examples
 
 
+@takes_scene(o.SceneUnlessPanels)
 def critical(
-    scene: o.SceneOrPanels = None,
+    scene: Source | None = None,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
-    search: Annotated[
-        bool, typer.Option(help="Also search for minima, and compare the two lists.")
+    compare: Annotated[
+        bool,
+        typer.Option(
+            "--compare/--no-compare", help="Also search for minima, and compare the two lists."
+        ),
     ] = True,
+    panels: o.Panels = False,
     everything: Annotated[
         bool, typer.Option("--all", help="Show points that are not essential as well.")
     ] = False,
@@ -41,18 +48,21 @@ def critical(
     from origami_nlp.space import find_space
 
     out = Output(json=json, markdown=markdown)
-    if json == "-" and scene is None:
-        raise OptionError("--json = '-': give a SCENE, or a file name for the panels")
-    scenes = panels() if scene is None else [read_scene(scene)]
+    given = scene.name if scene else None
+    if panels and scene is not None:
+        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
+    if scene is None and not panels:
+        say_former("critical without SCENE", "critical --panels")
+    scenes = [scene.read()] if scene else examples.panels()
     rows, data = [], []
     euler: dict[object, int] = {}
     for number, stated in enumerate(scenes):
-        name = stated.label or str(scene)
+        name = stated.label or str(given)
         with progress("critical points", len(scenes)) as report:
             report(number, text=name)
             found = find_critical_points(stated, seed=seed)
-            if search:
-                found = compare_minima(found, search_minima(stated, scene, seed=seed))
+            if compare:
+                found = compare_minima(found, search_minima(stated, given, seed=seed))
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
                 report(text=f"{name}: space")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import NoReturn
+from typing import Annotated, NoReturn
+
+import typer
 
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
@@ -25,14 +27,37 @@ from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
+from origami_nlp.version import __version__
 
-app = Group("Energy minima of an origami vertex: found, classified, and which are stable states.")
-app.add(minima, check_proof, contacts, barriers, critical, space, landscape, transitions)
-app.add(vertices, model, example)
-app.add_group("cone", cone)
-app.add(sweep)
-app.add_group("paper", paper, open=True)  # its commands had no group at first
-app.add(bench)
+MANY = "Many scenes, many creases"
+COMPARE = "Compare with the paper and with other solvers"
+app = Group(
+    "Energy minima of an origami vertex: found, classified, and which are stable states.",
+    completion=True,
+)
+app.add(minima, check_proof, landscape, under="Find the states of a scene")
+app.add(contacts, barriers, critical, space, transitions, under="Understand them")
+app.add(example, vertices, model, under="Make and read scenes")
+app.add(sweep, under=MANY)
+app.add_group("cone", cone, under=MANY)
+app.add_group("paper", paper, under=COMPARE)
+app.add(bench, under=COMPARE)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"origami-nlp {__version__}")
+        raise typer.Exit()
+
+
+@app.callback()
+def origami_nlp(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Take the options of the program itself."""
 
 
 def main() -> None:

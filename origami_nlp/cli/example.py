@@ -1,31 +1,86 @@
-"""`origami-nlp example`: print the paper's vertex families as scene files."""
+"""`origami-nlp example`: scenes and crease patterns that people know, by name."""
 
 from __future__ import annotations
 
-import sys
-from typing import Annotated
+import inspect
+import re
+import textwrap
+from typing import Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import examples, format_scene
 
-FAMILIES = {"degree6": examples.degree6, "degree8": examples.degree8}
-
 
 def example(
-    family: o.Family,
+    name: o.ExampleName,
     alpha: Annotated[
-        str, typer.Option(help='Sector angle alpha_1 [rad], a number or e.g. "pi/4".')
-    ] = "pi/4",
-    ratio: Annotated[float, typer.Option(help="Stiffness ratio r_k = k_m / k_v.")] = 1.0,
-    symmetry: Annotated[str | None, typer.Option(help="Override the paper's symmetry.")] = None,
-    contact: Annotated[str, typer.Option(help="full, fold-limits or none.")] = "full",
+        str | None,
+        typer.Option(
+            metavar="ANGLE",
+            help='The sector angle alpha [rad] of those that have one, a number or e.g. "pi/4".',
+        ),
+    ] = None,
+    ratio: Annotated[
+        float | None, typer.Option(metavar="R", help="Stiffness ratio r_k = k_m / k_v.")
+    ] = None,
+    mountain: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='Rest angle of mountains [rad], e.g. "-pi/2".'),
+    ] = None,
+    valley: Annotated[
+        str | None,
+        typer.Option(metavar="ANGLE", help='Rest angle of valleys [rad], e.g. "pi/2".'),
+    ] = None,
+    symmetry: Annotated[
+        str | None, typer.Option(metavar="GROUP", help="none, auto, C<n> or D<n>.")
+    ] = None,
+    contact: Annotated[
+        str | None,
+        typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none."),
+    ] = None,
+    scene: o.SceneOut = None,
+    fold: Annotated[
+        str | None,
+        typer.Option(
+            "--fold",
+            metavar="FILE",
+            help="Write the crease pattern as a FOLD file; the scene then goes to --scene alone.",
+        ),
+    ] = None,
 ) -> None:
-    """Print a scene file of the paper's FAMILY of vertices (sections 3.1 and 3.2)."""
-    if family not in FAMILIES:
-        raise OptionError(f"FAMILY = {family!r} is unknown: use {' or '.join(FAMILIES)}")
-    given = {} if symmetry is None else {"symmetry": symmetry}
-    scene = FAMILIES[family](alpha, ratio, contact=contact, **given)  # type: ignore[arg-type]
-    sys.stdout.write(format_scene(scene))
+    """Print a vertex of a known pattern as a scene file; --fold writes the crease pattern as a FOLD file.
+
+    NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern that --fold writes.
+    """
+    word, _, size = name.partition(":")
+    shape = re.fullmatch(r"(\d{1,6})x(\d{1,6})", size)
+    if size and not shape:
+        raise OptionError(f"NAME = {name!r}: write the size as ROWSxCOLUMNS, such as miura:4x6")
+    if size and fold is None:
+        raise OptionError(f"NAME = {name!r}: a size is that of a crease pattern: give --fold FILE")
+    options = {
+        "alpha": alpha,
+        "ratio": ratio,
+        "mountain": mountain,
+        "valley": valley,
+        "symmetry": symmetry,
+        "contact": contact,
+    }
+    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
+    out = Output(scene=scene if scene or fold else "-", fold=fold)
+    stated = examples.by_name(word, **given)
+    cells = [int(number) for number in shape.groups()] if shape else []
+    out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
+    out.write("scene", lambda: _about(word) + format_scene(stated))
+
+
+def _about(name: str) -> str:
+    """Return what an example is as the first lines of its file."""
+    said = (inspect.getdoc(examples.BY_NAME[name]) or "").split("\nParameters\n")[0]
+    said = said.removeprefix("Make ")
+    lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
+    return "".join(f"# {line}\n" for line in lines)

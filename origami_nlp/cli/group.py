@@ -1,30 +1,106 @@
-"""A group of commands: listed in the order in which they are added, each with the first line of its docstring."""
+"""A group of commands: listed under headings, in the order in which they are added, and how each starts and ends."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from origami_nlp.cli import former
+
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
 MAY_LACK_VALUE = ("--prove",)
 """Options whose value, a number, may be left out."""
+WRITES = "FILE"
+"""Metavar of every option that writes what a command found, and of no other option."""
 
 
-class _Command(TyperCommand):
+UNBROKEN = "\u2011"
+"""A hyphen at which no line breaks."""
+
+
+class _Helped:
+    """A command whose help has whole words on its lines, those with hyphens too."""
+
+    def get_help(self, ctx: Any) -> str:
+        """Return the help; ``--rest-angle`` stands on one line."""
+        formatter = ctx.make_formatter()
+        text, pairs = formatter.write_text, formatter.write_dl
+        formatter.write_text = lambda words: text(_unbroken(words))
+        formatter.write_dl = lambda rows: pairs([(a, _unbroken(b)) for a, b in rows])
+        self.format_help(ctx, formatter)  # type: ignore[attr-defined]
+        return formatter.getvalue().rstrip("\n").replace(UNBROKEN, "-")
+
+
+def _unbroken(words: str) -> str:
+    return words.replace("-", UNBROKEN)
+
+
+class _Command(_Helped, TyperCommand):
     """A command; an option that needs no value gets `WITHOUT_VALUE` where no number follows."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Fill in what is left out."""
+        """Fill in what is left out, and put the names of now for former ones."""
         filled = []
         for arg, following in zip(args, [*args, ""][1:], strict=True):
             filled.append(arg)
             if arg in MAY_LACK_VALUE and not _is_number(following):
                 filled.append(WITHOUT_VALUE)
+        filled = former.renamed(_path(ctx), filled, ctx.resilient_parsing)
         return super().parse_args(ctx, filled)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run it; on a terminal, tell who asked for no file what could be written."""
+        answer = super().invoke(ctx)
+        could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
+        if could and not any(ctx.params.get(p.name) for p in could):
+            _tell_files([p.opts[0] for p in could])
+        return answer
+
+    def collect_usage_pieces(self, ctx: Any) -> list[str]:
+        """Name arguments by what they are, those that may be left out in brackets."""
+        words = [_word(p) for p in self.params if p.param_type_name == "argument"]
+        return [self.options_metavar or "", *words]
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write arguments without the type of their text, then options."""
+        records = [(p.param_type_name, p, p.get_help_record(ctx)) for p in self.get_params(ctx)]
+        for kind, heading in (("argument", "Arguments"), ("option", "Options")):
+            rows = [
+                (p.metavar or r[0] if kind == "argument" else r[0], r[1])
+                for which, p, r in records
+                if which == kind and r is not None
+            ]
+            if rows:
+                with formatter.section(heading):
+                    formatter.write_dl(rows)
+
+
+def _word(argument: Any) -> str:
+    name = argument.metavar or argument.name.upper()
+    return name if argument.required else f"[{name}]"
+
+
+def _path(ctx: Any) -> str:
+    """Return the words that call a command, without the program's."""
+    words: list[str] = []
+    while ctx.parent is not None:
+        words, ctx = [ctx.info_name, *words], ctx.parent
+    return " ".join(words)
+
+
+def _tell_files(options: list[str]) -> None:
+    from origami_nlp.files import Screen
+
+    screen = Screen()
+    if screen.is_terminal:
+        one = len(options) == 1
+        words = "writes this to a file" if one else "write this to files"
+        screen.print(f"{', '.join(options)} {words}", style="dim", highlight=False)
 
 
 def _is_number(text: str) -> bool:
@@ -35,20 +111,54 @@ def _is_number(text: str) -> bool:
     return True
 
 
-class _Listed(TyperGroup):
-    """What typer makes of a `Group`; alone it would list groups last."""
+class _Listed(_Helped, TyperGroup):
+    """What typer makes of a `Group`; alone it would list groups last, and all under one heading."""
 
-    names: list[str]
-    open: list[str]
+    names: dict[str, str]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help shows."""
-        return self.names
+        return list(self.names)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command of this group, or of one of its open groups."""
-        groups = (self, *(self.commands[name] for name in self.open))
-        return next((g.commands[cmd_name] for g in groups if cmd_name in g.commands), None)  # type: ignore[attr-defined]
+        """Return a command of this group, also by its former name."""
+        if cmd_name in self.commands:
+            return self.commands[cmd_name]
+        found: Any = self if ctx is None else ctx.find_root().command
+        for word in former.COMMANDS.get(self._spelt(ctx, cmd_name), "").split():
+            found = found.commands[word]
+        return None if isinstance(found, _Listed) else found
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command, and say so where its name is a former one."""
+        name = self._spelt(ctx, args[0])
+        if name in former.COMMANDS and not ctx.resilient_parsing:
+            former.say_former(name, former.COMMANDS[name])
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands under their headings."""
+        rows: dict[str, list[tuple[str, str]]] = {}
+        widest = max(map(len, self.names))
+        for name, heading in self.names.items():
+            about = self.commands[name].short_help or ""
+            rows.setdefault(heading, []).append((name.ljust(widest), about))
+        for heading, listed in rows.items():
+            with formatter.section(heading):
+                formatter.write_dl(listed)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; an interruption by the user ends with a line of its own and exit code 130."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            # a terminal shows ^C on the line where it stands
+            end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
+            print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
+            raise typer.Exit(130) from None
+
+    def _spelt(self, ctx: Any, name: str) -> str:
+        return name if ctx is None else f"{_path(ctx)} {name}".strip()
 
 
 class Group(typer.Typer):
@@ -58,29 +168,30 @@ class Group(typer.Typer):
     ----------
     help
         What the group is about.
+    completion
+        With options that install completion of words for a shell.
     """
 
-    def __init__(self, help: str) -> None:
-        self.about, self.names, self.open = help, list[str](), list[str]()
+    def __init__(self, help: str, completion: bool = False) -> None:
+        self.about, self.names = help, dict[str, str]()
         super().__init__(
-            cls=type("Listed", (_Listed,), {"names": self.names, "open": self.open}),
+            cls=type("Listed", (_Listed,), {"names": self.names}),
             help=help,
             no_args_is_help=True,
-            add_completion=False,
+            add_completion=completion,
             pretty_exceptions_enable=False,
             rich_markup_mode=None,  # rich takes "[rad]" for markup and drops it
         )
 
-    def add(self, *commands: Callable[..., None]) -> None:
-        """Add commands under the names of their functions."""
+    def add(self, *commands: Callable[..., None], under: str = "Commands") -> None:
+        """Add commands under the names of their functions, and a heading."""
         for one in commands:
             about = (one.__doc__ or "").splitlines()[0]  # whole: typer would cut it
             name = one.__name__.replace("_", "-")
             self.command(name, cls=_Command, short_help=about)(one)
-            self.names.append(name)
+            self.names[name] = under
 
-    def add_group(self, name: str, group: Group, open: bool = False) -> None:
-        """Add a group of commands; open: its commands work without its name too, and no help says so."""
+    def add_group(self, name: str, group: Group, under: str = "Commands") -> None:
+        """Add a group of commands."""
         self.add_typer(group, name=name, short_help=group.about)
-        self.names.append(name)
-        self.open += [name] if open else []
+        self.names[name] = under

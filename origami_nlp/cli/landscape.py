@@ -11,8 +11,8 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import read_scene
 
 if TYPE_CHECKING:
     from origami_nlp.landscape import ExactLandscape
@@ -20,12 +20,14 @@ if TYPE_CHECKING:
 SMALLEST, LARGEST = 16, 4097
 
 
+@takes_scene(o.SceneFile)
 def landscape(
-    scene: o.SceneFile,
+    scene: Source,
     figure: o.FigureFile = None,
     npz: o.NpzFile = None,
     json: o.JsonFile = None,
-    size: Annotated[int, typer.Option(help="Cells of the energy along each coordinate.")] = 401,
+    html: o.HtmlFile = None,
+    size: o.Size = 401,
     passes: Annotated[
         bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
     ] = False,
@@ -40,10 +42,11 @@ def landscape(
         find_landscape,
         landscape_to_dict,
     )
+    from origami_nlp.show import TurnedPage
     from origami_nlp.space import find_space
 
-    out = Output(figure=figure, npz=npz, json=json)
-    stated = read_scene(scene)
+    out = Output(figure=figure, npz=npz, json=json, html=html)
+    stated = scene.read()
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
@@ -53,7 +56,7 @@ def landscape(
         raise OptionError(
             f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
         )
-    result = search(stated, scene, seed=seed, full=True)
+    result = search(stated, scene.name, seed=seed, full=True)
     with progress("boundary"):
         exact = find_landscape(result, size)
     exact.tell(out.console)
@@ -72,6 +75,7 @@ def landscape(
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
+    out.save("html", lambda file: TurnedPage(exact.turned(barriers)).save(file))
 
 
 def _npz(exact: ExactLandscape) -> bytes:

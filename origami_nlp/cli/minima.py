@@ -2,83 +2,96 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Scene, read_fold_scene, read_scene
 
 if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
 
 
+@takes_scene(o.SceneFile)
 def minima(
-    scene: o.SceneOrFold,
+    scene: Source,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
     fold: o.StatesFold = None,
     mesh: o.StatesMesh = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
-    full: Annotated[
-        bool, typer.Option("--full", help="Decide which are stable when the symmetry may break.")
-    ] = False,
+    full: o.Full = False,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
-    vertex: o.VertexNumber = None,
-    frame: Annotated[int | None, typer.Option(help="FOLD file: the frame, from 0.")] = None,
-    symmetry: o.FoldSymmetry = None,
-    contact: o.FoldContact = None,
-    stiffness: o.FoldStiffness = None,
-    rest_angle: o.FoldRestAngle = None,
-    rest_angles: o.FoldRestAngles = None,
 ) -> None:
     """Find the energy minima of SCENE that have its symmetry; --full says which are stable states."""
     from origami_nlp.minima import (
         check_mesh,
         draw_minima,
+        find_vertexwise,
         print_result,
         result_to_dict,
         write_fold,
         write_mesh,
     )
 
-    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, certificate=certificate)
+    out = Output(
+        json=json,
+        figure=figure,
+        fold=fold,
+        mesh=mesh,
+        certificate=certificate,
+        html=html,
+        animate=animate,
+    )
     if mesh:
         check_mesh(mesh)
-    stated = _read(
-        scene,
-        vertex=vertex,
-        frame=frame,
-        symmetry=symmetry,
-        contact=contact,
-        stiffness=stiffness,
-        rest_angle=rest_angle,
-        rest_angles=rest_angles,
-    )
-    result = search(
-        stated,
-        scene,
-        seed=seed,
-        max_starts=max_starts,
-        effort=effort,
-        workers=workers,
-        full=full,
-        prove=o.wanted_proof(prove),
-    )
+    options: dict[str, Any] = {
+        "seed": seed,
+        "max_starts": max_starts,
+        "effort": effort,
+        "workers": workers,
+        "full": full,
+        "prove": o.wanted_proof(prove),
+    }
+    if scene.is_fold and scene.vertex is None:
+        scenes = scene.read_all()
+        if len(scenes) > 1:
+            for option, file in (
+                ("figure", figure),
+                ("fold", fold),
+                ("mesh", mesh),
+                ("certificate", certificate),
+                ("animate", animate),
+            ):
+                if file is not None:
+                    raise OptionError(
+                        f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
+                    )
+            found = find_vertexwise(scenes, find=partial(search, name=scene.name), **options)
+            found.tell(out.console)
+            out.write("json", found.to_dict)
+            out.turn(*found.results)
+            return
+        (stated,) = scenes.values()
+    else:
+        stated = scene.read()
+    result = search(stated, scene.name, **options)
     print_result(result, out.console)
     out.write("json", result_to_dict, result)
     out.save("figure", draw_minima, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)
     out.save("certificate", _write_certificate, result)
+    out.turn(result)
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
@@ -91,20 +104,3 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
         raise OptionError(f"--certificate: there is no proof to write: {why}")
     proof = prove(result.model, record=True, most=found.boxes)
     write_certificate(certificate_of(result.scene, proof), file)
-
-
-def _read(source: str, **options: Any) -> Scene:
-    """Read a scene file, or one vertex of a FOLD file with its options (None: not given)."""
-    given = {name: value for name, value in options.items() if value is not None}
-    if not source.lower().endswith((".fold", ".json")):
-        if given:
-            raise OptionError(
-                f"--{next(iter(given)).replace('_', '-')} is for FOLD files (.fold); "
-                "a scene file states it itself"
-            )
-        return read_scene(source)
-    if not 0 < given.get("stiffness", 1.0) < math.inf:
-        raise OptionError(f"--stiffness = {given['stiffness']:g} must be positive and finite")
-    if "rest_angle" in given:
-        given["rest_angle"] = math.radians(given["rest_angle"])
-    return read_fold_scene(source, **given)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
-def model(scene: o.SceneFile) -> None:
+@takes_scene(o.SceneFile)
+def model(scene: Source) -> None:
     """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
     from origami_nlp.programme import Model
 
-    stated = read_scene(scene)
-    Output().say(f"{stated!r}\n{Model(stated)}", highlight=False, soft_wrap=True)
+    stated = scene.read()
+    Output().say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)

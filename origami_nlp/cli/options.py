@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.cli.group import WITHOUT_VALUE
+
+
+def _one_of(*words: str) -> dict[str, Any]:
+    """Return how an option with a few words is shown and completed."""
+    return {"metavar": "|".join(words), "autocompletion": lambda: list(words)}
 
 
 def _seed(value: int) -> int:
@@ -19,8 +24,8 @@ def _max_starts(value: int) -> int:
     return check_whole("max_starts", value, 1)
 
 
-def _workers(value: int) -> int:
-    return check_whole("workers", value, 1)
+def _workers(value: int | None) -> int | None:
+    return None if value is None else check_whole("workers", value, 1)
 
 
 def _prove(value: str | None) -> str | None:
@@ -48,22 +53,14 @@ def _rest_angle(value: float | None) -> float | None:
 # ---------------------------------------------------------------- what comes in
 
 SceneFile = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Scene file (TOML), or - for stdin.")
-]
-SceneOrFold = Annotated[
     str,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for TOML on stdin."),
-]
-SceneOrPanels = Annotated[
-    str | None,
-    typer.Argument(
-        metavar="[SCENE]", help="Scene file (TOML), or - for stdin; none: the paper's panels."
-    ),
+    typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
     typer.Argument(
-        metavar="SCENE", help="Scene file (TOML), or - for stdin; leave out with --panels."
+        metavar="SCENE",
+        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
     ),
 ]
 FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
@@ -72,7 +69,22 @@ Candidates = Annotated[
     str, typer.Argument(metavar="FILE", help="Candidates: .json or .csv, or - for JSON on stdin.")
 ]
 ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
-Family = Annotated[str, typer.Argument(metavar="FAMILY", help="degree6 or degree8.")]
+Family = Annotated[
+    str,
+    typer.Argument(
+        metavar="FAMILY",
+        autocompletion=lambda: ["degree6", "degree8"],
+        help="degree6 or degree8.",
+    ),
+]
+
+ExampleName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8.",
+    ),
+]
 
 # ---------------------------------------------------------------- what goes out
 
@@ -87,23 +99,52 @@ FigureFile = Annotated[
     typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg)."),
 ]
 FigureWanted = Annotated[
-    Path, typer.Option(metavar="FILE", help="Where to write it (.png, .pdf or .svg).")
+    Path, typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg).")
 ]
 HtmlFile = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write the report as a static page.")
+    Path | None,
+    typer.Option(
+        "--html",
+        metavar="FILE",
+        help="Write a page with states to turn and paths to fold along (extra view).",
+    ),
+]
+AnimateFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--animate", metavar="FILE", help="Write the states in turn as .gif, or .mp4 with ffmpeg."
+    ),
 ]
 LatexFile = Annotated[
     str | None, typer.Option(metavar="FILE", help="Write LaTeX snippets to FILE, or - for stdout.")
 ]
 CsvFile = Annotated[
-    Path | None, typer.Option("--csv", metavar="FILE", help="Write the map as CSV.")
+    Path | None,
+    typer.Option("--csv", metavar="FILE", help="Write CSV to FILE, or - for stdout."),
 ]
 NpzFile = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Write grids, boundary and minima as NumPy .npz."),
 ]
+SceneOut = Annotated[
+    str | None,
+    typer.Option(
+        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
+    ),
+]
 StatesFold = Annotated[
-    str | None, typer.Option("--fold", metavar="FILE", help="Write the states as a FOLD file.")
+    str | None,
+    typer.Option(
+        "--fold",
+        metavar="FILE",
+        help="Write the states as a FOLD file; with --full the ways down from unstable ones too.",
+    ),
+]
+PathsFold = Annotated[
+    str | None,
+    typer.Option(
+        "--fold", metavar="FILE", help="Write the paths as a FOLD file, a frame for each state."
+    ),
 ]
 StatesMesh = Annotated[
     str | None,
@@ -114,8 +155,16 @@ StatesMesh = Annotated[
 
 # ---------------------------------------------------------------- how to search
 
-Seed = Annotated[int, typer.Option(callback=_seed, help="Seed of the random starts.")]
-MaxStarts = Annotated[int, typer.Option(callback=_max_starts, help="Cap on starts.")]
+Seed = Annotated[
+    int, typer.Option(metavar="N", callback=_seed, help="Seed of all that is drawn at random.")
+]
+MaxStarts = Annotated[
+    int, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+]
+Full = Annotated[
+    bool,
+    typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
+]
 Prove = Annotated[
     str | None,
     typer.Option(
@@ -131,36 +180,69 @@ CertificateFile = Annotated[
 Effort = Annotated[
     str,
     typer.Option(
-        metavar="quick|normal|thorough",
+        **_one_of("quick", "normal", "thorough"),
         help="Starts, and how often each minimum is to be reached before the search stops.",
     ),
 ]
 Workers = Annotated[
     int,
-    typer.Option(callback=_workers, help="Processes for the descents; the result is the same."),
+    typer.Option(
+        metavar="N", callback=_workers, help="Processes; the result is the same with any number."
+    ),
 ]
+WorkersWanted = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        callback=_workers,
+        help="Processes; the result is the same with any number (default: one a processor).",
+    ),
+]
+Size = Annotated[
+    int, typer.Option("--size", metavar="N", help="Grid points along each coordinate.")
+]
+Rings = Annotated[
+    int, typer.Option("--rings", metavar="N", help="Rings of the mesh around the flat state.")
+]
+Samples = Annotated[int, typer.Option("--samples", metavar="N", help="How many cases are sampled.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases, less time.")]
+OutFolder = typer.Option("--out", metavar="DIR", help="Folder for the results; made if new.")
+Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
 
 # ---------------------------------------------------------------- FOLD files
 
 FrameNumber = Annotated[
-    int | None, typer.Option("--frame", help="Frame of a FOLD file, from 0; default: the first.")
+    int | None,
+    typer.Option(
+        "--frame",
+        metavar="N",
+        help="FOLD file: the frame, from 0 (default: the first with geometry).",
+    ),
 ]
 VertexNumber = Annotated[
-    int | None, typer.Option(help="FOLD file: the vertex, numbered from 0 as in the file.")
+    int | None,
+    typer.Option(metavar="V", help="FOLD file: the vertex, numbered from 0 as in the file."),
 ]
 FoldSymmetry = Annotated[
-    str | None, typer.Option(help="FOLD file: none, auto, C<n> or D<n> (default auto).")
+    str | None,
+    typer.Option(metavar="GROUP", help="FOLD file: none, auto, C<n> or D<n> (default auto)."),
 ]
 FoldContact = Annotated[
-    str | None, typer.Option(help="FOLD file: full, fold-limits or none (default full).")
+    str | None,
+    typer.Option(
+        **_one_of("full", "fold-limits", "none"),
+        help="FOLD file: full, fold-limits or none (default full).",
+    ),
 ]
 FoldStiffness = Annotated[
     float | None,
-    typer.Option(help="FOLD file: of creases without one [N m/rad] (default 1)."),
+    typer.Option(metavar="K", help="FOLD file: of creases without one [N m/rad] (default 1)."),
 ]
 FoldRestAngle = Annotated[
     float | None,
     typer.Option(
+        metavar="ANGLE",
         callback=_rest_angle,
         help="FOLD file: size for M and V creases without an angle [deg] (default 180).",
     ),
@@ -168,7 +250,7 @@ FoldRestAngle = Annotated[
 FoldRestAngles = Annotated[
     str | None,
     typer.Option(
-        metavar="file|measured",
+        **_one_of("file", "measured"),
         help="FOLD file: a folded form rests at the angles that the file states, or at those it is folded at "
         "(default: file where it states them).",
     ),
@@ -176,19 +258,53 @@ FoldRestAngles = Annotated[
 
 # ---------------------------------------------------------------- cones
 
-Degree = Annotated[int, typer.Option(help="Number N of creases: even, at least 6.")]
-Ratio = Annotated[float, typer.Option(help="Stiffness ratio r_k = k_even/k_odd.")]
+DEGREE = "Number N of creases: even, at least 6."
+FLAPS = 'Valley and mountain flaps around the ring: "VVM", or "V2M".'
+ELEVATION = 'Elevation nu of the folded cone [rad], up > 0 and down < 0: 0.3 or "-pi/6".'
+
+Degree = Annotated[int, typer.Option(metavar="N", help=DEGREE)]
+DegreeWanted = Annotated[int | None, typer.Option("--degree", metavar="N", help=DEGREE)]
+Ratio = Annotated[
+    float,
+    typer.Option(
+        metavar="R",
+        help="Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone k_even/k_odd.",
+    ),
+]
+Flaps = Annotated[str, typer.Option(metavar="FLAPS", help=FLAPS)]
+FlapsWanted = Annotated[str | None, typer.Option("--flaps", metavar="FLAPS", help=FLAPS)]
+Elevation = Annotated[str, typer.Option(metavar="ANGLE", help=ELEVATION)]
+Elevations = Annotated[
+    list[str] | None,
+    typer.Option("--elevation", metavar="ANGLE", help=ELEVATION),
+]
 RestElevation = Annotated[
-    str, typer.Option(help='Elevation nu_0 of the rest state, signed: 0.3 or "-pi/6".')
+    str,
+    typer.Option(
+        "--rest-elevation",
+        metavar="ANGLE",
+        help='Elevation nu_0 at rest [rad], up > 0 and down < 0: 0.3 or "-pi/6".',
+    ),
+]
+Depth = Annotated[
+    float,
+    typer.Option(
+        metavar="SHARE",
+        help="Count minima deeper than this share of U_flat, the flat state's energy; 0 counts all.",
+    ),
 ]
 RestRule = Annotated[
     str,
-    typer.Option(help="waterbomb: a state of the cone; paper: as printed in section 5."),
+    typer.Option(
+        **_one_of("waterbomb", "paper"),
+        help="waterbomb: a state of the cone; paper: as printed in section 5.",
+    ),
 ]
 EndRule = Annotated[
     str,
     typer.Option(
+        **_one_of("contract", "contact"),
         help="contract: branches with a steep flap end at pi/2 - 2 pi/N, where a single one touches nothing "
-        "(cut); contact: a single steep flap goes on until it touches."
+        "(cut); contact: a single steep flap goes on until it touches.",
     ),
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,17 @@ from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.files import Screen
+    from origami_nlp.show import Table, Turnable
 
+LONG = 24
+"""Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
-ENDINGS = {"figure": (".png", ".pdf", ".svg"), "npz": (".npz",)}
+ENDINGS = {
+    "figure": (".png", ".pdf", ".svg"),
+    "npz": (".npz",),
+    "html": (".html", ".htm"),
+    "animate": (".gif", ".mp4"),
+}
 """What the names of these files end in."""
 
 
@@ -33,7 +42,8 @@ class Output:
     Raises
     ------
     OptionError
-        If a file cannot be written, has the wrong ending, or is the file of another option too.
+        If a file cannot be written, has the wrong ending, or is the file of another option too; if what writes it is
+        not installed.
     """
 
     def __init__(self, *more: tuple[str, Target], **targets: Target | None) -> None:
@@ -47,12 +57,32 @@ class Output:
                     f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
                 )
         check_outputs(*named)
+        if html := targets.get("html"):
+            from origami_nlp.show import check_view
+
+            check_view(f"--html = {str(html)!r}")
+        if film := targets.get("animate"):
+            from origami_nlp.show import check_animation
+
+            check_animation(film)
         self._targets = targets
         self.console: Screen = screen(*targets.values())
 
     def say(self, *things: Any, **options: Any) -> None:
         """Print for people, as `rich.console.Console.print` does."""
         self.console.print(*things, **options)
+
+    def page(self, markdown: str) -> None:
+        """Print Markdown for people, its tables as all others."""
+        from itertools import groupby
+
+        from rich.markdown import Markdown
+
+        for tabular, lines in groupby(markdown.splitlines(), lambda line: line.startswith("|")):
+            if tabular:
+                self.say(_table(list(lines)))
+            elif text := "\n".join(lines).strip():
+                self.say(Markdown(text), width=self.console.page)
 
     def write(self, option: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the file of `option`, if there is one.
@@ -68,12 +98,38 @@ class Output:
             save(*arguments, target)
             self.written(target)
 
+    def turn(self, *results: Turnable) -> None:
+        """Write ``--html``, a page on all `results`, and ``--animate``, the states of the first, where asked for."""
+        from origami_nlp.show import TurnedPage, write_animation
+
+        if not any(self._targets.get(option) for option in ("html", "animate")):
+            return
+        contents = [result.turned() for result in results]
+        if self._targets.get("html"):
+            self.save("html", lambda file: TurnedPage(*contents).save(file))
+        if self._targets.get("animate"):
+            self.save("animate", lambda file: write_animation(contents[0], file))
+
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
-        from origami_nlp.files import is_stdout
+        from origami_nlp.files import is_stdout, printable
 
         if files := [str(target) for target in targets if not is_stdout(target)]:
-            self.say("written: " + ", ".join(files), highlight=False, soft_wrap=True)
+            for file in files:  # whole, to be copied
+                self.console.out(f"written: {printable(file)}", highlight=False)
+
+
+def _table(lines: list[str]) -> Table:
+    """Return a table of Markdown; its first column is of words, as are all that hold long texts."""
+    from origami_nlp.show import Table
+
+    heads, _, *rows = [
+        [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+        for line in lines
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    letters = ["L" if k == 0 or w > LONG else "r" for k, w in enumerate(widths)]
+    return Table(heads, rows, columns="".join(letters), framed=False, narrow=True)
 
 
 def _write(make: Callable[[], Any], target: Target) -> None:

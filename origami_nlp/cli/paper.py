@@ -12,16 +12,17 @@ from origami_nlp.cli.group import Group
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search_panels
+from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 from origami_nlp.paper import FIGURES
-from origami_nlp.pattern import examples, read_scene
+from origami_nlp.pattern import examples, parse_angle
 
 if TYPE_CHECKING:
     from symbolic.claim import Claim
 
 
 def demo(
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("origami_demo"),
+    out: Annotated[Path, o.OutFolder] = Path("origami_demo"),
     seed: o.Seed = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
@@ -50,9 +51,7 @@ def demo(
 
 
 def panels(
-    full: Annotated[
-        bool, typer.Option("--full", help="Decide each state in the full space.")
-    ] = False,
+    full: o.Full = False,
     seed: o.Seed = 0,
     markdown: o.MarkdownFile = None,
     json: o.JsonFile = None,
@@ -76,18 +75,21 @@ def panels(
 
 def reproduce(
     name: Annotated[
-        str, typer.Argument(metavar="FIGURE", help="Which figure: " + ", ".join(FIGURES) + ".")
+        str,
+        typer.Argument(
+            metavar="FIGURE",
+            autocompletion=lambda: list(FIGURES),
+            help=f"One of {', '.join(FIGURES)}.",
+        ),
     ],
     figure: o.FigureFile = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Folder for FIGURE.png and FIGURE.pdf (without --figure: here)."
-        ),
-    ] = None,
+    out: Annotated[Path | None, o.OutFolder] = None,
     seed: o.Seed = 0,
 ) -> None:
-    """Draw a figure of the paper anew, from exact states and boundaries."""
+    """Draw a figure of the paper anew, from exact states and boundaries.
+
+    FIGURE.png and FIGURE.pdf go to the folder --out, without --figure to the one you are in.
+    """
     from origami_nlp.files import make_folder, save_figure
 
     if name not in FIGURES:
@@ -105,12 +107,21 @@ def reproduce(
     output.written(*targets)
 
 
+def _claims() -> list[str]:
+    from symbolic.catalogue import claims
+
+    return [claim.id for claim in claims()]
+
+
 def verify(
     json: o.JsonFile = None,
     markdown: o.MarkdownFile = None,
     latex: o.LatexFile = None,
     only: Annotated[
-        list[str] | None, typer.Option(help="Decide this claim only (repeatable).", metavar="ID")
+        list[str] | None,
+        typer.Option(
+            metavar="ID", autocompletion=_claims, help="Decide this claim only (repeatable)."
+        ),
     ] = None,
 ) -> None:
     """Prove or refute the equations and statements of the source paper that are in the catalogue.
@@ -163,9 +174,10 @@ def audit(
     out.write("markdown", as_markdown, panels)
 
 
+@takes_scene(o.SceneFile)
 def grid(
-    scene: o.SceneFile,
-    size: Annotated[int, typer.Option(help="Grid points along each coordinate.")] = 65,
+    scene: Source,
+    size: o.Size = 65,
     seed: o.Seed = 0,
 ) -> None:
     """List the grid-local minima of SCENE's landscape and follow each downhill to an exact minimum."""
@@ -173,7 +185,7 @@ def grid(
     from origami_nlp.minima import minima_table
     from origami_nlp.paper import follow_grid_minima, grid_minima_table
 
-    stated = read_scene(scene)
+    stated = scene.read()
     if not 9 <= size <= 4097:
         raise OptionError(f"--size = {size} must lie between 9 and 4097")
     chart = landscape(stated, 9)
@@ -181,10 +193,52 @@ def grid(
         why = chart.reason or "it has one symmetric freedom only"
         raise OptionError(f"scene has no two-dimensional chart: {why}")
     out = Output()
-    result = search(stated, scene, seed=seed)
+    result = search(stated, scene.name, seed=seed)
     out.say(minima_table(result))
     out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
 
 
+def fractions(
+    size: o.Size = 40,
+    markdown: o.MarkdownFile = None,
+    json: o.JsonFile = None,
+) -> None:
+    """Go through every number of stable states printed in section 5, under nine readings."""
+    from origami_nlp.cone import check_size
+    from origami_nlp.paper import (
+        STATEMENTS,
+        check_statements,
+        findings_to_dict,
+        section5_table as table,
+    )
+    from origami_nlp.show import folding_table, rows_markdown
+
+    check_size(size)
+    out = Output(markdown=markdown, json=json)
+    with progress("printed numbers", len(STATEMENTS)) as report:
+        findings = check_statements(size, progress=report)
+    title = "numbers printed in section 5; what occurs there (share of the printed one)"
+    short = [table.short_row(f) for f in findings]
+    out.say(folding_table(table.SHORT_HEADS, short, title, (1, 3)))
+    rows = [table.finding_row(f) for f in findings]
+    out.write("markdown", rows_markdown, table.FINDING_HEADS, rows)
+    out.write("json", findings_to_dict, findings)
+
+
+def limits(
+    elevation: o.Elevation = "0.6",
+    ratio: o.Ratio = 1.0,
+    json: o.JsonFile = None,
+) -> None:
+    """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
+    from origami_nlp.paper import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
+    from origami_nlp.show import folding_table
+
+    out = Output(json=json)
+    found = measure(parse_angle(elevation, "--elevation"), ratio)
+    out.say(folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p"))
+    out.write("json", limits_to_dict, found)
+
+
 paper = Group("The source paper: its 18 panels, figures, equations and published states.")
-paper.add(demo, panels, reproduce, verify, audit, grid)
+paper.add(demo, panels, reproduce, verify, audit, grid, fractions, limits)

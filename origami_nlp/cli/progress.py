@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 INTERVAL = 10.0
 """Seconds between two lines where there is no terminal."""
+BAR = 16
+"""Columns of a bar."""
 PAUSE = 1.0
 """Jobs that follow each other within so many seconds are one silence."""
 
@@ -69,6 +71,11 @@ _heard = {"line": 0.0, "end": -PAUSE}
 """When the last line came, and when the last job ended (`time.monotonic`)."""
 
 
+def wait(now: float) -> float:
+    """Return the seconds until the next line may come."""
+    return max(0.0, _heard["line"] + INTERVAL - now)
+
+
 @contextmanager
 def progress(title: str, total: float | None = None) -> Iterator[Report]:
     """Show a job of `total` parts (None: unknown; 1.0: a share) while it runs.
@@ -100,22 +107,24 @@ def _inside(report: Report, _: Screen) -> Iterator[None]:
 @contextmanager
 def _bar(report: Report, screen: Screen) -> Iterator[None]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.text import Text
 
-    words = (
-        TextColumn(f"{{task.{name}}}", markup=False) for name in ("description", "fields[state]")
-    )
+    def line(r: Report) -> str:
+        text = Text(r.line)  # one line, however narrow the terminal
+        text.truncate(max(1, screen.width - BAR - len(" 0:00:00 ")), overflow="ellipsis")
+        return text.plain
+
     with Progress(
-        next(words),
-        BarColumn(),
-        next(words),
         TimeElapsedColumn(),
+        BarColumn(BAR),
+        TextColumn("{task.fields[line]}", markup=False),
         console=screen,
         transient=True,
         redirect_stdout=False,  # rich would send it to standard error
         redirect_stderr=False,
     ) as bar:
-        task = bar.add_task(report.title, total=report.total, state="")
-        report.listener = lambda r: bar.update(task, completed=r.done, total=r.total, state=r.state)
+        task = bar.add_task("", total=report.total, line=line(report))
+        report.listener = lambda r: bar.update(task, completed=r.done, total=r.total, line=line(r))
         yield
 
 
@@ -126,7 +135,7 @@ def _lines(report: Report, screen: Screen) -> Iterator[None]:
         _heard["line"] = start
 
     def tell() -> None:
-        while not over.wait(max(0.0, _heard["line"] + INTERVAL - time.monotonic())):
+        while not over.wait(wait(time.monotonic())):
             _heard["line"] = time.monotonic()
             try:
                 print(

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
+@takes_scene(o.SceneFile)
 def space(
-    scene: o.SceneFile,
-    size: Annotated[int, typer.Option(help="Rings of the mesh around the flat state.")] = 64,
+    scene: Source,
+    rings: o.Rings = 64,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
 ) -> None:
@@ -22,9 +19,9 @@ def space(
     from origami_nlp.space import draw_space, find_space, print_space
 
     out = Output(json=json, figure=figure)
-    stated = read_scene(scene)
-    with progress(f"{stated.label or scene}: mesh, walls, layers"):
-        found = find_space(stated, size)
+    stated = scene.read()
+    with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
+        found = find_space(stated, rings)
     print_space(found, out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_space, found)

@@ -11,17 +11,13 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
-from origami_nlp.errors import OptionError, SweepError
+from origami_nlp.errors import SweepError
 
 
 def sweep(
     spec: o.SweepFile,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Folder of the store; made if new.")
-    ],
-    workers: Annotated[
-        int | None, typer.Option(help="Processes (default: one a processor).")
-    ] = None,
+    out: Annotated[Path, o.OutFolder],
+    workers: o.WorkersWanted = None,
     dask: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
@@ -33,8 +29,6 @@ def sweep(
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
     output = Output(figure=figure)
-    if workers is not None and workers < 1:
-        raise OptionError(f"--workers = {workers} must be at least 1")
     stated = read_sweep(spec)
     make_folder(out, "--out")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
@@ -50,9 +44,12 @@ def sweep(
     if done.interrupted:
         output.say("interrupted: the same command goes on from here")
         raise typer.Exit(130)
-    output.save("figure", draw_sweep, out)
-    if done.counts.get("failed"):
+    failed = done.counts.get("failed")
+    if failed:
         output.say("failed scenes are tried again by the same command; reasons are in the store")
+    output.written(out)
+    output.save("figure", draw_sweep, out)
+    if failed:
         raise typer.Exit(1)
 
 

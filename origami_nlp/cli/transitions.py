@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
-import typer
-
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
@@ -13,12 +9,15 @@ from origami_nlp.cli.progress import progress
 
 def transitions(
     family: o.Family,
-    samples: Annotated[int, typer.Option(help="Sector angles of the sweep.")] = 25,
-    size: Annotated[int, typer.Option(help="Rings of each mesh.")] = 16,
+    samples: o.Samples = 25,
+    rings: o.Rings = 16,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
 ) -> None:
-    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
+    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space.
+
+    The sweep starts from so many --samples of alpha_1.
+    """
     from origami_nlp.space import find_transitions, print_transitions
 
     out = Output(json=json)
@@ -26,7 +25,7 @@ def transitions(
         sweep = find_transitions(
             family,
             samples=samples,
-            size=size,
+            size=rings,
             seed=seed,
             report=lambda what, done: tell(done, text=what),
         )

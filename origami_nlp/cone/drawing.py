@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import os
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,10 +16,10 @@ from origami_nlp.cone.necklaces import foldings
 from origami_nlp.errors import OptionError
 from origami_nlp.files import save_figure
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import MOUNTAIN, VALLEY, draw_state
+from origami_nlp.show import crease_legend, draw_state, drawn_height, label_text
 
-CELL, TITLE, NOTE = 2.1, 0.62, 0.5
-"""Side of a drawing, height of its title, and of the note below [in]."""
+CELL, TITLE, LINE = 2.1, 0.42, 0.17
+"""Width of a drawing, height of its title, and of a line of the note below [in]."""
 MOST_DRAWN = 40
 
 
@@ -61,10 +61,10 @@ def draw_foldings(
         copies = f"{f.copies} cop{'y' if f.copies == 1 else 'ies'}"
         title = f"{write_flaps(f.flaps)}, {f.symmetry}\n{copies}"
         if size < abs(elevation):
-            title += f", ends at {format_angle(branch.end)}"
+            title += f", ends at {_short(branch.end)}"
         states.append((branch, direction * size, title))
-    note = f"degree {degree}, elevation {format_angle(elevation)} ({direction_name(direction)})"
-    return _sheet(states, note, min(4, len(states)), path)
+    note = f"degree {degree}, elevation {_short(elevation)} ({direction_name(direction)})"
+    return _sheet(states, note, path)
 
 
 def draw_branch(
@@ -93,39 +93,55 @@ def draw_branch(
         f"branch {branch!r}, symmetry {branch.symmetry}; ends at "
         f"{_short(branch.end)}: {branch.end_text}"
     )
-    return _sheet(states, note, min(4, len(states)), path)
+    return _sheet(states, note, path)
 
 
 def _short(angle: float) -> str:
     text = format_angle(angle)
-    return text if len(text) <= 9 else f"{angle:.4f}"
+    return label_text(text) if len(text) <= 9 else f"{angle:.4f}".replace("-", "−")
 
 
 def _sheet(
     states: Sequence[tuple[ConeBranch, float, str]],
     note: str,
-    columns: int,
     path: str | os.PathLike[str] | None,
 ) -> Figure:
     """Draw states in rows below each other, with what the colours mean."""
-    columns = max(columns, 3)
-    rows = math.ceil(len(states) / columns)
-    width, height = columns * CELL + 0.2, rows * (CELL + TITLE) + NOTE + 0.1
-    figure = Figure(figsize=(width, height))
-    for k, (branch, elevation, title) in enumerate(states):
+    # of three or four columns those that fill the last row better
+    columns = min(len(states), max((4, 3), key=lambda c: -(-len(states) % c)))
+    angles = [np.asarray(branch.fold_angles(elevation)) for branch, elevation, _ in states]
+    shares = [
+        CELL * drawn_height(branch.vertex, phi)
+        for (branch, _, _), phi in zip(states, angles, strict=True)
+    ]
+    heights = [max(shares[k : k + columns]) + TITLE + 0.1 for k in range(0, len(states), columns)]
+    width = max(columns, 2) * CELL + 0.2
+    words = textwrap.wrap(note, int(width * 14.5))
+    handles = crease_legend()
+    keys = 1 if width > 5 else 2
+    below = 0.22 * keys + LINE * len(words) + 0.2
+    height = 0.1 + sum(heights) + below
+    figure = Figure(figsize=(width, height), dpi=110)
+    left = (width - columns * CELL) / 2
+    for k, (branch, _, title) in enumerate(states):
         row, column = divmod(k, columns)
-        bottom = height - 0.1 - (row + 1) * (CELL + TITLE)
-        axes = figure.add_axes(
-            ((0.1 + column * CELL) / width, bottom / height, CELL / width, CELL / height)
-        )
-        phi = np.asarray(branch.fold_angles(elevation))
-        draw_state(axes, branch.vertex, phi, size=7.5 if branch.degree <= 12 else 6.0)
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, high + 0.03 * (high - low))  # thick creases at the very top
-        axes.set_title(title, fontsize=8.5, linespacing=1.25, pad=3)
-    figure.text(0.1 / width, 0.3 / height, note, fontsize=8)
-    figure.text(0.1 / width, 0.1 / height, "valley creases", color=VALLEY, fontsize=8)
-    figure.text(1.05 / width, 0.1 / height, "mountain creases", color=MOUNTAIN, fontsize=8)
+        top = height - 0.1 - sum(heights[:row]) - TITLE
+        box = ((left + column * CELL) / width, (top - shares[k]) / height)
+        axes = figure.add_axes((*box, CELL / width, shares[k] / height))
+        size = 8.0 if branch.degree <= 12 else 6.5
+        draw_state(axes, branch.vertex, angles[k], size=size, crop=True)
+        at = (left + (column + 0.5) * CELL) / width
+        figure.text(at, (top + 0.08) / height, title, fontsize=9, ha="center", linespacing=1.25)
+    for number, line in enumerate(words):
+        figure.text(0.1 / width, (below - 0.2 - LINE * number) / height, line, fontsize=9)
+    figure.legend(
+        handles=handles,
+        loc="lower left",
+        ncols=4 // keys,
+        fontsize=9,
+        frameon=False,
+        borderaxespad=0.2,
+    )
     if path is not None:
-        save_figure(figure, path, 150)
+        save_figure(figure, path)
     return figure

@@ -24,13 +24,14 @@ from origami_nlp.cone.energy import SideEnergy
 from origami_nlp.cone.roots import CELLS, FREE, HALVINGS, TIE, curvature_bounds
 from origami_nlp.cone.rules import Cone, check_depth, check_ratio
 from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
 
 LIMB = 30
 """Multiplicities beyond 63 bits are summed in limbs of this many bits."""
 
 
-@dataclass(frozen=True)
-class CountMap:
+@dataclass(frozen=True, repr=False)
+class CountMap(Brief):
     """Numbers of branch minima, shape [ratios, elevations] each.
 
     Attributes

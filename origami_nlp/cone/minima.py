@@ -25,10 +25,11 @@ from origami_nlp.cone.classes import assignment_classes
 from origami_nlp.cone.energy import SideEnergy
 from origami_nlp.cone.roots import polish, slope_signs
 from origami_nlp.cone.rules import LARGEST_DEGREE, Cone, Rest, check_depth, check_ratio
+from origami_nlp.files import Brief
 
 
-@dataclass(frozen=True)
-class ConeMinima:
+@dataclass(frozen=True, repr=False)
+class ConeMinima(Brief):
     """Minima of branches, one entry a class and minimum; arrays of one length.
 
     Attributes

@@ -14,6 +14,8 @@ from origami_nlp.cone.map import CountMap, count_map
 from origami_nlp.cone.phase_curves import PhaseBoundary, phase_boundaries
 from origami_nlp.cone.rules import Cone, check_depth, check_ratio
 from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
+from origami_nlp.show import Result
 
 RATIOS = (1e-2, 1e2)
 """Smallest and largest ratio of a diagram."""
@@ -22,8 +24,8 @@ LARGEST_DEGREE = 200
 """Of the boundaries: 7,500 classes of both directions at degree 200."""
 
 
-@dataclass(frozen=True)
-class PhaseDiagram:
+@dataclass(frozen=True, repr=False)
+class PhaseDiagram(Brief, Result):
     """Map and boundaries.
 
     Attributes
@@ -39,6 +41,13 @@ class PhaseDiagram:
     map: CountMap
     contact: bool
     boundaries: tuple[PhaseBoundary, ...] = field(repr=False)
+
+    PICTURE = "draw_phase"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data: `diagram_to_dict`."""
+        data: dict[str, Any] = self._from_room("diagram_to_dict")(self)
+        return data
 
     @property
     def degree(self) -> int:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from origami_nlp.arguments import check_path, check_type
@@ -20,6 +19,7 @@ from origami_nlp.cone.energy import class_energy
 from origami_nlp.cone.phase import PhaseDiagram
 from origami_nlp.cone.phase_curves import PhaseBoundary
 from origami_nlp.files import save_figure
+from origami_nlp.show import INKS
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {
@@ -29,11 +29,10 @@ WORDS = {
     "depth": "depth threshold",
     "depth-at-end": "depth threshold, at the end",
 }
-INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
-"""Okabe-Ito, by number of valley flaps."""
-HALO = [withStroke(linewidth=2.2, foreground="white")]
 NEAREST_LABELS = 0.045
-"""Labels are at least this far apart (share of the axes' height; widths count for 0.4 of it)."""
+"""Labels are at least this far apart (share of the axes' height)."""
+WIDE = 0.42
+"""How much of a distance along the width counts for that of labels, which are wider than high."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
 
@@ -110,7 +109,7 @@ def _bar(axes: Any, image: Any, numbers: Sequence[int], branches: int) -> None:
     bar = axes.figure.colorbar(image, ax=axes, ticks=ticks, pad=0.02, fraction=0.06, aspect=30)
     short = len(str(branches)) <= 6
     names = [f"{numbers[k]}/{branches}" if short else f"{numbers[k] / branches:.4g}" for k in ticks]
-    bar.ax.set_yticklabels(names, fontsize=7)
+    bar.ax.set_yticklabels(names, fontsize=8)
     bar.ax.tick_params(length=0)
     bar.outline.set_linewidth(0.5)
 
@@ -121,9 +120,9 @@ def frame(axes: Any, nu: tuple[float, float], ratio: tuple[float, float]) -> Non
     axes.set_xlim(*nu)
     axes.set_ylim(*ratio)
     angle_axis(axes.xaxis, *nu)
-    axes.set_xlabel(r"rest elevation $\upsilon_0$ [rad]", fontsize=8)
-    axes.set_ylabel(r"$r_k = k_\mathrm{even}/k_\mathrm{odd}$", fontsize=8)
-    axes.tick_params(labelsize=7)
+    axes.set_xlabel(r"rest elevation $\upsilon_0$ [rad]", fontsize=9)
+    axes.set_ylabel(r"$r_k = k_\mathrm{even}/k_\mathrm{odd}$", fontsize=9)
+    axes.tick_params(labelsize=8)
 
 
 def ink(branches: EnergyClass) -> str:
@@ -139,7 +138,7 @@ def draw_boundaries(
     *,
     labels: bool = True,
     mirrored: bool = False,
-    size: float = 7.0,
+    size: float = 7.5,
 ) -> None:
     """Draw boundaries with labels on the side where the branch has a minimum.
 
@@ -162,6 +161,7 @@ def draw_boundaries(
     """
     sign = -1.0 if mirrored else 1.0
     drawn: set[tuple[object, ...]] = set()
+    seen: set[tuple[object, ...]] = set()  # where two curves are one, both colours show
     texts: list[tuple[PhaseBoundary, np.ndarray, np.ndarray]] = []
     for curve in boundaries:
         key = _same_curve(curve)
@@ -169,14 +169,9 @@ def draw_boundaries(
             continue
         drawn.add(key)
         x, y = sign * curve.rest_elevation, curve.ratio
-        axes.plot(
-            x,
-            y,
-            STYLES[curve.kind],
-            color=ink(curve.branches),
-            lw=1.4 if curve.kind in ("start", "fold") else 1.0,
-            label=WORDS[curve.kind],
-        )
+        look = {"color": ink(curve.branches), "lw": 1.5, "label": WORDS[curve.kind]}
+        axes.plot(x, y, **look, ls=(0, (5, 5)) if key[3:] in seen else STYLES[curve.kind])
+        seen.add(key[3:])
         texts.append((curve, x, y))
     frame(axes, nu, ratio)
     if labels:
@@ -215,24 +210,24 @@ def _place_labels(
     every = [unit(x, y) for _, x, y in curves]
     for own, (curve, _, _) in enumerate(curves):
         points = every[own]
-        good = ((points > [0.08, 0.04]) & (points < [0.95, 0.97])).all(axis=1)
+        good = ((points > [0.08, 0.04]) & (points < [0.96, 0.97])).all(axis=1)
         if good.sum() < 5:
             continue
         at = np.flatnonzero(good)
         at = at[:: max(1, len(at) // 60)]
         side = _side_of_minimum(curve)
         # at an end curve the branch has a minimum on both sides: its label stands on the line
-        offset = points[at] + np.array([0.0, 0.028 * side * (curve.kind != "end")])
+        offset = points[at] + np.array([0.0, 0.034 * side * (curve.kind != "end")])
         room = np.full(len(at), 1.0)
         for other in placed:
-            apart = np.hypot(*((offset - other) * np.array([0.4, 1.0])).T)
+            apart = np.hypot(*((offset - other) * np.array([WIDE, 1.0])).T)
             room = np.where(apart < NEAREST_LABELS, 0.0, np.minimum(room, apart))
         for k, line in enumerate(every):
             if k != own and len(line):
                 gap = np.abs(offset[:, None, :] - line[None, :: max(1, len(line) // 80), :])
                 room = np.minimum(room, 1.5 * np.hypot(gap[..., 0] * 0.6, gap[..., 1]).min(axis=1))
         best = int(room.argmax())
-        if room[best] < 0.012:
+        if room[best] < 0.008:
             continue
         placed.append(offset[best])
         text = start_label(curve.branches) if curve.kind == "start" else curve.label
@@ -244,7 +239,8 @@ def _place_labels(
             color=ink(curve.branches),
             ha="center",
             va="center",
-            path_effects=HALO,
+            bbox={"fc": "white", "ec": "none", "pad": 0.6} if curve.kind == "end" else None,
+            zorder=3 if curve.kind == "end" else 4,
         )
 
 
@@ -275,8 +271,8 @@ def legend(axes: Any) -> None:
     handles = [Line2D([], [], color="#444444", ls=STYLES[k], lw=1.2) for k in kinds]
     if handles:
         words = [WORDS[k] for k in kinds]
-        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": 2}
-        axes.legend(handles, words, fontsize=6.5, frameon=False, **place)
+        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": 1}
+        axes.legend(handles, words, fontsize=8, frameon=False, **place)
 
 
 def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -303,43 +299,33 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
     if path is not None:
         check_path("path", path)
     counts = diagram.map
-    panels = 3 if diagram.contact else 2
-    figure = Figure(figsize=(4.1 * panels, 4.3), layout="constrained", dpi=100)
-    grid = figure.subplots(1, panels)
     words = "branch minima" if diagram.contact else "minima inside their branch"
     if counts.depth > 0:
         words += f", deeper than {counts.depth:g}"
-    only = (
-        f": {diagram.numbers[0]}/{counts.branches} everywhere" if len(diagram.numbers) == 1 else ""
-    )
-    draw_map(
-        grid[0],
-        counts.elevations,
-        counts.ratios,
-        diagram.minima,
-        counts.branches,
-        title=words + only,
-        bar=not only,
-    )
+    one = len(diagram.numbers) == 1  # nothing to draw: the title says it
+    panels = 1 + diagram.contact + (not one)
+    figure = Figure(figsize=(max(6.0, 4.1 * panels), 4.5), layout="constrained", dpi=110)
+    grid = list(figure.subplots(1, panels, squeeze=False)[0])
+    x, y = counts.elevations, counts.ratios
+    if not one:
+        draw_map(grid[0], x, y, diagram.minima, counts.branches, title=words)
     if diagram.contact:
-        draw_map(
-            grid[1],
-            counts.elevations,
-            counts.ratios,
-            counts.at_end,
-            counts.branches,
-            title=end_words(counts.cone.end),
-        )
-    window = (grid[0].get_xlim(), grid[0].get_ylim())
-    draw_boundaries(grid[-1], diagram.boundaries, *window)
-    grid[-1].set_title("boundaries, labelled where the branch has a minimum", fontsize=9)
-    legend(grid[-1])
-    figure.suptitle(
-        f"cone of degree {diagram.degree}, {counts.branches} branches, rest state: {counts.cone.rest}",
-        fontsize=10,
+        title = end_words(counts.cone.end)
+        draw_map(grid[-2], x, y, counts.at_end, counts.branches, title=title)
+    window = (
+        (float(x[0]), float(x[-1])),
+        (float(y[0]), float(y[-1])),
     )
+    if panels > 1:
+        window = (grid[0].get_xlim(), grid[0].get_ylim())
+    draw_boundaries(grid[-1], diagram.boundaries, *window)
+    grid[-1].set_title("boundaries, labels on the side of the minimum", fontsize=9)
+    legend(grid[-1])
+    only = f": {diagram.numbers[0]} {words} everywhere" if one else ""
+    who = f"cone of degree {diagram.degree}, {counts.branches} branches, rest state {counts.cone.rest}"
+    figure.suptitle(who + only, fontsize=11, weight="bold")
     if path is not None:
-        save_figure(figure, path, 200)
+        save_figure(figure, path)
     return figure
 
 

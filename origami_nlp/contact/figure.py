@@ -4,28 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.kkt import ContactForce
+from origami_nlp.minima import images
 from origami_nlp.programme import Model
-from origami_nlp.show import Pose, draw_state, pose_state
+from origami_nlp.show import IDLE, PUSHES, Pose, crease_legend, draw_state, drawn_height, pose_state
 
-LOADED, IDLE = "#b5179e", "#6c757d"
-"""Contacts that push, and contacts that only touch."""
-
-
-def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the creases and facets (1-based) of a contact with all its images under the symmetry."""
-    orbit = model.variable_of_crease
-    n = len(orbit)
-    wanted = {orbit[c - 1] for c in contact.creases}
-    creases = tuple(i + 1 for i in range(n) if orbit[i] in wanted)
-    pairs = {frozenset((orbit[f - 1], orbit[f % n])) for f in contact.facets}
-    facets = tuple(f + 1 for f in range(n) if frozenset((orbit[f], orbit[(f + 1) % n])) in pairs)
-    return creases, facets
+WIDTH = 4.2
+"""Of the picture [in]."""
+LOOKS: dict[bool, dict[str, Any]] = {
+    True: {"color": PUSHES, "lw": 3.4},
+    False: {"color": IDLE, "lw": 2.2, "ls": (0, (2, 1))},
+}
+"""Lines of contacts that push, and of those that only touch."""
 
 
 def draw_contacts(
@@ -33,7 +30,7 @@ def draw_contacts(
 ) -> Figure:
     """Draw a state; creases in contact are thick lines, facets in contact are outlined.
 
-    Magenta contacts push, grey ones carry nothing; images under the symmetry are drawn as well.
+    Magenta contacts push, dashed grey ones carry nothing; images under the symmetry are drawn as well.
 
     Parameters
     ----------
@@ -52,34 +49,37 @@ def draw_contacts(
         The picture.
     """
     phi = np.asarray(fold_angles, dtype=float)
-    figure = Figure(figsize=(4.2, 4.4), dpi=100, facecolor="white")
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.88))
-    draw_state(axes, model.scene.vertex, phi)
+    pushing = [contact.multiplier_range[1] > 0 for contact in contacts]
+    handles: list[Any] = [
+        Line2D([], [], **LOOKS[push], label=words)
+        for push, words in ((True, "contact that pushes"), (False, "contact that only touches"))
+        if push in pushing
+    ]
+    handles += crease_legend()
+    drawn = WIDTH * drawn_height(model.scene.vertex, phi)
+    legend, head = 0.21 * math.ceil(len(handles) / 2) + 0.1, 0.3 if title else 0.05
+    height = head + drawn + 0.1 + legend
+    figure = Figure(figsize=(WIDTH, height), dpi=100, facecolor="white")
+    axes = figure.add_axes((0.0, 1 - (head + drawn) / height, 1.0, drawn / height))
+    draw_state(axes, model.scene.vertex, phi, crop=True)
+    limits = axes.get_xlim(), axes.get_ylim()
     pose = pose_state(model.scene.vertex, phi)
-    lowest = float((pose.creases + pose.offsets)[:, 1].min(initial=0.0))
-    axes.set_ylim(bottom=max(axes.get_ylim()[0], lowest - 0.25))  # nothing is drawn below
-    for contact in contacts:
-        colour = LOADED if contact.multiplier_range[1] > 0 else IDLE
+    for push, contact in sorted(zip(pushing, contacts, strict=True), key=lambda pair: pair[0]):
         creases, facets = images(model, contact)
-        for c in creases:
-            _line(axes, _crease(pose, c - 1), colour, 4.0)
         for f in facets:
-            _line(axes, _facet(pose, f - 1), colour, 2.4)
+            _line(axes, _facet(pose, f - 1), LOOKS[push] | {"lw": 1.6})
+        for c in creases:
+            _line(axes, _crease(pose, c - 1), LOOKS[push])
+    axes.set(xlim=limits[0], ylim=limits[1])
+    figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=8.5, frameon=False)
     if title:
-        figure.suptitle(title, fontsize=10)
+        figure.suptitle(title, fontsize=10, y=1 - 0.06 / height)
     return figure
 
 
-def _line(axes, points: np.ndarray, colour: str, width: float) -> None:  # type: ignore[no-untyped-def]
-    axes.plot(
-        points[:, 0],
-        points[:, 1],
-        color=colour,
-        lw=width,
-        alpha=0.85,
-        solid_capstyle="round",
-        path_effects=[withStroke(linewidth=width + 1.6, foreground="white", alpha=0.7)],
-    )
+def _line(axes: Any, points: np.ndarray, look: dict[str, Any]) -> None:
+    halo = [withStroke(linewidth=look["lw"] + 1.6, foreground="white", alpha=0.7)]
+    axes.plot(*points[:, :2].T, **look, alpha=0.85, solid_capstyle="round", path_effects=halo)
 
 
 def _crease(pose: Pose, i: int) -> np.ndarray:

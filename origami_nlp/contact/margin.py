@@ -26,6 +26,7 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.contact.force_cone import distance_to_boundary
+from origami_nlp.files import Brief
 from origami_nlp.kkt import (
     Multipliers,
     State,
@@ -107,8 +108,8 @@ class CreaseMargin:
     ends: tuple[Ending, Ending]
 
 
-@dataclass(frozen=True)
-class LoadMargin:
+@dataclass(frozen=True, repr=False)
+class LoadMargin(Brief):
     """The load margin of one state.
 
     Attributes

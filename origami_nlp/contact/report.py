@@ -1,4 +1,4 @@
-"""The contact report: what holds each minimum in contact, as a terminal table, Markdown, JSON and static HTML.
+"""The contact report: what holds each minimum in contact, as a terminal table, Markdown and JSON.
 
 JSON schema ``origami-nlp/contacts/1``: indices 1-based, angles in radians, moments in the scene's units; a number
 that does not exist or never ends is null.
@@ -7,17 +7,15 @@ that does not exist or never ends is null.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from html import escape
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
-from origami_nlp.minima import MinimaResult, Minimum, contact_words
+from origami_nlp.files import Brief
+from origami_nlp.minima import CELLS, MinimaResult, Minimum, contact_words
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Piece, Table, Told, Words, inline_image, pick, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, pick, to_plain
 
 SCHEMA = "origami-nlp/contacts/1"
 HEADS = (
@@ -30,17 +28,12 @@ HEADS = (
 )
 CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
 CREASES = "Largest moment on the creases of one orbit alone:"
-STYLE = (
-    "body{font:15px/1.45 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;"
-    "color:#1c2733;background:#fff}table{border-collapse:collapse}td,th{border-bottom:1px solid #dde3e8}"
-    ".state{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:flex-start}img{max-width:100%}"
-)
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
 
-@dataclass(frozen=True)
-class PinnedState:
+@dataclass(frozen=True, repr=False)
+class PinnedState(Brief):
     """One minimum with closed contacts.
 
     Attributes
@@ -100,7 +93,7 @@ class PinnedState:
 
 
 @dataclass(frozen=True, repr=False)
-class ContactReport(Told):
+class ContactReport(Told, Turnable):
     """The minima of a result that are in contact, and, if asked for, its metastable segments.
 
     Attributes
@@ -189,47 +182,41 @@ class ContactReport(Told):
             parts += ["## Metastable segments\n", _bullets(self.segments.told())]
         return "\n".join(parts)
 
-    def to_html(self) -> str:
-        """Return the report as one static page: no scripts, no links, pictures inline."""
-        from origami_nlp.contact.figure import draw_contacts  # pictures are slow to import
-        from origami_nlp.contact.segments_figure import draw_segments
+    def turned(self) -> Content:
+        """Return states with their contacts and the contact boundaries as plain data, see `view`."""
+        from origami_nlp.chart import landscape
+        from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
-        title = escape(self.headline)
-        parts = [
-            "<!doctype html>",
-            f"<html lang='en'><head><meta charset='utf-8'><title>{title}</title>",
-            f"<style>{STYLE}</style></head><body><h1 style='font-size:1.3rem'>{title}</h1>",
-            self.full_table().html(),
-        ]
+        chart = landscape(self.result.scene, CELLS)
+        content = self.result.turned(chart)
+        stations = list(content.stations)
         for state in self.states:
-            m = state.minimum
-            figure = draw_contacts(self.result.model, m.fold_angles, m.contacts)
-            degrees = ", ".join(f"{a + 0.0:.2f}" for a in np.degrees(m.fold_angles))
-            parts += [
-                f"<h2 style='font-size:1.1rem'>State {state.number}</h2><div class='state'>",
-                inline_image(figure, f"State {state.number} with its contacts", 80, crop=True),
-                f"<div><p>Fold angles [deg]: {degrees}</p>{_items(margin_lines(state.margin))}",
-            ]
+            old = stations[state.number - 1]
+            stiff = f"tangential stiffness: {state.stiffness_words()}"
+            lines = (*old.lines, stiff, *margin_lines(state.margin))
+            stations[state.number - 1] = replace(old, lines=lines)
+        content = replace(content, stations=tuple(stations), pieces=tuple(self._pieces()))
+        return content if self.segments is None else add_segments(content, chart, self.segments)
+
+    def _pieces(self) -> Iterator[Piece]:
+        """Return the report with the margins of single creases as tables."""
+        yield replace(self.full_table(), title=self.headline)
+        for state in self.states:
             if state.margin.creases:
-                parts += [f"<p>{CREASES}</p>", state.creases_table().html()]
-            parts.append("</div></div>")
-        if self.states:
-            parts.append(
-                "<p><small>Thick magenta lines are creases in contact, magenta outlines facets in contact, "
-                "images under the symmetry included; grey contacts carry nothing.</small></p>"
-            )
+                title = f"State {state.number}: largest moment on the creases of one orbit alone"
+                yield replace(state.creases_table(), title=title)
         if self.segments is not None:
-            parts += [
-                "<h2 style='font-size:1.1rem'>Metastable segments</h2>",
-                _items(self.segments.told()),
-                inline_image(
-                    draw_segments(self.segments),
-                    "Energy along each contact boundary",
-                    80,
-                    crop=True,
-                ),
-            ]
-        return "\n".join([*parts, "</body></html>"]) + "\n"
+            yield from self.segments.told()
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for state in self.states:
+            row = {"scene": self.result.scene.label, "state": state.number}
+            row |= {"energy": state.minimum.energy, "kind": state.minimum.kind}
+            last = {"margin": state.margin.norm, "margin_is": state.margin.status}
+            for c in state.minimum.contacts:
+                least, most = c.multiplier_range
+                own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
+                yield row | own | last
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""
@@ -245,15 +232,11 @@ class ContactReport(Told):
 
 
 print_contacts, contacts_to_dict = ContactReport.tell, ContactReport.to_dict
-as_markdown, as_html = ContactReport.to_markdown, ContactReport.to_html
+as_markdown = ContactReport.to_markdown
 
 
 def _bullets(lines: Iterable[str]) -> str:
     return "".join(f"- {line}\n" for line in lines)
-
-
-def _items(lines: Iterable[str]) -> str:
-    return f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>"
 
 
 def margin_number(margin: LoadMargin) -> str:

@@ -104,6 +104,8 @@ class SegmentReport(Told):
     slope: float
     stiffness: float
 
+    PICTURE = "draw_segments"
+
     @property
     def length(self) -> float:
         """Total length of all metastable segments [rad]."""
@@ -129,6 +131,13 @@ class SegmentReport(Told):
             )
         if not self.segments:
             yield "no metastable segment"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for s in self.segments:
+            row: dict[str, object] = {"scene": self.scene.label}
+            row["contacts"] = "; ".join(self.curves[s.curve].contacts)
+            row |= {"length": s.length, "start": s.start, "end": s.end, "moment": s.moment}
+            yield row | {"energy_change": s.energy_change, "slope": s.slope}
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; schema ``origami-nlp/segments/1``."""

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 import os
 import textwrap
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from origami_nlp.contact.segments import SegmentReport
 from origami_nlp.files import save_figure
+from origami_nlp.show import BAND, INK, METASTABLE, label_text, patch
 
-RED, LINE, BAND = "#c1121f", "#26323f", "#f0d9b5"
-MOST_CURVES = 8
+MOST_CURVES = 4
+"""Boundaries drawn; the figure says how many there are more."""
 
 
 def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw U(s), dU/ds, d2U/ds2 and the contact moment along every boundary; metastable parts in red.
-
-    The bands are the thresholds of the report; dotted parts of a curve are those where a contact does not
-    push; circles are minima.
+    """Draw U(s), dU/ds, d2U/ds2 and the contact moment along boundaries, those with metastable parts first.
 
     Parameters
     ----------
@@ -45,27 +45,46 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     left_out = len(shown) - len(shown[:MOST_CURVES])
     shown = sorted(shown[:MOST_CURVES])
     columns = max(1, len(shown))
-    width = 1.4 + 3.1 * columns
-    figure = Figure(figsize=(width, 8.6), dpi=110, facecolor="white")
+    width = 2.0 + 2.3 * columns
+    figure = Figure(figsize=(width, 7.4 if shown else 2.0), dpi=110, layout="constrained")
     name = report.scene.label or f"degree {report.scene.degree}"
     count = len(report.segments)
     title = f"{name}: {count or 'no'} metastable segment{'s' * (count != 1)}"
     if count:
-        title += f", {report.length:.2f} rad in all"
+        title += f", {report.length:.2f} rad"
     if left_out:
-        title += f" ({left_out} more boundaries not drawn)"
-    title = title.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("$", r"\$")
-    figure.suptitle("\n".join(textwrap.wrap(title, int(width * 11))), fontsize=11)
+        title += f" ({left_out} more boundar{'y' if left_out == 1 else 'ies'} not drawn)"
+    lines = textwrap.wrap(label_text(title), int(width * 10))
+    figure.suptitle("\n".join(lines), fontsize=12, weight="bold")
     if not shown:
-        figure.text(0.5, 0.5, "No minimum has a closed contact.", ha="center")
+        figure.text(0.5, 0.4, "No minimum has a closed contact.", ha="center")
     else:
         axes = figure.subplots(4, columns, squeeze=False, sharex="col")
         for column, k in enumerate(shown):
             _column(axes[:, column], report, k, first=column == 0)
-        figure.tight_layout(rect=(0, 0, 1, 0.96))
+        handles = _legend(report, shown)
+        ncols = max(1, int(width / 2.2))
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=ncols, fontsize=9, frameon=False
+        )
     if path is not None:
         save_figure(figure, path)
     return figure
+
+
+def _legend(report: SegmentReport, shown: list[int]) -> list[Any]:
+    """Return handles for what occurs."""
+    handles: list[Any] = [Line2D([], [], color=INK, lw=1.4, label="contact pushes")]
+    if not all(report.curves[k].pressed.all() for k in shown):
+        handles.append(Line2D([], [], color=INK, lw=1, ls=":", label="contact does not push"))
+    if any(segment.curve in shown for segment in report.segments):
+        handles.append(Line2D([], [], color=METASTABLE, lw=3, alpha=0.75, label="metastable"))
+    if any(report.states[k] for k in shown):
+        handles.append(Line2D([], [], **_STATE, label="minimum"))
+    return [*handles, patch(BAND, "within the threshold")]
+
+
+_STATE: dict[str, Any] = {"marker": "o", "ls": "", "ms": 5, "mfc": INK, "mec": "white"}
 
 
 def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # type: ignore[no-untyped-def]
@@ -75,7 +94,7 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
         (curve.energy, None, "U  [J]"),
         (curve.slope / (math.pi * total), report.slope, "dU/ds / (π Σk)"),
         (curve.stiffness / total, report.stiffness, "d²U/ds² / Σk"),
-        (curve.multipliers, 0.0, "contact moment  [N m]"),
+        (curve.multipliers, 0.0, "moment  [N m]"),
     )
     for axis, (values, band, label) in zip(axes, rows, strict=True):
         _limit(axis, curve.s, np.atleast_2d(values.T), band or 0.0)
@@ -84,29 +103,23 @@ def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # typ
         elif band is not None:
             axis.axhline(0.0, color="0.6", lw=0.8)
         for line in np.atleast_2d(values.T):
-            axis.plot(curve.s, line, color=LINE, lw=1, ls=":")
+            axis.plot(curve.s, line, color=INK, lw=1, ls=":")
             pushing = np.where(curve.pressed, line, np.nan)
-            axis.plot(curve.s, pushing, color=LINE, lw=1.4)
+            axis.plot(curve.s, pushing, color=INK, lw=1.4)
             for segment in report.segments:
                 if segment.curve == k:
                     s = np.linspace(segment.start, segment.end, 100)
-                    axis.plot(s, np.interp(s, curve.s, line), color=RED, lw=3, alpha=0.75)
+                    axis.plot(s, np.interp(s, curve.s, line), color=METASTABLE, lw=3, alpha=0.75)
         if report.states[k]:
-            axis.plot(
-                0.0,
-                np.interp(0.0, curve.s, np.atleast_2d(values.T)[0]),
-                "o",
-                ms=6,
-                mfc="w",
-                mec=LINE,
-            )
+            axis.plot(0.0, np.interp(0.0, curve.s, np.atleast_2d(values.T)[0]), **_STATE)
         if first:
             axis.set_ylabel(label, fontsize=9)
         axis.tick_params(labelsize=8)
     states = ", ".join(f"#{n}" for n in report.states[k])
     head = f"from state {states}" if states else "no minimum"
     contacts = "\n".join(curve.contacts[:2]) + ("\n..." if len(curve.contacts) > 2 else "")
-    axes[0].set_title(f"{head}\n{contacts}", fontsize=8.5)
+    words = contacts.replace("phi", "φ").replace("pi", "π").replace("= -", "= −")
+    axes[0].set_title(f"{head}\n{words}", fontsize=9)
     axes[-1].set_xlabel("arclength s  [rad]", fontsize=9)
 
 

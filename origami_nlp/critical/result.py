@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from origami_nlp.errors import SceneFileError
+from origami_nlp.files import Brief
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, check_schema, from_plain, pick
 
@@ -19,8 +20,8 @@ ROUNDING = 1e-15
 """Multipliers smaller than this [N m] are rounding and are stated as 0."""
 
 
-@dataclass(frozen=True)
-class CriticalPoint:
+@dataclass(frozen=True, repr=False)
+class CriticalPoint(Brief):
     """A critical point of the energy on the admissible set X, in the sense of stratified Morse theory.
 
     Attributes
@@ -291,6 +292,13 @@ class CriticalPoints(Told):
                 self.comparison, "agree", "matched", "only_critical", "only_search"
             )
         return found
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for number, p in enumerate(self.points, start=1):
+            row = {"scene": self.scene.label, "number": number, "energy": p.energy, "kind": p.kind}
+            row |= {"stratum": p.stratum, "index": p.index, "contribution": p.contribution}
+            row["contacts"] = "; ".join(p.contacts)
+            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> CriticalPoints:

@@ -1,3 +1,4 @@
+from .brief import Brief as Brief, Full as Full, brief as brief, cut as cut
 from .console import PAGE as PAGE, Screen as Screen, screen as screen
 from .reading import parse_toml as parse_toml, read_limited as read_limited
 from .text import is_unicode as is_unicode, printable as printable

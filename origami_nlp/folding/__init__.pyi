@@ -16,6 +16,12 @@ from .embedding import (
     fold_vertex as fold_vertex,
 )
 from .flat_fold import folds_flat as folds_flat
+from .fold_frames import (
+    face_orders as face_orders,
+    folded_frame as folded_frame,
+    frames_to_fold as frames_to_fold,
+    path_frames as path_frames,
+)
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered
 from .vertex_list import (
     VertexList as VertexList,

@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
 from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
@@ -23,8 +24,8 @@ MOST_SETS, MOST_FAILED = 100, 6
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
 
-@dataclass(frozen=True)
-class ContactForce:
+@dataclass(frozen=True, repr=False)
+class ContactForce(Brief):
     """One closed contact of a state and what it carries.
 
     Attributes
@@ -52,9 +53,15 @@ class ContactForce:
     multiplier_range: tuple[float, float]
     text: str
 
+    @property
+    def unique(self) -> bool:
+        """Whether the moment is one number, and not any of a range."""
+        low, high = self.multiplier_range
+        return math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300)
 
-@dataclass(frozen=True)
-class Classification:
+
+@dataclass(frozen=True, repr=False)
+class Classification(Brief):
     """The decision on a state.
 
     Attributes

@@ -8,6 +8,5 @@ from .panel import (
     PanelStyle as PanelStyle,
     draw_panel as draw_panel,
     legend_of as legend_of,
-    write_counts as write_counts,
 )
 from .plain import landscape_to_dict as landscape_to_dict

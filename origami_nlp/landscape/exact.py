@@ -8,7 +8,7 @@ are and nothing else.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,18 +17,23 @@ from origami_nlp.arguments import check_type
 from origami_nlp.chart import (
     Boundary,
     Landscape,
+    Outline,
     Place,
     admissible_region,
     landscape,
+    outline_of,
     trace_boundary,
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.landscape.turned import add_boundary
 from origami_nlp.minima import MinimaResult
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.show import Content, Line, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
+
+    from origami_nlp.barriers import Barriers
 
 PIECE = 0.01
 """Spacing [rad of arclength] of the points of a metastable stretch."""
@@ -60,7 +65,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class ExactLandscape(Told):
+class ExactLandscape(Told, Turnable):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
     Attributes
@@ -94,6 +99,8 @@ class ExactLandscape(Told):
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
+    PICTURE = "draw_landscape"
+
     @property
     def counts(self) -> tuple[int, int | None, int | None]:
         """N_sym, N_not-ruled-out, N_full: symmetric minima, those not unstable and those stable in the full space.
@@ -109,9 +116,14 @@ class ExactLandscape(Told):
     @property
     def one_plane(self) -> bool:
         """Whether all branches fit into one picture, each on its own side of zero."""
-        return len(self.chart.branches) == 1 or (
-            self.chart.scene.contact == "full" and self.chart.scene.group.order == 2
-        )
+        return self.chart.one_plane
+
+    @property
+    def outline(self) -> Outline:
+        """What bounds the states of each branch; found now where the boundary is not traced."""
+        if self.boundary is None:
+            return outline_of(self.chart.scene)
+        return Outline(self.regions, self.boundary)
 
     def table(self) -> Table:
         """Return one row a minimum: energy, place on the landscape, kind and verdict."""
@@ -142,6 +154,43 @@ class ExactLandscape(Told):
         for part in self.metastable:
             where = "on one chart point, " if part.hidden else ""
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
+
+    def turned(self, barriers: Barriers | None = None) -> Content:
+        """Return states and the map with its exact boundaries as plain data, see `view`.
+
+        Parameters
+        ----------
+        barriers
+            Of `find_barriers`: also the paths over the passes.
+
+        Returns
+        -------
+        Content
+            What a page shows.
+        """
+        content = self.result.turned(self.chart)
+        told = [*self.told(), *content.pieces]
+        if barriers is not None:
+            from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
+
+            content = add_passes(content, self.chart, barriers.passes)
+            told = [*barriers.told(), *told]
+        if self.boundary is not None:
+            content = add_boundary(
+                content, self.boundary, [*map(self._stretches, range(len(content.panels)))]
+            )
+        return replace(content, pieces=tuple(told))
+
+    def _stretches(self, branch: int) -> list[Line]:
+        return [
+            Line(
+                part.points,
+                f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}",
+                "metastable",
+            )
+            for part in self.metastable
+            if part.branch == branch and not part.hidden
+        ]
 
 
 def find_landscape(

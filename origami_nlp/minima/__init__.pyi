@@ -16,6 +16,7 @@ from .find import (
     check_options as check_options,
     find_minima as find_minima,
 )
+from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
 from .full_space import (
     FullSpace as FullSpace,
@@ -47,6 +48,7 @@ from .result import (
 )
 from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
+from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import contact_words as contact_words
 from .touch_draws import (
@@ -55,3 +57,12 @@ from .touch_draws import (
     touch_starts as touch_starts,
 )
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata
+from .turned import (
+    CELLS as CELLS,
+    images as images,
+    points_on as points_on,
+)
+from .vertexwise import (
+    VertexwiseMinima as VertexwiseMinima,
+    find_vertexwise as find_vertexwise,
+)

@@ -10,9 +10,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.files import Brief
 
-@dataclass(frozen=True)
-class Open:
+
+@dataclass(frozen=True, repr=False)
+class Open(Brief):
     """A region of fold angles that a proof leaves open, or closes by another argument.
 
     Attributes
@@ -37,8 +39,8 @@ class Open:
     isolated: str = ""
 
 
-@dataclass(frozen=True)
-class Added:
+@dataclass(frozen=True, repr=False)
+class Added(Brief):
     """A minimum that the proof found and the search had not.
 
     Attributes
@@ -53,8 +55,8 @@ class Added:
     fold_angles: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class Completeness:
+@dataclass(frozen=True, repr=False)
+class Completeness(Brief):
     """Whether a list of minima is complete, as a theorem.
 
     Attributes

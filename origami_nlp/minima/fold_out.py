@@ -1,15 +1,7 @@
-"""Stable states as a FOLD file: the crease pattern, and one folded frame a state.
-
-The vertex is drawn as a disc of unit creases: vertex 0 in the middle, vertex i at the end of crease i; edge
-i - 1 is crease i, face i - 1 the facet between creases i and i + 1.  Targets of the crease pattern
-(``edges_foldAngle``, degrees) are the rest angles; stiffness and rest angles are kept in the namespace
-``origaminlp`` too, so that reading the file gives the same scene.  Where layers touch, ``faceOrders`` holds one
-order that is free of crossings.  Coordinates of a folded frame: the frame of the paper, last facet in the plane.
-"""
+"""Stable states as a FOLD file (see `folding.fold_frames`), with the ways down from unstable ones, and as a mesh."""
 
 from __future__ import annotations
 
-import itertools
 import json
 import math
 from pathlib import Path
@@ -20,12 +12,10 @@ import numpy as np
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.folding import fold_vertex, layer_problem, ordered
+from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.numerics import TOUCHES
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
-from origami_nlp.version import __version__
+from origami_nlp.pattern import Scene
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
@@ -33,51 +23,25 @@ MESH_SUFFIXES = (".obj", ".stl", ".glb")
 def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
     """Return the states of `result` as FOLD data (spec 1.1).
 
-    A flat sheet has its crease pattern as the file's own frame; paper that does not lie flat has no flat
-    pattern, and the first state takes its place.
+    States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
     scene = result.scene
-    n = scene.degree
-    rim = [*range(1, n + 1)]
-    edges = [[0, i] for i in rim] + [[i, i % n + 1] for i in rim]
-    pad = [0.0] * n
-    states = [_state_frame(scene, k, m) for k, m in enumerate(result.minima, start=1)]
-    data: dict[str, Any] = {
-        "file_spec": 1.1,
-        "file_creator": f"origami_nlp {__version__}",
-        "file_classes": ["singleModel"],
-        "file_title": scene.name or "origami vertex",
-        "edges_vertices": edges,
-        "faces_vertices": [[0, i, i % n + 1] for i in rim],
-        STIFFNESS_KEY: [*scene.stiffness, *[None] * n],
-        REST_KEY: [*(math.degrees(a) for a in scene.rest_angles), *[None] * n],
-        "origaminlp:symmetry": scene.symmetry,
-        "origaminlp:contact": scene.contact,
-    }
-    if scene.vertex.flat:
-        a = scene.vertex.azimuths
-        data |= {
-            "frame_title": "crease pattern",
-            "frame_classes": ["creasePattern"],
-            "frame_attributes": ["2D"],
-            "vertices_coords": [[0.0, 0.0], *np.stack([np.cos(a), np.sin(a)], axis=1).tolist()],
-            "edges_assignment": [*(_letter(v) for v in scene.rest_angles), *"B" * n],
-            "edges_foldAngle": [*(math.degrees(v) for v in scene.rest_angles), *pad],
-        }
-    elif states:
-        own = ("frame_inherit", "frame_parent")
-        data |= {key: value for key, value in states[0].items() if key not in own}
-        states = states[1:]
-    else:
+    frames = [_state_frame(scene, k, m) for k, m in enumerate(result.minima, start=1)]
+    if not frames and not scene.vertex.flat:
         raise OptionError(
             "no minimum was found, and paper that is not flat has no crease pattern to write"
         )
-    data["file_frames"] = states
-    return data
+    for k, m in enumerate(result.minima, start=1):
+        if m.full_space and m.full_space.descent:
+            states, energies = zip(*m.full_space.descent, strict=True)
+            frames += path_frames(scene, np.array(states), energies, f"descent from state {k}")
+    return frames_to_fold(scene, frames)
 
 
 def write_fold(result: MinimaResult, target: str | Path) -> None:
     """Write states as a FOLD file (spec 1.1): the crease pattern, and one folded frame a state.
+
+    Where the full space was asked for, the descents from unstable states follow, as frames of their own.
 
     Parameters
     ----------
@@ -106,54 +70,20 @@ def write_fold(result: MinimaResult, target: str | Path) -> None:
     )
 
 
-def _letter(angle: float) -> str:
-    # 0 is F, not U: Origami Simulator makes hinges of M, V and F only; our stiffness says that it is a crease
-    return "V" if angle > 0 else "M" if angle < 0 else "F"
-
-
 def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
-    phi = np.array(m.fold_angles)
-    n = len(phi)
-    creases, _ = fold_vertex(scene.vertex, phi)
-    orders = face_orders(creases, phi)
     full = m.full_space
-    return {
-        "frame_title": f"state {number}: {m.kind}, {m.energy:.6g} J"
-        + (f", {full.verdict}" if full else ""),
-        "frame_classes": ["foldedForm"],
-        "frame_attributes": ["3D", "selfTouching" if orders else "nonSelfTouching"],
-        "frame_parent": 0,
-        "frame_inherit": True,
-        "vertices_coords": [[0.0, 0.0, 0.0], *creases.tolist()],
-        "edges_assignment": [*(_letter(v) for v in phi), *"B" * n],
-        "edges_foldAngle": [*np.degrees(phi).tolist(), *[0.0] * n],
-        "faceOrders": orders,
-        "origaminlp:energy": m.energy,
-        "origaminlp:kind": m.kind,
-        "origaminlp:certificate": m.certificate,
-        "origaminlp:closureResidual": m.closure_residual,
-        "origaminlp:kktResidual": m.kkt_residual if math.isfinite(m.kkt_residual) else None,
-        "origaminlp:multipliers": [{"contact": c.text, "moment": c.multiplier} for c in m.contacts],
-        **({"origaminlp:fullSpace": full.verdict} if full else {}),
-    }
-
-
-def face_orders(creases: np.ndarray, fold_angles: np.ndarray) -> list[list[int]]:
-    """Return FOLD's faceOrders of a state: [f, g, s], face f on the side of g's normal (s = 1) or not (-1).
-
-    The left of an arc, seen from outside the sphere, is the side of its facet's normal c_i x c_{i+1}.
-    """
-    problem = layer_problem(creases, fold_angles, TOUCHES)
-    order = problem.order() if problem is not None else None
-    if problem is None or order is None:
-        return []
-    found: dict[tuple[int, int], int] = {}
-    for strands in problem.segments.values():
-        for (a, _), (b, run) in itertools.combinations(strands, 2):
-            pair, flip = ordered(a, b)
-            left = order[pair] != flip  # a is left of b, along the segment
-            found.setdefault((a[0], b[0]), 1 if left == (run > 0) else -1)
-    return [[f, g, s] for (f, g), s in sorted(found.items())]
+    return folded_frame(
+        scene,
+        m.fold_angles,
+        f"state {number}: {m.kind}, {m.energy:.6g} J" + (f", {full.verdict}" if full else ""),
+        energy=m.energy,
+        kind=m.kind,
+        certificate=m.certificate,
+        closureResidual=m.closure_residual,
+        kktResidual=m.kkt_residual if math.isfinite(m.kkt_residual) else None,
+        multipliers=[{"contact": c.text, "moment": c.multiplier} for c in m.contacts],
+        **({"fullSpace": full.verdict} if full else {}),
+    )
 
 
 def write_mesh(result: MinimaResult, target: str | Path) -> None:

@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDS, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
@@ -22,8 +23,8 @@ KEPT = 1e-6
 """A step keeps a symmetry to this share of it: paths close to 1e-12 and take steps of 1e-6 [rad] or more."""
 
 
-@dataclass(frozen=True)
-class LandsOn:
+@dataclass(frozen=True, repr=False)
+class LandsOn(Brief):
     """The stable state at the end of a descent.
 
     fold_angles, energy, kind, certificate: of that state.  symmetric: number (1-based) of the
@@ -44,8 +45,8 @@ class Step(NamedTuple):
     energy: float
 
 
-@dataclass(frozen=True)
-class FullSpace:
+@dataclass(frozen=True, repr=False)
+class FullSpace(Brief):
     """Verdict on one state in the full contact-admissible space.
 
     Attributes

@@ -10,19 +10,20 @@ from html import escape
 
 from origami_nlp.chart import UNIT, landscape
 from origami_nlp.minima.completeness import Completeness
-from origami_nlp.minima.marks import STYLE
+from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
 from origami_nlp.minima.telling import (
     contact_words,
+    flag_lines,
     freedom_words,
     geometry_lines,
     search_lines,
     undecided_lines,
 )
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Cell, Table, Words, inline_image
+from origami_nlp.show import KINDS, Cell, Table, Words, inline_image
 
 SIZE, DPI = 301, 72
 """Cells along each coordinate, and dots an inch, of the inline picture: to keep notebooks small."""
@@ -33,7 +34,8 @@ def as_html(
     minima: tuple[Minimum, ...],
     freedom: int,
     search: SearchReport,
-    completeness: Completeness | None = None,
+    completeness: Completeness | None,
+    flags: ResultFlags,
     *,
     picture: bool = True,
 ) -> str:
@@ -58,8 +60,8 @@ def as_html(
         parts.append(inline_image(figure, text, DPI))
     if minima:
         parts.append(_certificates(minima))
-    proved = list(completeness.lines()) if completeness else []
-    parts += [_search(scene, minima, search, proved), "</div>"]
+    more = [*(completeness.lines() if completeness else ()), *flag_lines(flags)]
+    parts += [_search(scene, minima, search, more), "</div>"]
     return "\n".join(parts)
 
 
@@ -73,7 +75,7 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
         row: list[Cell] = [
             str(number),
             f"{m.energy:.6g}",
-            Words(m.kind, colour=STYLE[m.kind][0]),
+            Words(m.kind, colour=KINDS[m.kind].colour),
             freedom_words(m.local_dimension, freedom),
             ", ".join(_degrees(a) for a in m.fold_angles),
             "\n".join(contact_words(c) for c in m.contacts) or "none closed",
@@ -98,12 +100,12 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     return "\n".join([*lines, "</ol></details>"])
 
 
-def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, proved: list[str]) -> str:
-    more = not_asked_words(scene, minima)
+def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, more: list[str]) -> str:
+    not_asked = not_asked_words(scene, minima)
     lines = [
-        *proved,
+        *more,
         *search_lines(s),
-        *[more] * bool(more),
+        *[not_asked] * bool(not_asked),
         *undecided_lines(s),
         *geometry_lines(scene),
     ]

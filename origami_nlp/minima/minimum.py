@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import ContactForce, Kind
 from origami_nlp.minima.coverage import StrataCount
+from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
+from origami_nlp.numerics import CLOSES, STATIONARY
 
 
-@dataclass(frozen=True)
-class Minimum:
+@dataclass(frozen=True, repr=False)
+class Minimum(Brief):
     """A local minimum of the energy among admissible states of the modelled symmetry.
 
     Attributes
@@ -78,9 +81,25 @@ class Minimum:
     moment: tuple[float, float, float] | None = None
     moment_residual: float = math.nan
 
+    @property
+    def flags(self) -> StateFlags:
+        """What is bad about it, or to be known before it is used: each flag with cause and cure."""
+        verdict = self.full_space and self.full_space.verdict
+        return StateFlags(
+            degenerate=self.kind == "degenerate",
+            multipliers_not_unique=not all(c.unique for c in self.contacts),
+            touching_without_moment=self.kind == "contact-touching",
+            isolated=self.local_dimension == 0,
+            solver_disagrees=self.solver is not None and not self.solver.agrees,
+            residual_above_tolerance=self.closure_residual > CLOSES
+            or self.kkt_residual > STATIONARY,
+            unstable_in_full_space=verdict == "unstable",
+            not_decided_in_full_space=verdict == "undecided",
+        )
 
-@dataclass(frozen=True)
-class Rejected:
+
+@dataclass(frozen=True, repr=False)
+class Rejected(Brief):
     """A state that solves ended at and that is not listed.
 
     Attributes
@@ -104,8 +123,8 @@ class Rejected:
     hits: int
 
 
-@dataclass(frozen=True)
-class SearchReport:
+@dataclass(frozen=True, repr=False)
+class SearchReport(Brief):
     """What the search did.
 
     Attributes

@@ -1,56 +1,89 @@
 """The picture of minima: energy landscape with the minima marked, and a drawing of every state.
 
-Sizes are in inches and worked out from the contents, so that many minima make a larger figure, not
-a crowded one.  Uses matplotlib's object interface only: no global state, any backend.
+Sizes are in inches and worked out from the contents, so that many minima make a larger figure, not a crowded one:
+states stand beside the landscape while there is room, the others below it, then come the legend and few words.  Uses
+matplotlib's object interface only: no global state, any backend.
 """
 
 from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from origami_nlp.chart import (
     UNIT,
     Landscape,
+    Place,
+    area_legend,
     colour_bar,
     draw_area,
     draw_curves,
     norm_of,
+    outline_of,
 )
-from origami_nlp.minima.marks import WARNING, Marks, legend_entries, mark_minima
 from origami_nlp.minima.minimum import Minimum
-from origami_nlp.minima.stability import count_words, verdict
+from origami_nlp.minima.stability import NOT_ASKED, count_words, verdict
 from origami_nlp.pattern import Scene
-from origami_nlp.show import draw_state, label_text
+from origami_nlp.show import (
+    RING,
+    WARNING,
+    crease_legend,
+    draw_state,
+    drawn_height,
+    label_marks,
+    label_text,
+    mark_minimum,
+    minima_legend,
+)
 
-CELL, CELL_TITLE = 2.35, 0.52
-"""Side of a state's drawing, and the height of its title [in]."""
-MARGIN, GAP = 0.25, 0.35
+CELL, HEAD = 2.0, 0.5
+"""Width of a state's drawing, and the height of its title [in]."""
+MARGIN = 0.2
 MOST_DRAWN = 24
 """States drawn; the figure says how many more there are."""
-LINE, SMALL = 0.165, 8.0
+STAR, FAMILY = 16.0, 21.0
+"""Size of a star, and of the ring around a family [points]."""
+LINE, SMALL = 0.17, 9.0
 """Height of a line of small text [in], and its font size [points]."""
+MOST_BESIDE = 3
+"""Columns of drawings beside the landscape."""
+ALONE = 5
+"""Drawings in a row where there is no landscape."""
 
 
 @dataclass(frozen=True)
 class _Panels:
-    """Sizes [in] of the landscape: each panel's width and height, gap between them, what is around."""
+    """Branches in each panel of the landscape, and sizes [in]: of a panel, and of what is around it."""
 
-    count: int
-    width: float
-    height: float
-    gap: float = 0.75
-    left: float = 0.75
-    right: float = 1.15
-    below: float = 0.6
+    groups: tuple[tuple[int, ...], ...] = ()
+    width: float = 4.4
+    height: float = 4.4
+    left: float = 0.7
+    right: float = 0.85
+    below: float = 0.55
 
     @property
-    def total(self) -> float:
-        return self.left + self.count * self.width + (self.count - 1) * self.gap + self.right
+    def total(self) -> tuple[float, float]:
+        """Width and height of all of it."""
+        if not self.groups:
+            return 0.0, 0.0
+        return len(self.groups) * (self.left + self.width) + self.right, self.height + self.below
+
+
+@dataclass(frozen=True)
+class _Row:
+    """States of one row: their numbers from 0, left and upper end of the row, height of its drawings [in]."""
+
+    states: range
+    left: float
+    top: float
+    height: float
 
 
 def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figure:
@@ -61,139 +94,209 @@ def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figu
     scene = chart.scene
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
-    columns, rows = _grid(len(shown), alone=panels is None)
-    places = [chart.place(m.fold_angles) for m in shown] if panels else []
-    notes = _notes(minima, chart, places)
-    left = panels.total if panels else 0.0
-    grid_width = max(columns, 1) * CELL
-    width = MARGIN + left + (GAP if panels else 0.0) + grid_width + MARGIN
+    places = [chart.place(m.fold_angles) for m in shown] if panels.groups else []
+    rows, width, end = _rows(scene, shown, panels)
     width = max(width, 6.0)
-    title = textwrap.wrap(_title(scene, minima), max(40, int(width * 9.5)))
-    top = 0.2 + 0.26 * len(title)
-    text_width = panels.total - 0.3 if panels else width - 2 * MARGIN
-    lines = [
+    title = _title(scene, minima)
+    if len(title[0]) + len(title[1]) < width * 9.3:
+        title = ["; ".join(title)]
+    title = [line for part in title for line in textwrap.wrap(part, int(width * 9.3))]
+    top = 0.25 + 0.25 * len(title)
+    handles = _draw_curve_names(chart)
+    handles += _legend(chart, shown, places, panels) if shown or panels.groups else []
+    columns = max(1, int((width - 2 * MARGIN) / 1.95))
+    legend = 0.23 * math.ceil(len(handles) / columns)
+    words = [
         line
-        for note in notes
-        for line in textwrap.wrap(
-            note, max(30, int(text_width * 15)), subsequent_indent="   ", break_on_hyphens=False
-        )
+        for note in _notes(minima, chart, places)
+        for line in textwrap.wrap(note, int(width * 13.5), break_on_hyphens=False)
     ]
-    text = LINE * len(lines)
-    entries = legend_entries(chart, shown, places) if panels else []
-    legend_columns = max(1, min(len(entries), int(left / 2.1))) if panels else 1
-    legend = 0.27 * math.ceil(len(entries) / legend_columns) + 0.1 if entries else 0.0
-    grid_height = rows * (CELL + CELL_TITLE)
-    if panels:
-        height = top + max(0.15 + panels.height + panels.below + legend + text, grid_height) + 0.2
-    else:
-        height = top + text + 0.1 + max(grid_height, 0.3) + 0.15
+    height = top + end + 0.1 + legend + 0.08 + LINE * len(words) + 0.12
     figure = Figure(figsize=(width, height), dpi=110, facecolor="white")
 
-    def place_axes(x: float, y_top: float, w: float, h: float) -> Any:
-        return figure.add_axes((x / width, (height - y_top - h) / height, w / width, h / height))
+    def place_axes(x: float, y: float, w: float, h: float) -> Any:
+        y += top
+        return figure.add_axes((x / width, (height - y - h) / height, w / width, h / height))
 
     for k, line in enumerate(title):
-        y = 1 - (0.14 + 0.26 * k) / height
+        y = 1 - (0.12 + 0.25 * k) / height
         figure.text(MARGIN / width, y, line, fontsize=12, va="top", weight="bold")
-    y = top
-    if panels:
-        y += 0.15
-        boxes = [
-            place_axes(
-                MARGIN + panels.left + k * (panels.width + panels.gap),
-                y,
-                panels.width,
-                panels.height,
+    _draw_panels(place_axes, chart, panels, shown, places)
+    for row in rows:
+        for k in row.states:
+            x = row.left + (k - row.states.start) * CELL
+            share = drawn_height(scene.vertex, shown[k].fold_angles)
+            box = place_axes(x + 0.04, row.top + HEAD, CELL - 0.08, share * (CELL - 0.08))
+            draw_state(box, scene.vertex, shown[k].fold_angles, crop=True)
+            figure.text(
+                (x + CELL / 2) / width,
+                1 - (top + row.top + 0.04) / height,
+                _state_title(k + 1, shown[k], freedom),
+                fontsize=9.5,
+                color=WARNING if verdict(scene, shown[k]) == "unstable" else "black",
+                ha="center",
+                va="top",
+                linespacing=1.25,
             )
-            for k in range(panels.count)
-        ]
-        bar = place_axes(MARGIN + panels.total - panels.right + 0.15, y, 0.16, panels.height)
-        _fill_panels(boxes, bar, chart, shown, places)
-        y += panels.height + panels.below
-        if entries:
-            figure.legend(
-                handles=entries,
-                loc="upper left",
-                bbox_to_anchor=((MARGIN + 0.2) / width, 1 - y / height),
-                ncols=legend_columns,
-                fontsize=SMALL + 0.5,
-                frameon=False,
-                borderaxespad=0.0,
-                columnspacing=1.4,
-                handletextpad=0.5,
-            )
-            y += legend
-    for k, line in enumerate(lines):
-        x = MARGIN + (0.25 if panels else 0.0)
-        figure.text(x / width, 1 - (y + LINE * k) / height, line, fontsize=SMALL, va="top")
-    x0 = MARGIN + left + (GAP if panels else 0.0)
-    y0 = top if panels else top + text + 0.1
-    spread = False
-    for k, minimum in enumerate(shown):
-        x, y = x0 + (k % columns) * CELL, y0 + (k // columns) * (CELL + CELL_TITLE)
-        box = place_axes(x, y + CELL_TITLE, CELL, CELL)
-        spread |= draw_state(box, scene.vertex, minimum.fold_angles)
-        figure.text(
-            (x + CELL / 2) / width,
-            1 - (y + 0.05) / height,
-            _state_title(k + 1, minimum, freedom),
-            fontsize=9.5,
-            color=WARNING if verdict(scene, minimum) == "unstable" else "black",
-            ha="center",
-            va="top",
-            linespacing=1.25,
+    if handles:
+        figure.legend(
+            handles=handles,
+            loc="upper left",
+            bbox_to_anchor=(MARGIN / width, 1 - (top + end + 0.1) / height),
+            ncols=min(columns, len(handles)),
+            fontsize=SMALL,
+            frameon=False,
+            borderaxespad=0.0,
+            columnspacing=1.4,
+            handletextpad=0.6,
         )
+    for k, line in enumerate(words):
+        y = 1 - (top + end + 0.18 + legend + LINE * k) / height
+        figure.text(MARGIN / width, y, line, fontsize=SMALL, va="top")
     return figure
 
 
-def _panels(chart: Landscape) -> _Panels | None:
+def _panels(chart: Landscape) -> _Panels:
     if chart.kind == "none":
-        return None
+        return _Panels()
     if chart.kind == "curve":
-        return _Panels(1, 5.4, 4.4, right=0.3)
-    if len(chart.branches) == 1:
-        return _Panels(1, 4.9, 4.9)
-    return _Panels(len(chart.branches), 3.9, 4.3, right=1.25)
+        return _Panels(((0,),), right=0.2)
+    count = len(chart.branches)
+    if chart.one_plane:
+        return _Panels((tuple(range(count)),))
+    return _Panels(tuple((k,) for k in range(count)), width=3.0)
 
 
-def _grid(count: int, *, alone: bool) -> tuple[int, int]:
-    """Columns and rows for the drawings: beside a landscape at most three rows while they fit."""
-    if count == 0:
-        return 0, 0
-    if alone:
-        columns = min(count, 4 if count <= 12 else 6)
-        return columns, math.ceil(count / columns)
-    rows = min(count, 2 if count <= 4 else 3 if count <= 12 else 4)
-    columns = math.ceil(count / rows)
-    return columns, math.ceil(count / columns)
+def _rows(
+    scene: Scene, shown: tuple[Minimum, ...], panels: _Panels
+) -> tuple[list[_Row], float, float]:
+    """Arrange the drawings: rows of them, and the width and height of all that is below the title."""
+    shares = [CELL * drawn_height(scene.vertex, m.fold_angles) for m in shown]
+    if not panels.groups:
+        across = max(1, min(ALONE, len(shown)))
+        return _arranged(shares, panels, 0, 2 * MARGIN + across * CELL)
+    # as many columns beside the landscape as leave least empty
+    options = [
+        _arranged(shares, panels, beside, 2 * MARGIN + panels.total[0] + beside * CELL)
+        for beside in range(min(len(shown), 1), min(len(shown), MOST_BESIDE) + 1)
+    ]
+    return min(options, key=lambda option: option[1] * option[2])
 
 
-def _fill_panels(
-    boxes: list[Any], bar: Any, chart: Landscape, shown: tuple[Minimum, ...], places: list[Any]
+def _arranged(
+    shares: list[float], panels: _Panels, beside: int, whole: float
+) -> tuple[list[_Row], float, float]:
+    """Arrange drawings of heights `shares` [in]: so many columns beside the landscape, the others below."""
+    width, height = panels.total
+    rows: list[_Row] = []
+    k, y = 0, 0.0
+    while beside and k < len(shares):
+        states = range(k, min(k + beside, len(shares)))
+        high = max(shares[i] for i in states)
+        if y + HEAD + high > height + 0.35:
+            break
+        rows.append(_Row(states, MARGIN + width, y, high))
+        k, y = states.stop, y + HEAD + high + 0.12
+    if rows and k == len(shares) and (spare := height - y) > 0:
+        # little to show: spread over the height of the landscape
+        gap = spare / (len(rows) + 1)
+        rows = [_Row(r.states, r.left, r.top + gap * (i + 1), r.height) for i, r in enumerate(rows)]
+    y = max(height, y)
+    across = int((whole - 2 * MARGIN) / CELL + 1e-9)
+    while k < len(shares):
+        states = range(k, min(k + across, len(shares)))
+        high = max(shares[i] for i in states)
+        rows.append(_Row(states, MARGIN, y, high))
+        k, y = states.stop, y + HEAD + high + 0.12
+    return rows, whole, y
+
+
+def _draw_curve_names(chart: Landscape) -> list[Any]:
+    """Return the names of curves for the legend; they are drawn into Axes that nobody sees."""
+    return draw_curves(Figure().add_subplot(), chart) if chart.kind == "curve" else []
+
+
+def _draw_panels(
+    place_axes: Any,
+    chart: Landscape,
+    panels: _Panels,
+    shown: tuple[Minimum, ...],
+    places: list[Place],
 ) -> None:
-    if chart.kind == "curve":
-        bar.remove()
-        draw_curves(boxes[0], chart)
-        mark_minima(boxes[0], Marks(shown, places, None))
-        return
-    norm = norm_of(chart)
+    norm = norm_of(chart, (m.energy for m in shown)) if chart.kind == "area" else None
     image = None
-    for k, box in enumerate(boxes):
-        avoid = [p.point for p in places if p.branch == k and p.drawn]
-        image = draw_area(box, chart, k, norm, avoid)
-        mark_minima(box, Marks(shown, places, k))
-    colour_bar(image, bar)
+    for number, group in enumerate(panels.groups):
+        x = MARGIN + panels.left + number * (panels.left + panels.width)
+        box = place_axes(x, 0.0, panels.width, panels.height)
+        if norm is None:
+            curves = draw_curves(box, chart)
+            _mark(box, chart.scene, shown, places, range(len(chart.branches)), curves)
+            return
+        image = draw_area(box, chart, group, norm, outline_of(chart.scene))
+        _mark(box, chart.scene, shown, places, group)
+        if len(panels.groups) > 1:
+            box.set_title(chart.branches[group[0]].name.replace("-", "−"), fontsize=10, pad=4)
+    if image is not None:
+        x = MARGIN + panels.total[0] - panels.right + 0.12
+        colour_bar(image, place_axes(x, 0.1, 0.14, panels.height - 0.2))
 
 
-def _title(scene: Scene, minima: tuple[Minimum, ...]) -> str:
+def _mark(
+    axes: Any,
+    scene: Scene,
+    shown: tuple[Minimum, ...],
+    places: list[Place],
+    branches: Sequence[int],
+    curves: Sequence[Any] = (),
+) -> None:
+    """Mark minima of some branches with their numbers, unstable ones on top."""
+    here = [(k, m, p) for k, (m, p) in enumerate(zip(shown, places, strict=True), start=1)]
+    here = [(k, m, p) for k, m, p in here if p.drawn and p.branch in branches]
+    for _, m, p in sorted(here, key=lambda one: _judged(scene, one[1]) == "unstable"):
+        if p.family:
+            axes.plot(
+                *p.point, **RING, markersize=FAMILY, linestyle="none", zorder=6, clip_on=False
+            )
+        mark_minimum(axes, p.point, m.kind, _judged(scene, m), STAR)
+    free: list[tuple[tuple[float, float], str, float]] = []
+    for line in curves:  # numbers keep off the curves
+        free += [((float(x), float(y)), "", 2.0) for x, y in line.get_xydata()[::2]]
+    sizes = [FAMILY if p.family else STAR for _, _, p in here]
+    labels: list[tuple[tuple[float, float], str, float]] = [
+        (p.point, str(k), s) for (k, _, p), s in zip(here, sizes, strict=True)
+    ]
+    label_marks(axes, [*labels, *free], 11)
+
+
+def _judged(scene: Scene, minimum: Minimum) -> str | None:
+    known = verdict(scene, minimum)
+    return None if known == NOT_ASKED else known
+
+
+def _legend(
+    chart: Landscape, shown: tuple[Minimum, ...], places: list[Place], panels: _Panels
+) -> list[Any]:
+    """Return handles for what occurs."""
+    drawn = [(m, p) for m, p in zip(shown, places, strict=False) if p.drawn]
+    entries: list[Any] = []
+    if drawn:
+        entries += minima_legend(((m.kind, _judged(chart.scene, m)) for m, _ in drawn), 0.85 * STAR)
+    if any(p.family for _, p in drawn):
+        ring = Line2D([], [], **RING, markersize=12, linestyle="none", label="several states there")
+        entries.append(ring)
+    if chart.kind == "area":
+        entries += area_legend(chart, outline_of(chart.scene))
+    return entries + (crease_legend() if shown else [])
+
+
+def _title(scene: Scene, minima: tuple[Minimum, ...]) -> list[str]:
     who = scene.label or f"degree {scene.degree}"
     subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     group = f"{scene.group.kind}{subscript}"
     symmetry = "" if scene.group.is_trivial else f"symmetry {group}, "
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
-    return label_text(
-        f"{who}: {count_words(scene, minima, 'no')}; {symmetry}{contact[scene.contact]}"
-    )
+    found = label_text(f"{who}: {count_words(scene, minima, 'no')}")
+    return [found, f"{symmetry}{contact[scene.contact]}"]
 
 
 def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
@@ -206,53 +309,17 @@ def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
     return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}"
 
 
-def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Any]) -> list[str]:
-    """Footnotes: what the picture leaves out or shows differently."""
+def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -> list[str]:
+    """Say what the picture leaves out or cannot show."""
     notes = []
-    scene = chart.scene
     if chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")
-    elif chart.kind == "area":
-        white = {
-            "full": "crossing facets or |φ| > π",
-            "fold-limits": "|φ| > π",
-            "none": "no closed state with all |φ| ≤ π",
-        }[scene.contact]
-        handles = " States that exist only at φ = ±π exactly take no area."
-        rest = handles if scene.contact != "none" else ""
-        notes.append(f"White: excluded ({white}).{rest}")
-        if len(chart.branches) > 1:
-            crease = chart.coordinates[1].rsplit(" ", 1)[-1].rstrip(")")
-            notes.append(
-                f"The branches are the two solutions of loop closure; υ > 0 lowers crease {crease}."
-            )
-    elif scene.contact != "none":
-        notes.append("Lines end where contact excludes the rest.")
     told: dict[str, list[str]] = {}
     for number, place in enumerate(places, start=1):
         if place.family and place.drawn:
             told.setdefault(place.family, []).append(str(number))
     for family, numbers in told.items():
-        point = places[int(numbers[0]) - 1].point
-        here = "(0, 0)" if max(map(abs, point)) < 1e-6 else f"({point[0]:.3g}, {point[1]:.3g})"
-        notes.append(
-            f"Ring ({', '.join(numbers)}): {here} is not one state but a family: {family}."
-        )
-    verdicts = {verdict(scene, m) for m in minima}
-    if "not asked" in verdicts:
-        notes.append(
-            "Minima among symmetric states; whether they are stable when the symmetry breaks was not asked."
-        )
-    if "unstable" in verdicts:
-        notes.append(
-            "Red title and outline: a symmetric minimum, but not stable when the symmetry may break."
-        )
-    if minima:
-        notes.append(
-            "Drawings: mountain red, valley blue, wider and darker for larger |φ|; "
-            "upper side of the paper warm, lower side cool; numbers of hidden creases pale. "
-            "Facets that lie on each other are drawn apart."
-        )
+        notes.append(f"At {', '.join(numbers)}: {family}.")
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:
         notes.append(
@@ -261,5 +328,4 @@ def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Any]) -> 
     more = len(minima) - MOST_DRAWN
     if more > 0:
         notes.append(f"{more} more minima of higher energy are not drawn.")
-    notes.append(f"Energies in the scene's units: {UNIT} for stiffness in N m/rad.")
     return notes

@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima.completeness import Completeness
+from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
+    flag_lines,
     geometry_lines,
     search_lines,
     state_lines,
@@ -23,15 +26,31 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Piece, Table, Told, Words, check_schema, from_plain, pick, to_plain
+from origami_nlp.show import (
+    Content,
+    Piece,
+    Table,
+    Told,
+    Turnable,
+    Words,
+    check_schema,
+    from_plain,
+    pick,
+    to_plain,
+)
+
+if TYPE_CHECKING:
+    from origami_nlp.chart import Landscape
 
 SCHEMA = "origami-nlp/minima/1"
+SUCCESS = "Solve_Succeeded"
+"""What IPOPT says where it converged."""
 NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
 """What null stands for, by field; nan elsewhere."""
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(Told):
+class MinimaResult(Told, Turnable):
     """Minima of a scene in order of energy, and the record of the search for them.
 
     Attributes
@@ -47,6 +66,11 @@ class MinimaResult(Told):
     completeness
         Whether the list is complete, as far as that was proved; None where it was not tried.
 
+    Notes
+    -----
+    `to_frame` has a row a minimum: scene, number (from 1), energy [the scene's units], kind, dimension, closure, kkt
+    (residuals), hits, stable (None where the full space was not asked), phi_1 .. phi_N [rad].
+
     Examples
     --------
     >>> import origami_nlp as o
@@ -61,6 +85,32 @@ class MinimaResult(Told):
     search: SearchReport
     completeness: Completeness | None = None
 
+    PICTURE = "draw_minima"
+
+    @property
+    def flags(self) -> ResultFlags:
+        """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
+        search, known, scene = self.search, self.completeness, self.scene
+        proved = known.status if known else ""
+        settled = proved == "proved" or search.stopped_by == "complete"
+        return ResultFlags(
+            nothing_found=not self.minima,
+            may_miss_minima=not settled and proved != "proved-except-singular",
+            singular_states_open=proved == "proved-except-singular",
+            search_stopped_early=not settled and search.stopped_by == "cap",
+            starts_ended_nowhere=not settled and search.stalled > search.outcomes.get("minimum", 0),
+            reached_once=not settled and search.seen_once > 0,
+            still_finding=not settled and search.starts > 0 and search.quiet == 0,
+            proof_added_minima=bool(known and known.added),
+            undecided_states=bool(search.undecided),
+            solver_failed=any(status != SUCCESS for status in search.statuses),
+            residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
+            geometry_moved=bool(scene.relations.made_exact),
+            made_symmetric=scene.adjusted > 0,
+            facets_may_cross=scene.contact != "full",
+            stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
+        )
+
     def table(self) -> Table:
         """Return one row a minimum."""
         return states_table(self.scene, self.minima, self.model.freedom)
@@ -71,6 +121,7 @@ class MinimaResult(Told):
         yield from state_lines(self.scene, self.minima)
         yield from undecided_lines(self.search)
         yield from geometry_lines(self.scene)
+        yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
         yield from (Words(line, "dim") for line in search_lines(self.search))
@@ -96,8 +147,26 @@ class MinimaResult(Told):
             self.model.freedom,
             self.search,
             self.completeness,
+            self.flags,
             picture=picture,
         )
+
+    def turned(self, chart: Landscape | None = None) -> Content:
+        """Return states, descents and the map of the energy as plain data, see `view`.
+
+        Parameters
+        ----------
+        chart
+            The energy over the scene's coordinates, if it is known already.
+
+        Returns
+        -------
+        Content
+            What a page shows.
+        """
+        from origami_nlp.minima.turned import turn_minima  # charts are slow to import
+
+        return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
     def to_dict(self) -> dict[str, Any]:
         """Return a result as plain JSON data."""
@@ -119,8 +188,17 @@ class MinimaResult(Told):
             ),
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
+            "flags": self.flags.to_dict(),
             "minima": [_minimum_to_dict(m) for m in self.minima],
         }
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for number, m in enumerate(self.minima, start=1):
+            row = {"scene": self.scene.label, "number": number}
+            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
+            row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
+            row["stable"] = m.full_space and m.full_space.verdict
+            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> MinimaResult:
@@ -159,7 +237,7 @@ class MinimaResult(Told):
 
 
 def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
-    data = to_plain(m)
+    data = {**to_plain(m), "flags": m.flags.to_dict()}
     for contact in data["contacts"]:  # who touches: creases or facets
         del contact["facets" if contact["creases"] else "creases"]
     for name in ("full_space", "solver"):

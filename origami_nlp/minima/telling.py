@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.kkt import ContactForce
+from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
@@ -34,9 +35,9 @@ def freedom_words(dimension: int, full: int) -> str:
 
 def contact_words(contact: ContactForce) -> str:
     """Describe one contact with its moment, or the range of it."""
-    low, high = contact.multiplier_range
-    if math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300):
+    if contact.unique:
         return f"{contact.text}: moment {contact.multiplier:.4g} N m"
+    low, high = contact.multiplier_range
     top = "inf" if math.isinf(high) else f"{high:.4g}"
     return f"{contact.text}: moment {contact.multiplier:.4g} N m (any of {low:.4g} to {top})"
 
@@ -191,6 +192,13 @@ def undecided_lines(search: SearchReport) -> list[str]:
         + f": {r.reason}"
         for r in search.undecided
     ]
+
+
+def flag_lines(flags: ResultFlags) -> list[str]:
+    """Name the flags that are up."""
+    if not flags:
+        return []
+    return [f"flags up: {', '.join(flags.up)} (causes and cures: docs/flags.md, result.flags)"]
 
 
 def geometry_lines(scene: Scene) -> list[str]:

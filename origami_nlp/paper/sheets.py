@@ -23,7 +23,6 @@ from origami_nlp.landscape import (
     draw_panel,
     find_landscape,
     legend_of,
-    write_counts,
 )
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, examples
@@ -131,9 +130,9 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
     """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)
-    width, height = 7.2, 7.2
-    side, bar, left, top = 1.78, 0.07, 0.72, 0.34
-    step_x, step_y = 2.2, 2.13
+    width, height = 7.2, 7.6
+    side, bar, left, top = 1.78, 0.07, 0.72, 0.52
+    step_x, step_y = 2.2, 2.15
     figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
 
     def box(x: float, y: float, w: float, h: float) -> Any:
@@ -145,15 +144,16 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
         axes = box(x, y, side, side)
         branches = list(range(len(panel.chart.branches)))
         image = draw_panel(axes, panel, branches, STYLE)
-        write_counts(axes, panel, branches, STYLE)
         _ticks(axes, panel, bottom=row == rows - 1, first=column == 0)
         _bar(box(x + side + 0.05, y + 0.08, bar, side - 0.16), image)
-        axes.text(
-            0.0, 1.02, f"({chr(97 + k)})", transform=axes.transAxes, fontsize=8, weight="bold"
-        )
+        above = {"transform": axes.transAxes, "fontsize": 8}
+        axes.text(0.0, 1.05, f"({chr(97 + k)})", weight="bold", **above)
+        axes.text(1.0, 1.05, _counts(panel), ha="right", **above)
         if row == 0:
             title = r"$\alpha_1 = " + _formula(sheet.alphas[column]) + "$"
-            axes.text(0.5, 1.065, title, transform=axes.transAxes, fontsize=10, ha="center")
+            axes.text(
+                0.5, 1.1, title, transform=axes.transAxes, fontsize=10, ha="center", va="bottom"
+            )
         if column == 0:
             power = f"{sheet.ratios[row]:g}"
             axes.text(
@@ -166,12 +166,12 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
                 va="center",
                 ha="center",
             )
-    figure.text(0.995, 1 - 0.12 / height, "energy U [J]", fontsize=7, ha="right", va="center")
+    figure.text(0.995, 1 - 0.14 / height, "energy U [J]", fontsize=7, ha="right", va="center")
     entries = legend_of(panels, STYLE)
     figure.legend(
         handles=entries,
         loc="lower center",
-        ncols=(len(entries) + 1) // 2,
+        ncols=4,
         fontsize=7,
         frameon=False,
         columnspacing=1.4,
@@ -179,6 +179,16 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
         borderaxespad=0.3,
     )
     return figure
+
+
+def _counts(panel: ExactLandscape) -> str:
+    """Say how many minima there are, and how many of them are stable."""
+    every, possible, stable = panel.counts
+    words = f"{every} minim{'um' if every == 1 else 'a'}"
+    if stable is not None and possible is not None:
+        words += f", {stable} stable"
+        words += f", {possible - stable} undecided" if possible > stable else ""
+    return words
 
 
 def _formula(alpha: str) -> str:
@@ -191,6 +201,7 @@ def _ticks(axes: Any, panel: ExactLandscape, *, bottom: bool, first: bool) -> No
     angle_ticks(axes.xaxis, x0, x1)
     angle_ticks(axes.yaxis, y0, y1)
     axes.tick_params(labelsize=7, length=2.5, pad=2, labelbottom=bottom, labelleft=first)
+    axes.set(xlabel="", ylabel="")
     if bottom:
         axes.set_xlabel(coordinate_label(panel.chart.coordinates[0]), fontsize=8, labelpad=1)
     if first:
@@ -201,7 +212,7 @@ def _bar(axes: Any, image: Any) -> None:
     bar = axes.figure.colorbar(image, cax=axes)
     bar.outline.set_linewidth(0.4)
     bar.ax.yaxis.set_major_locator(MaxNLocator(4))
-    bar.ax.tick_params(labelsize=5.5, length=1.5, width=0.4, pad=1)
+    bar.ax.tick_params(labelsize=6.5, length=1.5, width=0.4, pad=1)
 
 
 def sheet_table(panels: list[ExactLandscape]) -> Table:

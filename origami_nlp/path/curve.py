@@ -20,6 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, find_multipliers, project
 from origami_nlp.numerics import BALANCED, FOLLOWED, NEAR_CONTACT, RANK
 from origami_nlp.path.tracer import End, Steps, Trace, trace
@@ -90,8 +91,8 @@ class Point:
         return self._forces[1]
 
 
-@dataclass(frozen=True)
-class BoundaryCurve:
+@dataclass(frozen=True, repr=False)
+class BoundaryCurve(Brief):
     """A followed contact boundary, in the scene's units.
 
     contacts: the contacts held closed.  s: arclength [m], 0 at the state or sample it was started from.

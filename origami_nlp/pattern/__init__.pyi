@@ -1,4 +1,5 @@
 from . import examples as examples
+from .alike import Alike as Alike, group_alike as group_alike
 from .angles import (
     format_angle as format_angle,
     parse_angle as parse_angle,
@@ -8,22 +9,30 @@ from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,
     make_vertex as make_vertex,
-    scene_at as scene_at,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
+    LARGEST as LARGEST,
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
     Frame as Frame,
     parse_fold as parse_fold,
     read_fold as read_fold,
 )
-from .fold_scene import read_fold_scene as read_fold_scene
+from .fold_scene import (
+    read_fold_scene as read_fold_scene,
+    read_fold_scenes as read_fold_scenes,
+    scene_at as scene_at,
+    vertex_scene as vertex_scene,
+    vertex_scenes as vertex_scenes,
+)
 from .labels import Labels as Labels, canonical_labels as canonical_labels
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
+    decode_scene as decode_scene,
     format_scene as format_scene,
+    is_json as is_json,
     parse_scene as parse_scene,
     read_scene as read_scene,
     scene_from_dict as scene_from_dict,

@@ -1,4 +1,4 @@
-"""Interior vertices of a FOLD frame: sector angles, fold angles, flat-foldability, and each as a scene.
+"""Interior vertices of a FOLD frame: sector angles, fold angles, flat-foldability.
 
 Around a vertex the facets follow each other counter-clockwise: by azimuth in a flat crease pattern, by its
 faces in a folded form.  There the fold angle of a crease is the angle from the normal of the facet before it
@@ -10,25 +10,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_type, check_whole, shown
-from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.arguments import check_type
+from origami_nlp.errors import OrigamiError
 from origami_nlp.numerics import CLOSES, TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
-from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.vertex import Vertex
 
 CLOSED = 1e-6
 """Folded facets whose normals are opposite to this [rad] are shut: the file says to which side."""
 APART = math.radians(1.0)
 """Measured and stated fold angles [rad] that differ by more are worth a word."""
-NOISY = 1e-4
-"""Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
 
 
 @dataclass(frozen=True)
@@ -124,94 +120,6 @@ def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[
             if vertex is not None:
                 found.append(vertex)
     return tuple(found), ring.notes
-
-
-def scene_at(
-    frame: Frame,
-    number: int,
-    *,
-    symmetry: str = "auto",
-    contact: Contact = "full",
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_angles: Literal["file", "measured"] | None = None,
-) -> Scene:
-    """Make a scene of one interior vertex of a frame.
-
-    Parameters
-    ----------
-    frame
-        Of `read_fold`.
-    number
-        Of the vertex, from 0, as in the file.
-    symmetry, contact
-        As for `Scene`.
-    stiffness
-        Of creases for which the file gives none [N m/rad].
-    rest_angle
-        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
-        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
-    rest_angles
-        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
-        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
-        file has none.
-
-    Returns
-    -------
-    Scene
-        The vertex with its springs.
-
-    Raises
-    ------
-    FoldFileError
-        If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
-    SceneError, SymmetryError
-        If a value does not fit the vertex.
-    """
-    check_type("frame", frame, Frame)
-    check_whole("number", number, 0)
-    check_number("stiffness", stiffness)
-    check_number("rest_angle", rest_angle, 0.0, math.pi)
-    if rest_angles not in (None, "file", "measured"):
-        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
-    if rest_angles == "measured" and not frame.folded:
-        raise FoldFileError(
-            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
-        )
-    vertices, notes = fold_vertices(frame)
-    here = [v for v in vertices if v.number == number]
-    if not here:
-        some = ", ".join(str(v.number) for v in vertices[:12]) or "none"
-        raise FoldFileError(
-            f"--vertex {shown(number)} is no interior vertex with creases in frame {frame.number}: "
-            f"there {'is' if len(vertices) == 1 else 'are'} {some}{', ...' if len(vertices) > 12 else ''}"
-            + ("" if vertices else "".join(f"; {note}" for note in notes))
-        )
-    v = here[0]
-    if v.reason:
-        raise FoldFileError(f"vertex {number} cannot be analysed: {v.reason}")
-    position = {int(e): k for k, e in enumerate(frame.numbers)}
-    at = [position[e] for e in v.edges]
-    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
-    sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
-    measured, letters = v.fold_angles, sign * rest_angle
-    choices = {
-        "file": (frame.rest_angles[at], v.file_angles, letters),
-        "measured": (measured,),
-        None: (frame.rest_angles[at], v.file_angles, measured, letters),
-    }
-    rest = np.full(v.degree, math.nan)
-    for choice in choices[rest_angles]:
-        rest = np.where(np.isnan(rest), choice, rest)
-    return Scene(
-        make_vertex(v.sector_angles),
-        tuple(k.tolist()),
-        tuple(np.clip(rest, -math.pi, math.pi).tolist()),
-        symmetry,
-        contact,
-        name=f"{frame.title or 'FOLD'}, vertex {number}",
-        symmetry_tolerance=NOISY,
-    )
 
 
 def make_vertex(sectors: tuple[float, ...]) -> Vertex:

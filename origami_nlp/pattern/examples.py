@@ -1,20 +1,29 @@
-"""The two vertex families of the paper, with its rest angles and stiffnesses (sections 3.1, 3.2)."""
+"""Examples by name: the two vertex families of the paper (sections 3.1, 3.2), and patterns that people know."""
 
 from __future__ import annotations
 
+import inspect
 import math
-import sys
-from numbers import Real
+from collections.abc import Callable
+from typing import Any
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern.angles import format_angle, parse_angle
+from origami_nlp.pattern import drawn
+from origami_nlp.pattern.angles import format_angle
+from origami_nlp.pattern.designs import (
+    bird_base as bird_base,
+    miura as miura,
+    resch as resch,
+    square_twist as square_twist,
+    waterbomb as waterbomb,
+    waterbomb_base as waterbomb_base,
+    yoshimura as yoshimura,
+)
 from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.springs import between, positive, springs
 from origami_nlp.pattern.vertex import Vertex
-
-STIFFNESS = 0.025
-"""Geometric mean of mountain and valley stiffness in the paper [N m/rad]."""
 
 DEGREE6_ALPHAS = ("pi/4", "pi/3", "5*pi/12")
 """Sector angles alpha_1 of the columns of the paper's degree-6 figure."""
@@ -62,14 +71,14 @@ def degree6(
     >>> examples.degree6("pi/3", ratio=100).label
     'degree 6, alpha_1 = pi/3, r_k = 100'
     """
-    a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
+    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
     rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSES else (v, v, m, v, m, v)
     b = math.pi - 2 * a
     title = f"degree 6, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
     return Scene(
-        Vertex((a, b, a, a, b, a)), _springs(rest, ratio), rest, symmetry, contact, name=title
+        Vertex((a, b, a, a, b, a)), springs(rest, ratio), rest, symmetry, contact, name=title
     )
 
 
@@ -111,12 +120,12 @@ def degree8(
     >>> examples.degree8("pi/6").group.name
     'D2'
     """
-    a, ratio = _between(alpha, math.pi / 2, "pi/2"), _positive(ratio)
+    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
     b = math.pi / 2 - a
     rest = (-math.pi / 2, math.pi / 2) * 4
     title = f"degree 8, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
     vertex = Vertex((a, b, b, a, a, b, b, a))
-    return Scene(vertex, _springs(rest, ratio), rest, symmetry, contact, name=title)
+    return Scene(vertex, springs(rest, ratio), rest, symmetry, contact, name=title)
 
 
 def panels() -> list[Scene]:
@@ -141,21 +150,108 @@ def panels() -> list[Scene]:
     ]
 
 
-def _between(alpha: float | str, upper: float, upper_text: str) -> float:
-    a = parse_angle(alpha, "alpha")
-    if not 0 < a < upper:
-        raise OptionError(f"alpha = {alpha!r} must lie between 0 and {upper_text} [rad]")
-    return a
+BY_NAME: dict[str, Callable[..., Scene]] = {
+    "miura": miura,
+    "waterbomb": waterbomb,
+    "waterbombbase": waterbomb_base,
+    "birdbase": bird_base,
+    "squaretwist": square_twist,
+    "yoshimura": yoshimura,
+    "resch": resch,
+    "degree6": degree6,
+    "degree8": degree8,
+}
+"""What makes each example, by the name that the command has for it."""
+SIZES = {"miura": (4, 4), "waterbomb": (2, 3), "yoshimura": (6, 3), "resch": (2, 2)}
+"""Rows and columns of cells of patterns that have them, as they are drawn without others."""
+MOST_CELLS = 100
+"""Rows or columns of a pattern."""
 
 
-def _positive(ratio: float) -> float:
-    number = isinstance(ratio, Real) and not isinstance(ratio, bool)
-    if not number or not 0 < ratio <= sys.float_info.max:
-        raise OptionError(f"ratio = {shown(ratio)} must be a positive number")
-    return float(ratio)
+def by_name(name: str, **options: Any) -> Scene:
+    """Make an example by its name.
+
+    Parameters
+    ----------
+    name
+        One of `BY_NAME`.
+    options
+        Of its function.
+
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
+    Raises
+    ------
+    OptionError
+        If there is no such example, or it has no such option, or a value is out of range.
+    AngleError, SceneError, SymmetryError
+        If a value does not fit.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.by_name("birdbase") == examples.bird_base()
+    True
+    """
+    if name not in BY_NAME:
+        raise OptionError(f"name = {shown(name)} is no example: use one of {', '.join(BY_NAME)}")
+    known = inspect.signature(BY_NAME[name]).parameters
+    for option in options:
+        if option not in known:
+            raise OptionError(f"{name} has no option {option}: it has {', '.join(known)}")
+    return BY_NAME[name](**options)
 
 
-def _springs(rest: tuple[float, ...], ratio: float) -> tuple[float, ...]:
-    """k_m = 0.025 sqrt(r_k) on creases with a mountain rest angle, k_v = 0.025 / sqrt(r_k) else."""
-    root = math.sqrt(ratio)
-    return tuple(STIFFNESS * root if phi < 0 else STIFFNESS / root for phi in rest)
+def crease_pattern(
+    name: str, rows: int | None = None, columns: int | None = None, **options: Any
+) -> dict[str, Any]:
+    """Draw the crease pattern of an example, with the springs of its scene on every mountain and valley.
+
+    Parameters
+    ----------
+    name
+        One of `BY_NAME`; of the paper's families, and of the waterbomb base, the vertex alone.
+    rows, columns
+        Cells of a pattern in `SIZES`, 1 to 100.
+    options
+        Of its function, as for `by_name`.
+
+    Returns
+    -------
+    dict
+        FOLD 1.1, for `json.dump`; vertices of a sheet are coupled, which a scene of one vertex does not know.
+
+    Raises
+    ------
+    OptionError
+        As `by_name`, and if a size is out of range, or the pattern has no cells.
+    AngleError, SceneError, SymmetryError
+        If a value does not fit.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.crease_pattern("miura", 2, 3)["edges_assignment"].count("B")
+    10
+    """
+    scene = by_name(name, **options)
+    if name not in SIZES and (rows, columns) != (None, None):
+        raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")
+    default = SIZES.get(name, (1, 1))
+    size = [
+        check_whole(label, least if value is None else value, 1, MOST_CELLS)
+        for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
+    ]
+    sectors = scene.vertex.sector_angles
+    faces, letter = {
+        "miura": lambda: drawn.miura(sectors[0], *size),
+        "waterbomb": lambda: drawn.waterbomb(*size),
+        "birdbase": drawn.bird_base,
+        "squaretwist": lambda: drawn.square_twist(sectors[3]),
+        "yoshimura": lambda: drawn.yoshimura(sectors[0], *size),
+        "resch": lambda: drawn.resch(*size),
+    }.get(name, lambda: drawn.disc(scene))()
+    return drawn.to_fold(faces, letter, scene, scene.label)

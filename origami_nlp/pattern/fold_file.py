@@ -11,14 +11,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.files import read_limited
+from origami_nlp.files import printable, read_limited
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 
@@ -173,7 +173,11 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     full = _inherited(raw)
     there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
     if not there:
-        raise FoldFileError("FOLD file has no frame with vertices_coords: no geometry to analyse")
+        held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
+        raise FoldFileError(
+            f"FOLD file has no frame with vertices_coords, only {printable(held)}: no geometry to analyse; give the "
+            "FOLD file of a crease pattern or of a folded form"
+        )
     if frame is not None:
         wanted = there[:1] if frame == "first" else [frame] if frame in there else []
         if not wanted:
@@ -182,7 +186,13 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     else:
         wanted = there
         _check_total([full[number] for number in there])
-    return tuple(_frame(full[number], number) for number in wanted)
+    frames = [_frame(full[number], number) for number in wanted]
+    if frame == "first" and len(there) > 1:
+        others = (
+            f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"
+        )
+        frames = [replace(one, notes=(*one.notes, others)) for one in frames]
+    return tuple(frames)
 
 
 def _inherited(raw: list[Any]) -> list[dict[str, Any]]:

@@ -1,16 +1,29 @@
-"""One vertex of a FOLD file as a scene."""
+"""Vertices of a FOLD file as scenes: one, or all."""
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from origami_nlp.errors import OptionError
-from origami_nlp.pattern.crease_pattern import fold_vertices, scene_at
-from origami_nlp.pattern.fold_file import read_fold
-from origami_nlp.pattern.scene import Scene
+import numpy as np
+
+from origami_nlp.arguments import check_number, check_type, check_whole, shown
+from origami_nlp.errors import FoldFileError, OptionError
+from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
+from origami_nlp.pattern.fold_file import Frame, read_fold
+from origami_nlp.pattern.fold_notes import listed
+from origami_nlp.pattern.fold_rings import Rings
+from origami_nlp.pattern.scene import Contact, Scene
+
+NOISY = 1e-4
+"""Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
+LETTERS_ONLY = (
+    "M and V without angles: creases rest at -180 and +180 degrees, so that folded flat as drawn has U = 0; "
+    "--rest-angle 90 lets them rest half way"
+)
 
 
 def _to_stderr(note: str) -> None:
@@ -61,19 +74,264 @@ def read_fold_scene(
     6
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    found, notes = fold_vertices(chosen)
+    return vertex_scene(chosen, vertex, tell=tell, **options)
+
+
+def read_fold_scenes(
+    source: str | Path,
+    frame: int | None = None,
+    *,
+    tell: Callable[[str], object] = _to_stderr,
+    **options: Any,
+) -> dict[int, Scene]:
+    """Read every interior vertex of a FOLD file that can be analysed, each as a scene of its own.
+
+    Parameters
+    ----------
+    source
+        FOLD file, or ``"-"`` for standard input.
+    frame
+        Which, from 0; by default the first.
+    tell
+        Called with each note, as for `read_fold_scene`; vertices that cannot be analysed are among them.
+    options
+        Symmetry, contact, stiffness and rest angles, as `scene_at` takes them.
+
+    Returns
+    -------
+    dict of Scene
+        By the number of the vertex, from 0 as in the file.
+
+    Raises
+    ------
+    FoldFileError
+        If the file is no FOLD file, or no vertex can be analysed.
+
+    Examples
+    --------
+    >>> import os, tempfile, origami_nlp as o
+    >>> path = os.path.join(tempfile.mkdtemp(), "states.fold")
+    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> [(number, scene.degree) for number, scene in o.read_fold_scenes(path, tell=lambda note: None).items()]
+    [(0, 6)]
+    """
+    (chosen,) = read_fold(source, "first" if frame is None else frame)
+    return vertex_scenes(chosen, tell=tell, **options)
+
+
+def scene_at(
+    frame: Frame,
+    number: int,
+    *,
+    symmetry: str = "auto",
+    contact: Contact = "full",
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_angles: Literal["file", "measured"] | None = None,
+) -> Scene:
+    """Make a scene of one interior vertex of a frame.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    number
+        Of the vertex, from 0, as in the file.
+    symmetry, contact
+        As for `Scene`.
+    stiffness
+        Of creases for which the file gives none [N m/rad].
+    rest_angle
+        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
+        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
+    rest_angles
+        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
+        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
+        file has none.
+
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
+    Raises
+    ------
+    FoldFileError
+        If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
+    SceneError, SymmetryError
+        If a value does not fit the vertex.
+    """
+    check_type("frame", frame, Frame)
+    check_whole("number", number, 0)
+    found, notes = fold_vertices(frame)
+    here = [v for v in found if v.number == number]
+    if not here:
+        some = listed([v.number for v in found], 12) or "none"
+        raise FoldFileError(
+            f"--vertex {shown(number)} {_what_it_is(frame, number)}: take an interior vertex with creases, "
+            f"there {'is' if len(found) == 1 else 'are'} {some}"
+            + ("" if found else "".join(f"; {note}" for note in notes))
+        )
+    return _scene(
+        frame,
+        here[0],
+        symmetry=symmetry,
+        contact=contact,
+        stiffness=stiffness,
+        rest_angle=rest_angle,
+        rest_angles=rest_angles,
+    )
+
+
+def vertex_scene(
+    frame: Frame, vertex: int | None = None, *, tell: Callable[[str], object], **options: Any
+) -> Scene:
+    """Make a scene of one vertex of a frame.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    vertex, tell, options
+        As for `read_fold_scene`.
+
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
+    Raises
+    ------
+    FoldFileError, OptionError
+        As `read_fold_scene`.
+    """
+    found, notes = fold_vertices(frame)
     if vertex is None:
         good = [v.number for v in found if not v.reason]
         if len(good) != 1:
-            some = f" ({', '.join(map(str, good[:12]))}{', ...' if len(good) > 12 else ''})"
+            some = f" ({listed(good, 12)})" if good else ""
             why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
-                f"--vertex is needed: {len(good)} interior vertices can be analysed"
-                f"{some if good else ''}; origami-nlp vertices lists them{why}"
+                f"--vertex is needed: {len(good)} interior vertices can be analysed{some}; "
+                f"origami-nlp vertices lists them{why}"
             )
         vertex = good[0]
-    scene = scene_at(chosen, vertex, **options)
+    scene = scene_at(frame, vertex, **options)
     here = next(v for v in found if v.number == vertex)
-    for note in (*chosen.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
+    for note in (*frame.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
         tell(note)
+    if _by_letters(frame, here, **options):
+        tell(LETTERS_ONLY)
     return scene
+
+
+def vertex_scenes(
+    frame: Frame, *, tell: Callable[[str], object], **options: Any
+) -> dict[int, Scene]:
+    """Make a scene of every vertex of a frame that can be analysed.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    tell, options
+        As for `read_fold_scenes`.
+
+    Returns
+    -------
+    dict of Scene
+        By the number of the vertex.
+
+    Raises
+    ------
+    FoldFileError
+        If no vertex can be analysed, or an option does not fit.
+    """
+    check_type("frame", frame, Frame)
+    found, notes = fold_vertices(frame)
+    for note in (*frame.notes, *notes):
+        tell(note)
+    scenes = {}
+    for v in found:
+        if not v.reason:
+            scenes[v.number] = _scene(frame, v, **options)
+        for note in (*v.notes, *([f"cannot be analysed: {v.reason}"] if v.reason else [])):
+            tell(f"vertex {v.number}: {note}")
+    if not scenes:
+        raise FoldFileError(
+            f"frame {frame.number} has no interior vertex that can be analysed: origami-nlp vertices says why of each"
+        )
+    if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
+        tell(LETTERS_ONLY)
+    return scenes
+
+
+def _what_it_is(frame: Frame, number: int) -> str:
+    """Say what a vertex is that is no interior one with creases."""
+    here = f"frame {frame.number}"
+    if number >= len(frame.coords):
+        return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"
+    ring = Rings(frame)
+    if not ring.edge[number]:
+        return f"has no edge in {here}"
+    return f"has no crease in {here}" if number in ring.interior else f"is on the border of {here}"
+
+
+def _by_letters(
+    frame: Frame,
+    v: FoldVertex,
+    rest_angle: float = math.pi,
+    rest_angles: str | None = None,
+    **_: Any,
+) -> bool:
+    """Tell whether M and V alone say that every crease of a vertex rests shut."""
+    at = np.searchsorted(frame.numbers, v.edges)
+    silent = np.isnan(frame.rest_angles[at]) & np.isnan(v.file_angles)
+    letters = not frame.folded or rest_angles == "file"
+    return (
+        bool(silent.all()) and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi
+    )
+
+
+def _scene(
+    frame: Frame,
+    v: FoldVertex,
+    *,
+    symmetry: str = "auto",
+    contact: Contact = "full",
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_angles: str | None = None,
+) -> Scene:
+    """Make a scene of a vertex; parameters as for `scene_at`."""
+    check_number("stiffness", stiffness)
+    check_number("rest_angle", rest_angle, 0.0, math.pi)
+    if rest_angles not in (None, "file", "measured"):
+        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
+    if rest_angles == "measured" and not frame.folded:
+        raise FoldFileError(
+            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
+        )
+    if v.reason:
+        raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
+    at = np.searchsorted(frame.numbers, v.edges)
+    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
+    sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
+    measured, letters = v.fold_angles, sign * rest_angle
+    choices = {
+        "file": (frame.rest_angles[at], v.file_angles, letters),
+        "measured": (measured,),
+        None: (frame.rest_angles[at], v.file_angles, measured, letters),
+    }
+    rest = np.full(v.degree, math.nan)
+    for choice in choices[rest_angles]:
+        rest = np.where(np.isnan(rest), choice, rest)
+    return Scene(
+        make_vertex(v.sector_angles),
+        tuple(k.tolist()),
+        tuple(np.clip(rest, -math.pi, math.pi).tolist()),
+        symmetry,
+        contact,
+        name=f"{frame.title or 'FOLD'}, vertex {v.number}",
+        symmetry_tolerance=NOISY,
+    )

@@ -20,6 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.numerics import INDEPENDENT, RESOLVED, SUMMED
 
 NEAR = 1e-3
@@ -28,8 +29,8 @@ LONGEST_RUN, MOST_SUMS = 12, 2**17
 """Signed sums of more sector angles are not looked at: their number doubles with each; nor, for large N, more sums."""
 
 
-@dataclass(frozen=True)
-class Relation:
+@dataclass(frozen=True, repr=False)
+class Relation(Brief):
     """Signed sum of consecutive sector angles that is, or nearly is, a multiple of pi.
 
     Attributes
@@ -71,8 +72,8 @@ class Relation:
         return f"creases {self.first} and {last} {how}{when}"
 
 
-@dataclass(frozen=True)
-class Relations:
+@dataclass(frozen=True, repr=False)
+class Relations(Brief):
     """What a scene decided on the special relations of its sector angles.
 
     Attributes

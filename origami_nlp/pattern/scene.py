@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.files import is_unicode, printable
+from origami_nlp.files import Full, is_unicode, printable
 from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -31,7 +31,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Full):
     """Everything the user states.
 
     Parameters
@@ -163,28 +163,33 @@ class Scene:
     def _make_symmetric(self, *wanted: Any) -> None:
         """Average sector angles, stiffness and rest angles over the group, then cut the piece anew.
 
-        What differs by no more than rounding stays as it is.
+        Averaged values may share a larger group within the tolerance, or another mirror: what is kept is exactly
+        symmetric.  What differs by no more than rounding stays as it is.
         """
-        elements = self.group.elements
-        sectors = averaged(self.vertex.sector_angles, elements, facets=True)
-        vertex = Vertex(sectors, self.vertex.flat)
-        k = averaged(self.stiffness, elements, facets=False)
-        rest = averaged(self.rest_angles, elements, facets=False)
-        changes = [
-            np.abs(np.subtract(sectors, self.vertex.sector_angles)),
-            np.abs(np.subtract(rest, self.rest_angles)),
-            np.abs(np.divide(k, self.stiffness) - 1),
-        ]
-        if np.max(changes) <= SUMMED:
-            return
-        object.__setattr__(self, "adjusted", float(np.max(changes)))
-        object.__setattr__(self, "vertex", vertex)
-        found = find_relations(vertex.sector_angles)
-        record = replace(self.relations, sector_angles=vertex.sector_angles, exact=found.exact)
-        object.__setattr__(self, "relations", record)
-        object.__setattr__(self, "stiffness", k)
-        object.__setattr__(self, "rest_angles", rest)
-        object.__setattr__(self, "group", find_symmetry(vertex, k, rest, *wanted))
+        stated = self.vertex.sector_angles, self.rest_angles, self.stiffness
+        while True:
+            elements = self.group.elements
+            sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+            rest = averaged(self.rest_angles, elements, facets=False)
+            k = averaged(self.stiffness, elements, facets=False)
+            if (
+                _change(
+                    (sectors, rest, k),
+                    (self.vertex.sector_angles, self.rest_angles, self.stiffness),
+                )
+                <= SUMMED
+            ):
+                return
+            object.__setattr__(self, "adjusted", _change((sectors, rest, k), stated))
+            object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
+            found = find_relations(self.vertex.sector_angles)
+            record = replace(
+                self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact
+            )
+            object.__setattr__(self, "relations", record)
+            object.__setattr__(self, "stiffness", k)
+            object.__setattr__(self, "rest_angles", rest)
+            object.__setattr__(self, "group", find_symmetry(self.vertex, k, rest, *wanted))
 
     @property
     def label(self) -> str:
@@ -220,13 +225,23 @@ class Scene:
         return float(energy) if energy.ndim == 0 else energy
 
     def __repr__(self) -> str:
+        who = self.label or f"{self.vertex!r}"
+        return f"Scene({who}: degree {self.degree}, symmetry {self.group.name}, contact {self.contact})"
+
+    def __str__(self) -> str:
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
         return (
-            f"Scene({title}{self.vertex!r},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
+            f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
+
+
+def _change(new: Sequence[Sequence[float]], old: Sequence[Sequence[float]]) -> float:
+    """Return the largest change of sector angles and rest angles [rad] and, relatively, of stiffnesses."""
+    angles = [np.abs(np.subtract(a, b)).max() for a, b in zip(new[:2], old[:2], strict=True)]
+    return float(max(*angles, np.abs(np.divide(new[2], old[2]) - 1).max()))
 
 
 def _check_range(stiffness: Sequence[float]) -> None:

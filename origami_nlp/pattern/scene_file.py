@@ -54,11 +54,55 @@ def read_scene(source: str | Path) -> Scene:
     >>> o.read_scene(path) == o.examples.degree8("pi/4")
     True
     """
-    raw = read_limited(source, _LARGEST, "scene", SceneFileError)
+    return decode_scene(read_limited(source, _LARGEST, "scene", SceneFileError), str(source))
+
+
+def decode_scene(raw: bytes, name: str) -> Scene:
+    """Read a scene from the bytes of a scene file.
+
+    Parameters
+    ----------
+    raw
+        The bytes.
+    name
+        Of the file, for messages.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    SceneFileError, AngleError, VertexError, SceneError, SymmetryError
+        As `read_scene`.
+    """
+    if len(raw) > _LARGEST:
+        raise SceneFileError(f"scene {name!r} is larger than 1 MB: not a scene file")
+    if is_json(raw):
+        raise SceneFileError(
+            f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
+        )
     try:
         return parse_scene(raw.decode("utf-8"))
     except UnicodeDecodeError as error:
-        raise SceneFileError(f"scene {str(source)!r} is not UTF-8 text: {error.reason}") from None
+        raise SceneFileError(f"scene {name!r} is not UTF-8 text: {error.reason}") from None
+
+
+def is_json(raw: bytes) -> bool:
+    """Tell whether bytes begin as a JSON object does, and no TOML file.
+
+    Parameters
+    ----------
+    raw
+        Of a file.
+
+    Returns
+    -------
+    bool
+        Whether the first letter, after a byte order mark and spaces, is a brace.
+    """
+    return raw.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{")
 
 
 def parse_scene(text: str) -> Scene:
@@ -236,7 +280,9 @@ def _toml(value: Any) -> str:
         return f'"{escaped}"'
     if isinstance(value, bool):
         return str(value).lower()
-    return repr(value)
+    return repr(
+        float(value) if isinstance(value, float) else value
+    )  # of NumPy's, whose repr says so
 
 
 def _one_of(table: Mapping[str, Any], name: str, keys: tuple[str, ...]) -> str:

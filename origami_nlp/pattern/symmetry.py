@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SymmetryError
+from origami_nlp.files import Brief
 from origami_nlp.numerics import RESOLVED, TYPED
 from origami_nlp.pattern.vertex import Vertex
 
@@ -36,8 +37,8 @@ class Ray:
     sector: float
 
 
-@dataclass(frozen=True)
-class Symmetry:
+@dataclass(frozen=True, repr=False)
+class Symmetry(Brief):
     """A point group and the piece of the vertex that generates the rest.
 
     Attributes
@@ -139,11 +140,14 @@ def shared_symmetries(
             and np.all(np.abs(rest[j] - rest) <= tolerance)
         )
 
-    shifts = [
+    near = {
         s
         for s in range(n)
         if np.all(np.abs(a[(i + s) % n] - a) <= tolerance) and mechanics((i + s) % n)
-    ]
+    }
+    # with a tolerance two shifts may be near and their sum not: only a whole group counts
+    step = next(g for g in range(1, n + 1) if n % g == 0 and near.issuperset(range(0, n, g)))
+    shifts = list(range(0, n, step))
     # crease i -> s - i sends the facet (i, i+1) to (s - i - 1, s - i)
     mirrors = [
         s

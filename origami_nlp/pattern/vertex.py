@@ -17,12 +17,13 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
+from origami_nlp.files import Full, cut
 from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 
 
 @dataclass(frozen=True)
-class Vertex:
+class Vertex(Full):
     """A sheet of paper with N creases that meet at a point (paper, section 2).
 
     Creases b_1 .. b_N lie in the e1-e2 plane, counter-clockwise, b_1 = e1; sector alpha_i lies between b_i and b_{i+1}.
@@ -171,7 +172,12 @@ class Vertex:
         return np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
 
     def __repr__(self) -> str:
-        inner = ", ".join(format_angle(a) for a in self.sector_angles)
+        return self._told(cut([format_angle(a) for a in self.sector_angles]))
+
+    def __str__(self) -> str:
+        return self._told(", ".join(format_angle(a) for a in self.sector_angles))
+
+    def _told(self, inner: str) -> str:
         bent = "" if self.flat else f", not flat: {math.degrees(self.excess):+.6g} deg"
         return f"Vertex(degree {self.degree}, sector_angles=[{inner}]{bent})"
 

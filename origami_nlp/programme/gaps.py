@@ -37,15 +37,12 @@ class Gap:
 
     type: kind of contact (module docstring).
     rays: rays of the piece that take part: (r,) or, for a facet pair, (k, j): ray k on the facet
-    that
-        starts at ray j.
+        that starts at ray j.
     pair: the two facets of a facet pair, as positions of their first rays, else None.
     weight: total opening [rad] in the whole vertex, summed over all images of the contact, for a
-    unit gap.
-        A multiplier of the reduced problem divided by it is the moment at each single contact.
+        unit gap.  A multiplier of the reduced problem divided by it is the moment at each single contact.
 
-    For ``mirror`` and ``axis`` rays is (r, side): side 0 is the mirror at the first ray, 1 at the
-    last.
+    For ``mirror`` and ``axis`` rays is (r, side): side 0 is the mirror at the first ray, 1 at the last.
     """
 
     type: ContactType

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.arguments import check_type
+from origami_nlp.files import Full
 from origami_nlp.numerics import SUMMED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
@@ -19,7 +20,7 @@ from origami_nlp.programme.gaps import Gap, first_of_each
 from origami_nlp.programme.parameters import Parameters
 
 
-class Posed:
+class Posed(Full):
     """What of a scene is modelled, by name; printing it says what is modelled and what is not.
 
     Energies inside the programme are divided by `scale`, a power of two near the weighted mean
@@ -307,6 +308,11 @@ class Posed:
         return gap_weights(len(self.structure.gaps), contacts, multipliers)
 
     def __repr__(self) -> str:
+        who = self.scene.label or f"{self.scene.vertex!r}"
+        counts = f"{self.size} fold angles, {self.equation_count} equalities"
+        return f"Model({who}: {counts}, {self.inequality_count} inequalities, symmetry {self.scene.group.name})"
+
+    def __str__(self) -> str:
         scene, lines = self.scene, []
         group = scene.group
         form = {

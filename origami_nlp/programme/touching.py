@@ -30,10 +30,10 @@ Rays = Callable[[], np.ndarray]
 class ClosedContacts:
     """Closed contacts at a state.
 
-    base: rows that always hold.  branches: for each touching facet pair its possible sets of rows.
+    base: rows that always hold.
+    branches: for each touching facet pair its possible sets of rows.
     implied: rows that only describe a base row again (crease k lies on a facet because the crease
-    between
-        them is folded flat), with that base row.
+        between them is folded flat), with that base row.
     """
 
     base: tuple[Contact, ...]
@@ -65,8 +65,9 @@ class ContactWords:
     """Who touches in a contact.
 
     type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
-    creases, facets: 1-based, all images under the symmetry included for creases at a fold limit; a facet pair names
-    its two facets.  text: the contact in words.
+    creases: 1-based, all images under the symmetry included for creases at a fold limit.
+    facets: 1-based; a facet pair names its two facets.
+    text: the contact in words.
     """
 
     type: str

@@ -13,7 +13,7 @@ from origami_nlp.programme import Model, complete
 from origami_nlp.proof.boxes import BEYOND
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.tree import Kind, Tree
-from origami_nlp.show import angle_ticks
+from origami_nlp.show import angle_ticks, minimum_look, pass_look
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,16 +28,13 @@ WORDS = {
 }
 """What a closed state is to the proof: words and colour, of different lightness."""
 MARKS: dict[tuple[bool, bool], tuple[str, dict[str, Any]]] = {
-    (False, True): ("minimum", {"marker": "o", "ms": 10, "mfc": "black"}),
-    (False, False): ("saddle or maximum", {"marker": "X", "ms": 10, "mfc": "white"}),
+    (False, True): ("minimum", minimum_look("interior", None, 16.0)),
+    (False, False): ("saddle or maximum", pass_look("saddle", 15.0)),
     (True, True): (
         "minimum with creases at their limits",
-        {"marker": "^", "ms": 8, "mfc": "black"},
+        minimum_look("contact-pinned", None, 13.0),
     ),
-    (True, False): (
-        "critical only with creases held there",
-        {"marker": "^", "ms": 6, "mfc": "white"},
-    ),
+    (True, False): ("critical only with creases held there", pass_look("corner", 12.0)),
 }
 """Words and marker of a critical point: whether a variable is at its limit, whether it is a minimum."""
 MEANING = {
@@ -134,7 +131,7 @@ def draw_proof(
         raise OptionError("the proof has no tree: prove(model, record=True) keeps it")
     if model.freedom != 2:
         raise OptionError(f"the scene has {model.freedom} freedoms: draw_proof is for two")
-    figure = Figure(figsize=(11.5, 7.0), layout="compressed")
+    figure = Figure(figsize=(9.6, 6.4), dpi=110, layout="compressed")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     branches, there = _closed(model, pair, size)
     shown = set()
@@ -151,7 +148,7 @@ def draw_proof(
         ]
         style = MARKS[any(p.stratum), bool(p.is_minimum)][1]
         axes[int(np.argmin(apart))].plot(
-            p.x[pair[0]], p.x[pair[1]], mec="black", zorder=5, clip_on=False, **style
+            p.x[pair[0]], p.x[pair[1]], zorder=5, clip_on=False, **style
         )
     axes[0].set_ylabel(rf"fold angle $\phi_{{{pair[1] + 1}}}$ [rad]")
     _legend(figure, sorted(shown))
@@ -207,7 +204,5 @@ def _legend(figure: Figure, shown: list[int]) -> None:
     handles: list[Any] = [
         Patch(facecolor=WORDS[m][1], edgecolor="#555555", label=WORDS[m][0]) for m in shown
     ]
-    handles += [
-        Line2D([], [], ls="", mec="black", label=words, **style) for words, style in MARKS.values()
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=10)
+    handles += [Line2D([], [], label=words, **style) for words, style in MARKS.values()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=9)

@@ -24,9 +24,9 @@ class Kind(IntEnum):
     NONE = 5
     """Leaf: closure, minors and twin rows together have no solution."""
     MINOR = 6
-    """Leaf: the minor of the free creases `Tree.minors`[number] differs from zero."""
+    """Leaf: the minor of the free creases `Tree.minors[number]` differs from zero."""
     TWIN = 7
-    """Leaf: the twin row of `Tree.twins`[number] differs from zero."""
+    """Leaf: the twin row of `Tree.twins[number]` differs from zero."""
     FLAT = 8
     """Leaf: within the radius of the flat state's lemma."""
     ROOT = 9

@@ -1,22 +1,62 @@
+from .animation import check_animation as check_animation, write_animation as write_animation
+from .bodies import (
+    Body as Body,
+    Content as Content,
+    Crease as Crease,
+    Folded as Folded,
+    Line as Line,
+    Mark as Mark,
+    Panel as Panel,
+    Station as Station,
+    Track as Track,
+)
+from .crease_figure import draw_pattern as draw_pattern
 from .drawing import (
     MOUNTAIN as MOUNTAIN,
     VALLEY as VALLEY,
-    Pose as Pose,
+    crease_legend as crease_legend,
     draw_state as draw_state,
-    pose_state as pose_state,
+    drawn_height as drawn_height,
+)
+from .flags import Flags as Flags, Reason as Reason
+from .folded_vertex import (
+    rotation_onto as rotation_onto,
+    vertex_body as vertex_body,
+    vertex_folded as vertex_folded,
+    vertex_track as vertex_track,
+    vertex_view as vertex_view,
 )
 from .html import inline_image as inline_image
+from .labels import label_marks as label_marks
 from .plain import (
     check_schema as check_schema,
     from_plain as from_plain,
     pick as pick,
     to_plain as to_plain,
 )
+from .pose import Pose as Pose, pose_state as pose_state
+from .result import Result as Result, read_data as read_data
 from .style import (
-    angle_ticks as angle_ticks,
-    label_text as label_text,
-    pi_label as pi_label,
-    short_label as short_label,
+    BAND as BAND,
+    HANDLE as HANDLE,
+    IDLE as IDLE,
+    INK as INK,
+    INKS as INKS,
+    KINDS as KINDS,
+    METASTABLE as METASTABLE,
+    MISSING as MISSING,
+    PASSES as PASSES,
+    PUSHES as PUSHES,
+    RING as RING,
+    VERDICTS as VERDICTS,
+    WARNING as WARNING,
+    energy_colours as energy_colours,
+    mark_minimum as mark_minimum,
+    minima_legend as minima_legend,
+    minimum_look as minimum_look,
+    pass_look as pass_look,
+    passes_legend as passes_legend,
+    patch as patch,
 )
 from .table import (
     Cell as Cell,
@@ -29,4 +69,17 @@ from .table import (
     plain_text as plain_text,
     rows_markdown as rows_markdown,
     rows_table as rows_table,
+)
+from .text import (
+    angle_ticks as angle_ticks,
+    label_text as label_text,
+    pi_label as pi_label,
+    short_label as short_label,
+)
+from .turned import (
+    Turnable as Turnable,
+    TurnedPage as TurnedPage,
+    check_view as check_view,
+    page_data as page_data,
+    turned_page as turned_page,
 )

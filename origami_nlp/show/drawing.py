@@ -1,62 +1,46 @@
 """A folded vertex drawn in three dimensions: facets as shaded sectors, creases as coloured bands.
 
 The state is projected orthographically and painted pixel by pixel with the depth of each facet, so
-hidden parts are hidden.  Mountain creases are red, valleys blue, both by the sign of the fold angle, wider
-and darker the larger |phi|/pi; borders are black.  The upper side of the paper is warm, the lower
-side cool.  Every facet is a sector of the unit disc.
+hidden parts are hidden.  Mountain creases are red and solid, valleys blue and dashed, both by the sign of the
+fold angle, wider and darker the larger |phi|/pi; borders are black.  The upper side of the paper is warm, the
+lower side cool.  Every facet is a sector of the unit disc.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.folding import fold_vertex
 from origami_nlp.pattern import Vertex
+from origami_nlp.show.pose import Pose, pose_state
+from origami_nlp.show.style import patch
 
 MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
 UPPER, LOWER = "#f6ead2", "#c3d3dc"
-SPREAD = 0.05
-"""Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
-CLOSED = 0.1
-"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
 PIXELS = 560
 """Side of the painted picture."""
 ARC = math.radians(7)
 """Borders are drawn as straight pieces of at most this angle."""
+DASH, GAP = 0.085, 0.055
+"""Of valley creases [of the unit radius]."""
 LIGHT = np.array([-0.35, 0.55, 0.76])
 """Towards the light, in the picture's frame."""
 
 Colour = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
-class Pose:
-    """A folded vertex turned for viewing.
-
-    Attributes
-    ----------
-    creases
-        c_i, shape [N, 3], in the picture's frame: x right, y up, z towards the viewer.
-    normals
-        Of the upper side of each facet, [N, 3].
-    offsets
-        Displacement of each facet, [N, 3]; zero unless facets lie on each other.
-    """
-
-    creases: np.ndarray
-    normals: np.ndarray
-    offsets: np.ndarray
-
-
-def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 9.0) -> bool:
-    """Draw one state into a matplotlib Axes (made square and bare here).
+def draw_state(
+    axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 9.0, crop: bool = False
+) -> bool:
+    """Draw one state into a matplotlib Axes (made bare here).
 
     Parameters
     ----------
@@ -68,6 +52,9 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
         Of the state, shape [N] [rad], valley positive; the state should close.
     size
         Font size of the crease numbers [points].
+    crop
+        Leave away what is empty below: the Axes then fit if their height is `drawn_height` times their width;
+        otherwise they are square.
 
     Returns
     -------
@@ -83,16 +70,31 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
     False
     """
     phi = np.asarray(fold_angles, dtype=float)
-    pose = pose_state(vertex, phi)
-    labels = _label_places(pose)
-    low, high = _extent(pose, vertex, labels)
-    reach = max(
-        0.9, 0.5 * float((high - low).max())
-    )  # folded-up states stay smaller than open ones
-    corner = np.array([(low[0] + high[0]) / 2 - reach, high[1] - 2 * reach])  # top: below the title
-    right, top = corner + 2 * reach
+    pose, labels, corner, side, below = _placed(vertex, tuple(phi.tolist()))
+    draw_pose(axes, pose, labels, vertex.sector_angles, phi, corner, side, size)
+    if crop:
+        axes.set_ylim(bottom=below)
+    return bool(np.any(pose.offsets))
+
+
+def draw_pose(
+    axes: Any,
+    pose: Pose,
+    labels: np.ndarray,
+    sectors: Sequence[float],
+    phi: np.ndarray,
+    corner: np.ndarray,
+    side: float,
+    size: float,
+) -> None:
+    """Draw a turned state into a matplotlib Axes: the square of length `side` from its lower left `corner`.
+
+    labels: places of the crease numbers [N, 2], of `label_places`.  sectors: sector angles [N].  phi: fold angles [N].
+    size: font size of the crease numbers [points].
+    """
+    right, top = corner + side
     axes.imshow(
-        _paint(pose, vertex, phi, corner, 2 * reach),
+        _paint(pose, sectors, phi, corner, side),
         extent=(corner[0], right, corner[1], top),
         origin="lower",
     )
@@ -111,7 +113,63 @@ def draw_state(axes: Any, vertex: Vertex, fold_angles: object, *, size: float = 
         )
     axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
     axes.axis("off")
-    return bool(np.any(pose.offsets))
+
+
+def drawn_height(vertex: Vertex, fold_angles: object) -> float:
+    """Return the height of the picture of a state over its width, 1 at most.
+
+    Parameters
+    ----------
+    vertex
+        The vertex.
+    fold_angles
+        Of the state, shape [N] [rad].
+
+    Returns
+    -------
+    float
+        For ``draw_state(..., crop=True)``.
+
+    Examples
+    --------
+    >>> from origami_nlp import Vertex
+    >>> from origami_nlp.show import drawn_height
+    >>> 0.5 < drawn_height(Vertex(("pi/2",) * 4), [3.14, 0, 3.14, 0]) < drawn_height(Vertex(("pi/2",) * 4), [0] * 4)
+    True
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    _, _, corner, side, below = _placed(vertex, tuple(phi.tolist()))
+    return float(corner[1] + side - below) / side
+
+
+@lru_cache(maxsize=64)
+def _placed(
+    vertex: Vertex, fold_angles: tuple[float, ...]
+) -> tuple[Pose, np.ndarray, np.ndarray, float, float]:
+    """Pose and labels of a state; lower left corner and side of the square around it, and where it ends below."""
+    pose = pose_state(vertex, np.array(fold_angles))
+    labels = label_places(pose)
+    low, high = _extent(pose, vertex, labels)
+    side = max(1.8, float((high - low).max()))  # folded-up states stay smaller than open ones
+    corner = np.array([(low[0] + high[0] - side) / 2, high[1] - side])  # top: below the title
+    return pose, labels, corner, side, float(low[1])
+
+
+def crease_legend() -> list[Any]:
+    """Return legend entries for the creases and the sides of the paper.
+
+    Returns
+    -------
+    list of matplotlib.artist.Artist
+        Handles with labels.
+    """
+    dashes = (0, (2.2, 1.3))
+    return [
+        Line2D([], [], color=MOUNTAIN, linewidth=2.2, label="mountain"),
+        Line2D([], [], color=VALLEY, linewidth=2.2, linestyle=dashes, label="valley"),
+        patch(UPPER, "upper side"),
+        patch(LOWER, "lower side"),
+    ]
 
 
 def _hidden_ends(pose: Pose) -> list[bool]:
@@ -129,7 +187,7 @@ def _hidden_ends(pose: Pose) -> list[bool]:
 def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corners of all that is drawn."""
     n = len(pose.creases)
-    parts = [labels - 0.1, labels + 0.1, np.zeros((1, 2))]
+    parts = [labels - 0.1, labels + 0.1, np.full((1, 2), -0.05), np.full((1, 2), 0.05)]
     for f, sector in enumerate(vertex.sector_angles):
         arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
         parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]
@@ -137,121 +195,12 @@ def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray,
     return every.min(axis=0), every.max(axis=0)
 
 
-# ---------------------------------------------------------------- pose
-
-
-def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
-    """Turn a state upright, and to where most of it is seen.
-
-    Upright: the mean normal of the paper's upper side points up (for a symmetric state this is its
-    axis, or lies in its mirror).  Where the normals cancel, as in a closed book, the mean of the
-    creases does.  Then the best of a fixed set of views is taken: facets seen broadly, crease ends
-    apart and not hidden.
-
-    Parameters
-    ----------
-    vertex
-        The vertex.
-    fold_angles
-        Of the state, shape [N] [rad].
-
-    Returns
-    -------
-    Pose
-        Creases and normals in the picture's frame.
-    """
-    phi = np.asarray(fold_angles, dtype=float)
-    creases, _ = fold_vertex(vertex, phi)
-    ends = np.roll(creases, -1, axis=0)
-    normals = np.cross(creases, ends)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    offsets = _offsets(phi, normals)
-    weight = np.array(vertex.sector_angles)[:, None] / (2 * math.pi)
-    up = (weight * normals).sum(axis=0)
-    if np.linalg.norm(up) < 0.15:
-        up = creases.mean(axis=0)
-    if np.linalg.norm(up) < 0.15:
-        up = np.array([0.0, 0.0, 1.0])
-    up = up / np.linalg.norm(up)
-    ahead = next(a for c in (*creases, *np.eye(3)) if np.linalg.norm(a := c - (c @ up) * up) > 0.05)
-    ahead = ahead / np.linalg.norm(ahead)
-    frame = np.stack([ahead, np.cross(up, ahead), up])
-    view = _best_view(creases @ frame.T, normals @ frame.T, weight[:, 0])
-    turn = view @ frame
-    return Pose(creases @ turn.T, normals @ turn.T, offsets @ turn.T)
-
-
-def _offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
-    n = len(phi)
-    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
-    offsets = np.zeros((n, 3))
-    if not closed.any():
-        return offsets
-    first = int(np.argmin(np.abs(phi)))  # start behind the most open crease
-    for step in range(1, n + 1):
-        i = (first + step) % n  # crease i lies between facets i - 1 and i
-        move = math.copysign(SPREAD, phi[i]) * normals[i - 1] if closed[i] else np.zeros(3)
-        if step < n:
-            offsets[i] = offsets[i - 1] + move
-    if closed.all():  # the last step back to the first facet: share out what does not fit
-        misfit = offsets[first - 1] + move - offsets[first]
-        for step in range(n):
-            offsets[(first + step) % n] -= misfit * step / n
-    return offsets - offsets.mean(axis=0)
-
-
-def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Choose rows (right, up, towards the viewer) among azimuths and elevations."""
-    best, best_score = np.eye(3), -math.inf
-    n = len(creases)
-    i, j = np.triu_indices(n, 1)
-    for elevation in np.radians([25.0, 35.0, 45.0, 60.0]):
-        for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
-            s, c = math.sin(azimuth), math.cos(azimuth)
-            se, ce = math.sin(elevation), math.cos(elevation)
-            rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
-            flat = creases @ rows[:2].T
-            apart = np.hypot(*(flat[i] - flat[j]).T)
-            seen = float(np.minimum(np.abs(normals @ rows[2]), 0.85) @ weight)
-            edge_on = float(np.minimum(np.abs(normals @ rows[2]), 0.25).min())
-            hidden = _hidden(creases, rows[2])
-            score = (
-                seen
-                + 1.5 * edge_on
-                + 1.2 * float(np.minimum(apart, 0.3).mean())
-                + 1.0 * float(np.minimum(apart, 0.2).min())
-                - 0.9 * hidden
-                - 0.15 * abs(elevation - math.radians(35))
-            )
-            if score > best_score + 1e-9:  # the first of equal views, whatever the rounding
-                best, best_score = rows, score
-    return best
-
-
-def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
-    """Share of the crease midpoints and ends that a facet hides from a viewer at infinity."""
-    n = len(creases)
-    a, b = creases, np.roll(creases, -1, axis=0)
-    points = np.concatenate([0.5 * creases, 0.95 * creases])
-    owner = np.tile(np.arange(n), 2)
-    count = 0
-    for f in range(n):
-        # point + t view = x a + y b with t > 0, x, y >= 0, |x a + y b| <= 1
-        basis = np.stack([a[f], b[f], -view], axis=1)
-        if abs(np.linalg.det(basis)) < 1e-6:
-            continue
-        x, y, t = np.linalg.solve(basis, points.T)
-        length = np.linalg.norm(np.outer(x, a[f]) + np.outer(y, b[f]), axis=1)
-        own = (owner == f) | (owner == (f + 1) % n)
-        count += int(((t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own).sum())
-    return count / (2 * n)
-
-
 # ---------------------------------------------------------------- painting
 
 
-def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
+def _paint(
+    pose: Pose, sectors: Sequence[float], phi: np.ndarray, low: np.ndarray, size: float
+) -> np.ndarray:
     """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
 
     Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
@@ -269,7 +218,14 @@ def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: f
         nearest[front] = depth[front]
         picture[front] = (*_facet_colour(pose.normals[f]), 1.0)
 
-    def band(p: np.ndarray, q: np.ndarray, width: float, colour: Colour, facets: Any) -> None:
+    def band(
+        p: np.ndarray,
+        q: np.ndarray,
+        width: float,
+        colour: Colour,
+        facets: Any,
+        dashed: bool = False,
+    ) -> None:
         """Paint the straight line from p to q, before its own facets."""
         box = []
         for k in (0, 1):
@@ -283,6 +239,8 @@ def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: f
         length2 = max(float(along[0] ** 2 + along[1] ** 2), 1e-12)
         t = np.clip((dx * along[0] + dy * along[1]) / length2, 0.0, 1.0)
         near = (dx - t * along[0]) ** 2 + (dy - t * along[1]) ** 2 <= (width / 2) ** 2
+        if dashed:  # along a crease, of unit length
+            near &= t % (DASH + GAP) < DASH
         depth = p[2] + t * along[2]
         for f in facets:
             depth = np.maximum(depth, depths[f][part])
@@ -290,14 +248,14 @@ def _paint(pose: Pose, vertex: Vertex, phi: np.ndarray, low: np.ndarray, size: f
         nearest[part][front] = depth[front] + 1e-4
         picture[part][front] = (*colour, 1.0)
 
-    for f, sector in enumerate(vertex.sector_angles):
+    for f, sector in enumerate(sectors):
         arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
         for p, q in itertools.pairwise(arc):
             band(p, q, 0.015, to_rgb(BORDER), (f,))
     for i in range(n):
         colour, share = _crease_colour(phi[i])
         start = (pose.offsets[i] + pose.offsets[i - 1]) / 2
-        band(start, start + pose.creases[i], 0.016 + 0.034 * share, colour, (i - 1, i))
+        band(start, start + pose.creases[i], 0.016 + 0.034 * share, colour, (i - 1, i), phi[i] > 0)
     return picture
 
 
@@ -343,7 +301,7 @@ def _crease_colour(phi: float) -> tuple[Colour, float]:
     return (r, g, b), share
 
 
-def _label_places(pose: Pose) -> np.ndarray:
+def label_places(pose: Pose) -> np.ndarray:
     """Where the crease numbers go, [N, 2]: just beyond the ends, pushed apart where they meet."""
     n = len(pose.creases)
     shift = (pose.offsets + np.roll(pose.offsets, 1, axis=0)) / 2

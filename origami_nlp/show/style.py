@@ -1,91 +1,246 @@
-"""The style that our figures share."""
+"""What every figure says in the same way: marks of minima and passes, lines of boundaries, colours of energy.
+
+A minimum's shape is its kind and its filling its verdict in the full space; so both survive print in grey.  Passes
+are white.  Colours are told apart by readers with deuteranopia and protanopia, and by their lightness.
+"""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any
 
+import matplotlib
+import numpy as np
+from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
-def label_text(text: str) -> str:
-    """Return text that matplotlib does not take for a formula.
 
-    Parameters
+@dataclass(frozen=True)
+class Kind:
+    """How a kind of minimum looks.
+
+    Attributes
     ----------
-    text
-        Of a user or a file.
-
-    Returns
-    -------
-    str
-        The text.
-    """
-    pretty = (
-        text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")
-    )
-    return pretty.replace("$", r"\$")
-
-
-def short_label(text: str) -> str:
-    """Shorten the label of a scene of the paper to what differs.
-
-    Parameters
-    ----------
-    text
-        Such as `Scene.label`.
-
-    Returns
-    -------
-    str
-        Such as ``N = 6, pi/3, 1``.
-
-    Examples
-    --------
-    >>> from origami_nlp import examples
-    >>> from origami_nlp.show import short_label
-    >>> short_label(examples.degree6("pi/3").label)
-    'N = 6, pi/3, 1'
-    """
-    return text.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", "")
-
-
-def pi_label(numerator: int, denominator: int = 1) -> str:
-    """Write a multiple of pi for the tick of an axis.
-
-    Parameters
-    ----------
-    numerator, denominator
-        Of the multiple.
-
-    Returns
-    -------
-    str
-        Such as ``−3π/4``.
-
-    Examples
-    --------
-    >>> from origami_nlp.show import pi_label
-    >>> pi_label(-3, 4)
-    '−3π/4'
-    """
-    common = math.gcd(numerator, denominator) or 1
-    top, below = abs(numerator) // common, denominator // common
-    if not top:
-        return "0"
-    sign = "−" if numerator < 0 else ""
-    return f"{sign}{'' if top == 1 else top}π{'' if below == 1 else f'/{below}'}"
-
-
-def angle_ticks(axis: Any, low: float, high: float) -> None:
-    """Put ticks at multiples of pi/4, pi/2 where there are many.
-
-    Parameters
-    ----------
-    axis
+    marker
         Of matplotlib.
-    low, high
-        Ends of the axis [rad].
+    scale
+        Of its size against the star's.
+    colour, hatch
+        Where areas and words stand for the kind; in pictures of states the colour is the verdict's.
     """
-    quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
-    if high - low > 1.1 * math.pi:
-        quarters = [q for q in quarters if q % 2 == 0]
-    axis.set_ticks([q * math.pi / 4 for q in quarters], [pi_label(q, 4) for q in quarters])
+
+    marker: str
+    scale: float
+    colour: str
+    hatch: str
+
+
+KINDS = {
+    "interior": Kind("*", 1.0, "#0072B2", ""),
+    "contact-pinned": Kind("^", 0.72, "#D55E00", "////"),
+    "contact-touching": Kind("o", 0.66, "#E69F00", "...."),
+    "degenerate": Kind("X", 0.72, "#7A7A7A", "xxxx"),
+}
+"""Each kind of minimum."""
+VERDICTS: dict[str | None, tuple[str, str]] = {
+    "stable": ("#FFC107", "stable in the full space"),
+    "unstable": ("#D81B60", "unstable in the full space"),
+    "undecided": ("#9E9E9E", "undecided"),
+    None: ("#FFFFFF", "full space not asked"),
+    "": ("#FFFFFF", "minimum"),
+}
+"""Filling of a minimum by its verdict in the full space, and what the legend says; undecided ones are half filled.
+
+Empty with less than full contact and no symmetry imposed: there is no other space to ask about.
+"""
+PASSES = {
+    "saddle": "D",
+    "contact saddle": "d",
+    "corner": "v",
+    "flat state": "s",
+    "singular": "P",
+    "mesh": "h",
+}
+"""Marker of each kind of pass; all are white."""
+INK, WARNING = "#1B1B1B", "#AD1457"
+"""Lines and words; words about what is unstable."""
+METASTABLE, HANDLE_COLOUR = "#E10000", "#7B1FA2"
+PUSHES, IDLE = "#B5179E", "#6C757D"
+"""Contacts that push, and contacts that only touch."""
+BAND = "#F0D9B5"
+"""Of a threshold."""
+INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#7F7F7F")
+"""Okabe and Ito's colours, for what has no meaning of its own."""
+MISSING = "#D9D9D9"
+"""Of what is not known."""
+HANDLE: dict[str, Any] = {
+    "color": HANDLE_COLOUR,
+    "linewidth": 2.2,
+    "linestyle": (0, (3.0, 1.6)),
+    "zorder": 4,
+}
+"""Line of a 1-handle, on which states exist only at |phi| = pi exactly."""
+RING: dict[str, Any] = {
+    "marker": "o",
+    "markerfacecolor": "none",
+    "markeredgecolor": "black",
+    "markeredgewidth": 1.1,
+}
+"""Around a point of a chart that several states share."""
+
+
+def energy_colours() -> Colormap:
+    """Dark blue (low) to pale green: marks stand out, lightness is even, and none of it is white.
+
+    Returns
+    -------
+    matplotlib.colors.Colormap
+        For energies.
+    """
+    scale = matplotlib.colormaps["YlGnBu_r"](np.linspace(0.03, 0.90, 256))
+    return ListedColormap(scale, name="energy")
+
+
+def minimum_look(kind: str, verdict: str | None, size: float) -> dict[str, Any]:
+    """Return how a minimum is marked, for ``Axes.plot``.
+
+    Parameters
+    ----------
+    kind
+        Of `KINDS`.
+    verdict
+        Of `VERDICTS`.
+    size
+        Of a star [points].
+
+    Returns
+    -------
+    dict
+        Keywords.
+    """
+    look = KINDS[kind]
+    fill: dict[str, Any] = {"markerfacecolor": VERDICTS[verdict][0]}
+    if verdict == "undecided":
+        fill |= {"fillstyle": "left", "markerfacecoloralt": "white"}
+    return {
+        "marker": look.marker,
+        "markersize": size * look.scale,
+        "markeredgecolor": "black",
+        "markeredgewidth": max(0.6, 0.055 * size),
+        "linestyle": "none",
+        **fill,
+    }
+
+
+def pass_look(kind: str, size: float) -> dict[str, Any]:
+    """Return how a pass is marked, for ``Axes.plot``.
+
+    Parameters
+    ----------
+    kind
+        Of `PASSES`.
+    size
+        Of a star [points].
+
+    Returns
+    -------
+    dict
+        Keywords.
+    """
+    return {
+        "marker": PASSES[kind],
+        "markersize": 0.5 * size,
+        "markerfacecolor": "white",
+        "markeredgecolor": "black",
+        "markeredgewidth": max(0.6, 0.07 * size),
+        "linestyle": "none",
+    }
+
+
+def mark_minimum(
+    axes: Any, point: Iterable[float], kind: str, verdict: str | None, size: float
+) -> None:
+    """Mark a minimum, on top of everything and never cut at the border.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    point
+        Where.
+    kind, verdict, size
+        As in `minimum_look`.
+    """
+    halo = [withStroke(linewidth=0.19 * size, foreground="white")]
+    look = minimum_look(kind, verdict, size)
+    axes.plot(*point, **look, zorder=7, clip_on=False, path_effects=halo, gid="mark")
+
+
+def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[Line2D]:
+    """Return legend entries for minima: first the verdicts that occur, then the kinds.
+
+    Parameters
+    ----------
+    found
+        Kind and verdict of every minimum that is marked.
+    size
+        Of a star [points].
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        Handles with labels.
+    """
+    pairs = set(found)
+    kinds = [kind for kind in KINDS if any(k == kind for k, _ in pairs)]
+    entries = [
+        Line2D([], [], label=words, **minimum_look(kinds[0], verdict, size))
+        for verdict, (_, words) in VERDICTS.items()
+        if any(v == verdict for _, v in pairs)
+    ]
+    for kind in kinds:
+        look = minimum_look(kind, None, size) | {"markerfacecolor": "white"}
+        entries.append(Line2D([], [], label=kind, **look))
+    return entries
+
+
+def passes_legend(kinds: Iterable[str], size: float) -> list[Line2D]:
+    """Return legend entries for passes.
+
+    Parameters
+    ----------
+    kinds
+        Those that occur.
+    size
+        Of a star [points].
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        Handles with labels.
+    """
+    found = set(kinds)
+    return [
+        Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size))
+        for kind in PASSES
+        if kind in found
+    ]
+
+
+def patch(colour: str, label: str) -> Patch:
+    """Return the legend entry of an area.
+
+    Parameters
+    ----------
+    colour, label
+        Of it.
+
+    Returns
+    -------
+    matplotlib.patches.Patch
+        The handle.
+    """
+    return Patch(facecolor=colour, edgecolor="#777777", linewidth=0.6, label=label)

@@ -10,7 +10,11 @@ import io
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
+from textwrap import shorten
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from origami_nlp.files import Full
+from origami_nlp.show.result import Result
 
 if TYPE_CHECKING:
     from rich import table as rich_table
@@ -128,8 +132,10 @@ class Table:
 Piece: TypeAlias = Table | Cell
 
 
-class Told:
+class Told(Full, Result):
     """A result that tells itself: a class says `told`, and is printed everywhere from that.
+
+    ``print(result)``, IPython and Jupyter show all of it; in lists, and in the plain Python prompt, it is one line.
 
     Examples
     --------
@@ -137,12 +143,18 @@ class Told:
     >>> class Answer(Told):
     ...     def told(self):
     ...         yield "42"
+    ...         yield "as was to be expected"
     >>> Answer()
+    Answer(42)
+    >>> print(Answer())
     42
+    as was to be expected
     """
 
     WIDTH = 110
     """Columns of the plain text."""
+    BRIEF = 150
+    """Characters of the one line, at most."""
 
     def told(self) -> Iterable[Piece]:
         """Return what there is to say: tables and lines, in order."""
@@ -162,8 +174,14 @@ class Told:
             else:
                 console.print(_rich(piece), highlight=False, soft_wrap=True)
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return plain_text(self.WIDTH, self.tell).rstrip()
+
+    def __repr__(self) -> str:
+        first = next(iter(self.told()), "")
+        words = first.title if isinstance(first, Table) else first
+        text = words if isinstance(words, str) else words.text
+        return f"{type(self).__name__}({shorten('; '.join(text.splitlines()), self.BRIEF)})"
 
     def _repr_html_(self) -> str:
         return pieces_html(self.told())

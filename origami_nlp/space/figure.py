@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,15 +16,16 @@ from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
 from origami_nlp.files import save_figure
-from origami_nlp.show import pi_label
+from origami_nlp.show import HANDLE, INKS, RING, pi_label
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
 LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
 """Fill of the pieces of surface (light versions of a colour-blind-safe set)."""
-WALLS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#111111")
-"""Lines of the contacts that bound X (Okabe and Ito)."""
-HANDLE = "#b2182b"
+WALLS = (*INKS[:4], INKS[6])
+"""Lines of the contacts that bound X."""
+DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)), "-")
+"""Of these lines, so that they differ in grey too."""
 TICKS = (-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi)
 TICK_NAMES = tuple(pi_label(k, 2) for k in range(-2, 3))
 
@@ -31,7 +33,7 @@ TICK_NAMES = tuple(pi_label(k, 2) for k in range(-2, 3))
 def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figure:
     """Draw X: left in the coordinates of the paper's chart, right over three of the wedge's fold angles.
 
-    Pieces of surface are filled, contact boundaries and handles are lines, pinch points stars; diamonds are points of
+    Pieces of surface are filled, contact boundaries and handles are lines, pinch points pentagons; rings are points of
     the chart over which X has several states.
 
     Parameters
@@ -87,6 +89,16 @@ def _border(mesh: SpaceMesh) -> tuple[np.ndarray, np.ndarray]:
     return edges, wall
 
 
+def _chained(pieces: np.ndarray) -> list[np.ndarray]:
+    """Join straight pieces [k, 2, d] end to end, so that dashes run on."""
+    import shapely
+
+    long = pieces[np.abs(np.diff(pieces, axis=1)).max(axis=(1, 2)) > 0] if len(pieces) else pieces
+    merged = shapely.line_merge(shapely.MultiLineString(list(long)))
+    lines = getattr(merged, "geoms", [merged])
+    return [shapely.get_coordinates(line, include_z=pieces.shape[2] == 3) for line in lines]
+
+
 def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
     mesh = space.mesh
     xy = mesh.chart
@@ -97,19 +109,15 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
     )
     edges, wall = _border(mesh)
     for k in range(5):
-        lines = xy[edges[wall == k]]
+        lines = _chained(xy[edges[wall == k]])
         # families over one point, and border pieces that the chart draws as a point, have no length
         axis.add_collection(
-            LineCollection(
-                list(lines), colors=WALLS[k], lw=1.6, capstyle="round", zorder=4, clip_on=False
-            )
+            LineCollection(lines, colors=WALLS[k], lw=1.8, ls=DASHES[k], zorder=4, clip_on=False)
         )
     for handle in space.handles:
-        axis.plot(
-            *xy[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=5, clip_on=False
-        )
+        axis.plot(*xy[handle.path].T, **HANDLE | {"zorder": 5}, clip_on=False)
     for (x, y), _ in space.picture_joins:
-        axis.plot(x, y, "D", ms=8, mfc="white", mec="black", mew=1.3, zorder=7, clip_on=False)
+        axis.plot(x, y, **RING, ms=11, ls="", zorder=7, clip_on=False)
     for pinch in space.pinch_points:
         x, y = xy[pinch.vertex]
         _pinch_mark(axis, pinch.kind, x, y)
@@ -136,9 +144,9 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
 
 def _pinch_mark(axis, kind: str, *at: float) -> None:  # type: ignore[no-untyped-def]
     style = (
-        {"marker": "*", "ms": 15, "mfc": "#ffd700"}
+        {"marker": "p", "ms": 11, "mfc": "white"}
         if kind == "pinch point"
-        else {"marker": "o", "ms": 6, "mfc": HANDLE}
+        else {"marker": "o", "ms": 6, "mfc": HANDLE["color"]}
     )
     axis.plot(*([v] for v in at), ls="", mec="black", mew=0.8, zorder=8, clip_on=False, **style)
 
@@ -156,11 +164,12 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
         axis.add_collection3d(shade)
     edges, wall = _border(mesh)
     for k in range(5):
-        lines = xyz[edges[wall == k]]
-        if len(lines):
-            axis.add_collection3d(Line3DCollection(list(lines), colors=WALLS[k], lw=1.2))
+        lines = _chained(xyz[edges[wall == k]])
+        if lines:
+            look = {"colors": WALLS[k], "lw": 1.2, "ls": DASHES[k]}
+            axis.add_collection3d(Line3DCollection(lines, **look))
     for handle in space.handles:
-        axis.plot(*xyz[handle.path].T, color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), zorder=9)
+        axis.plot(*xyz[handle.path].T, **HANDLE | {"zorder": 9})
     for pinch in space.pinch_points:
         _pinch_mark(axis, pinch.kind, *xyz[pinch.vertex])
     names = [f"φ{_sub(crease_number(space.scene, r))}" for r in columns]
@@ -207,23 +216,30 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
     for k, name in enumerate(space.mesh.walls):
         if k in used:
             text = re.sub(r"phi_(\d+)", lambda m: "φ" + _sub(int(m[1])), name)
-            entries.append(Line2D([], [], color=WALLS[k], lw=2, label=text.replace("+-pi", "±π")))
+            entries.append(
+                Line2D([], [], color=WALLS[k], lw=2, ls=DASHES[k], label=text.replace("+-pi", "±π"))
+            )
     kinds = {p.kind for p in space.pinch_points}
     if "pinch point" in kinds:
         entries.append(
-            Line2D([], [], ls="", marker="*", ms=12, mfc="#ffd700", mec="k", label="pinch point")
+            Line2D([], [], ls="", marker="p", ms=10, mfc="white", mec="k", label="pinch point")
         )
     if space.handles:
-        entries.append(Line2D([], [], color=HANDLE, lw=2.4, ls=(0, (3, 1.2)), label="handle"))
-        entries.append(
-            Line2D([], [], ls="", marker="o", ms=6, mfc=HANDLE, mec="k", label="handle end")
-        )
-    if space.picture_joins:
+        entries.append(Line2D([], [], **HANDLE, label="1-handle"))
         entries.append(
             Line2D(
-                [], [], ls="", marker="D", mfc="w", mec="k", label="one point drawn, several states"
+                [],
+                [],
+                ls="",
+                marker="o",
+                ms=6,
+                mfc=HANDLE["color"],
+                mec="k",
+                label="end of a 1-handle",
             )
         )
+    if space.picture_joins:
+        entries.append(Line2D([], [], **RING, ls="", ms=10, label="several states there"))
     figure.legend(
         handles=entries, loc="lower center", ncols=min(5, len(entries)), fontsize=8, frameon=False
     )

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told, pick
 from origami_nlp.space import topology
@@ -78,8 +79,8 @@ class SpaceMesh:
         return tuple(sorted(names))
 
 
-@dataclass(frozen=True)
-class Component:
+@dataclass(frozen=True, repr=False)
+class Component(Brief):
     """A connected component of X.
 
     Attributes
@@ -118,8 +119,8 @@ class Branch(NamedTuple):
     fold_angles: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class PinchPoint:
+@dataclass(frozen=True, repr=False)
+class PinchPoint(Brief):
     """A state without which its neighbourhood in X falls apart.
 
     Attributes
@@ -207,6 +208,8 @@ class Space(Told):
     handles: tuple[Handle, ...]
     euler_characteristic: int
     mesh: SpaceMesh
+
+    PICTURE = "draw_space"
 
     @property
     def signature(self) -> tuple[int, ...]:

@@ -14,15 +14,17 @@ from matplotlib.ticker import MaxNLocator
 from origami_nlp.arguments import check_path
 from origami_nlp.errors import SweepError
 from origami_nlp.files import save_figure
-from origami_nlp.sweep.load import KINDS, sweep_grid
+from origami_nlp.show import KINDS, MISSING, label_text, patch
+from origami_nlp.sweep.load import sweep_grid
 
-COLOURS = {
-    "interior": "#0072b2",
-    "contact-pinned": "#d55e00",
-    "contact-touching": "#e69f00",
-    "degenerate": "#7a7a7a",
+UNITS = {
+    "ratio": "1",
+    "alpha": "rad",
+    "stiffness": "N m/rad",
+    "rest_angles": "rad",
+    "sector_angles": "rad",
 }
-MISSING = "#d9d9d9"
+"""Of a parameter, by the last word of its place in the scene."""
 
 
 def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -58,10 +60,10 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
         raise SweepError(
             f"a figure needs one or two dimensions, not {len(shape)}: load the sweep and take a slice"
         )
-    with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
+    with mpl.rc_context({"font.size": 10, "axes.titlesize": 10}):
         figure = _curve(grid, names[0]) if len(shape) == 1 else _maps(grid, names)
     if path is not None:
-        save_figure(figure, path, 200)
+        save_figure(figure, path)
     return figure
 
 
@@ -71,41 +73,52 @@ def _by_kind(grid: dict[str, Any]) -> dict[str, np.ndarray]:
 
 
 def _curve(grid: dict[str, Any], name: str) -> Figure:
-    figure = Figure(figsize=(5.2, 3.0), layout="constrained")
+    figure = Figure(figsize=(6.4, 3.9), layout="constrained", dpi=140)
     axes = figure.subplots()
     x = grid["axes"][name]
     order = np.argsort(x)
     below = np.zeros(len(x))
     for kind, count in _by_kind(grid).items():
         top = below + np.maximum(count, 0)
-        axes.fill_between(
-            x[order], below[order], top[order], step="mid", color=COLOURS[kind], label=kind, lw=0
-        )
+        look: dict[str, Any] = {
+            "facecolor": KINDS[kind].colour,
+            "hatch": KINDS[kind].hatch,
+            "edgecolor": "white",
+        }
+        axes.fill_between(x[order], below[order], top[order], step="mid", **look, lw=0, label=kind)
         below = top
     for value in x[grid["count"] < 0]:
         axes.axvline(value, color=MISSING, lw=1)
     _scale(axes.set_xscale, x)
     axes.set(
-        xlabel=name,
-        ylabel="minima",
+        xlabel=axis_label(grid, name),
+        ylabel="number of minima",
         ylim=(0, max(1, below.max()) + 0.3),
         xlim=(x.min(), x.max()),
     )
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    if axes.get_legend_handles_labels()[0]:
-        figure.legend(loc="outside upper center", ncols=4, frameon=False)
+    handles = [*axes.get_legend_handles_labels()[0]]
+    if (grid["count"] < 0).any():
+        handles.append(patch(MISSING, NOT_KNOWN))
+    if handles:
+        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 
 def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
     y, x = (grid["axes"][n] for n in names)
     panels = {"all minima": grid["count"], **_by_kind(grid)}
-    figure = Figure(figsize=(1.0 + 2.75 * len(panels), 3.1), layout="constrained")
-    rows = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    columns = 2 if len(panels) == 4 else min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    size = (1.4 + 2.9 * columns, 0.4 + 2.9 * rows)
+    figure = Figure(figsize=size, layout="constrained", dpi=110)
+    grids = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     most = max(1, int(grid["count"].max()))
     colours = mpl.colormaps["viridis"].resampled(most + 1)
     image: Any = None
-    for axes, (title, count) in zip(rows, panels.items(), strict=True):
+    for axes in grids.flat[len(panels) :]:
+        axes.axis("off")
+    for k, (axes, (title, count)) in enumerate(zip(grids.flat, panels.items(), strict=False)):
         shown = np.ma.masked_less(count, 0)
         axes.set_facecolor(MISSING)
         image = axes.pcolormesh(
@@ -113,11 +126,45 @@ def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
         )
         _scale(axes.set_xscale, x)
         _scale(axes.set_yscale, y)
-        axes.set(title=title, xlabel=names[1])
-    rows[0].set_ylabel(names[0])
-    bar = figure.colorbar(image, ax=rows, ticks=range(most + 1), label="number", shrink=0.9)
+        axes.set_title(title)
+        if k + columns >= len(panels):
+            axes.set_xlabel(axis_label(grid, names[1]))
+            axes.tick_params(labelbottom=True)
+        if k % columns == 0:
+            axes.set_ylabel(axis_label(grid, names[0]))
+    bar = figure.colorbar(
+        image, ax=grids, ticks=range(most + 1), label="number of minima", shrink=0.9
+    )
     bar.ax.minorticks_off()
+    if (grid["count"] < 0).any():
+        handles = [patch(MISSING, NOT_KNOWN)]
+        figure.legend(handles=handles, loc="outside lower center", frameon=False)
     return figure
+
+
+NOT_KNOWN = "no scene, failed or not run"
+
+
+def axis_label(grid: dict[str, Any], name: str) -> str:
+    """Name a parameter, with its unit.
+
+    Parameters
+    ----------
+    grid
+        Of `sweep_grid`.
+    name
+        Of the parameter.
+
+    Returns
+    -------
+    str
+        The name as the sweep states it, prettier where it is the place itself.
+    """
+    place = grid["places"][name][0]
+    word = place.rsplit(".", 1)[-1].split("[")[0]
+    pretty = {"ratio": "stiffness ratio rₖ", "alpha": "sector angle α₁"}
+    shown = pretty.get(name, label_text(name))
+    return f"{shown} [{UNITS[word]}]" if word in UNITS else shown
 
 
 def _is_log(v: np.ndarray) -> bool:

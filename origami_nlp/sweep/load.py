@@ -84,7 +84,7 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     if grid["mode"] == "list":
         dims = ("scene",)
         coords = {name: ("scene", v) for name, v in grid["axes"].items()}
-    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "mode")}
+    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "places", "mode")}
     return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
 
 
@@ -115,6 +115,7 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     arrays = {f"count_{kind.replace('-', '_')}": v.reshape(shape) for kind, v in by_kind.items()}
     return {
         "axes": axes,
+        "places": {name: list(places) for name, places, _ in sweep["axes"]},
         "mode": sweep["search"]["mode"],
         "count": count.reshape(shape),
         **arrays,

@@ -398,3 +398,22 @@ def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
     x = x[(residual <= 1e-12) & (np.abs(x) <= np.pi).all(axis=1)]
     assert len(x) > 20
     assert all(State(model, state, 0.6).pieces for state in x)
+
+
+def test_paths_to_fold_along_are_those_over_the_passes(contact_barriers):
+    """Each goes from its state over its pass to its state, and lies where the chart has its states."""
+    content = contact_barriers.turned()
+    joined = [p for p in contact_barriers.passes if len(p.path)]
+    tracks = content.tracks[-len(joined) :]
+    assert len(joined) == len(contact_barriers.passes) > 0
+    for track, p in zip(tracks, sorted(joined, key=lambda p: p.energy), strict=True):
+        assert (track.start, track.end) == (p.from_state - 1, p.to_state - 1)
+        angles = np.array([state.fold_angles for state in track.states])
+        assert np.array_equal(angles, p.path) and p.pass_kind in track.title
+        ends = [content.stations[k].folded.fold_angles for k in (p.from_state - 1, p.to_state - 1)]
+        assert np.abs(angles[[0, -1]] - ends).max() <= 1e-9
+        assert max(s.energy for s in track.states) == pytest.approx(p.energy)
+        (points,) = [at for k, at in content.panels[0].tracks if content.tracks[k] is track]
+        assert np.abs(points - angles[:, 1:3]).max() <= 1e-9
+    said = " ".join(piece for piece in content.pieces if isinstance(piece, str))
+    assert contact_barriers.passes[0].why in said

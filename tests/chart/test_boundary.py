@@ -17,10 +17,12 @@ from origami_nlp.chart import (
     chart_limits,
     chart_of,
     distance_from,
+    outline_of,
     trace_boundary,
 )
 from origami_nlp.folding import examine, fold_vertex
 from tests.computed_once import PANELS, panel_boundary
+from tests.independent.arcs import nearest_touch
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),
@@ -136,3 +138,54 @@ def test_tracing_wants_two_freedoms_and_contact():
         trace_boundary(free)
     with pytest.raises(o.OrigamiError, match="two symmetric freedoms"):
         trace_boundary(o.examples.degree6("pi/4", 1.0, symmetry="none"))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_polygons_are_made_of_exact_states(name):
+    """Every corner of a region is the chart point of a state whose contact is closed to 1e-9, by other code."""
+    scene, found = SCENES[name], boundary(name)
+    gaps, points, branches = [], [], []
+    for line in found.lines:
+        if line.thin or line.hidden:
+            continue
+        creases, _ = fold_vertex(scene.vertex, line.fold_angles)
+        limit = np.abs(math.pi - np.abs(line.fold_angles)).min(axis=1)
+        gaps.append(np.minimum(limit, nearest_touch(creases)))
+        points.append(line.points)
+        branches.append(np.full(len(line.points), line.branch))
+    assert np.concatenate(gaps).max() < 1e-9
+    for branch in set(np.concatenate(branches)):
+        exact = np.concatenate(points)[np.concatenate(branches) == branch]
+        corners = shapely.get_coordinates(admissible_region(scene, found, branch))
+        away = np.array([np.abs(exact - corner).max(axis=1).min() for corner in corners])
+        assert len(corners) > 100 and away.max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        o.examples.degree6("5*pi/12", contact="fold-limits"),
+        o.examples.degree8("pi/12", contact="none"),
+    ],
+)
+def test_outlines_without_full_contact(scene):
+    """Corners lie where states end, to 1e-9; random points are inside exactly where a state is."""
+    chart = chart_of(scene)
+    x0, x1, y0, y1 = chart_limits(chart)
+    cell = (x1 - x0) / 384
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(x0, x1, 4000), rng.uniform(y0, y1, 4000)
+    turn = np.exp(2j * np.pi * np.arange(16) / 16)
+    for branch, region in enumerate(outline_of(scene).regions):
+        good = allowed(chart, branch, x, y)[0]
+        wrong = shapely.contains_xy(region, x, y) != good
+        near = shapely.distance(region.boundary, shapely.points(x[wrong], y[wrong]))
+        assert good.any() and not good.all()
+        assert wrong.mean() < 1e-3 and (near < cell).all()
+        corners = shapely.get_coordinates(region)
+        corners = corners[(np.abs(corners) < (x1 - 1e-6, y1 - 1e-6)).all(axis=1)]
+        # where two sheets touch, at the flat state, sides within a cell may cross
+        corners = corners[np.abs(corners).max(axis=1) > 2 * cell]
+        around = corners[:, None] + 1e-9 * np.stack([turn.real, turn.imag], axis=-1)
+        inside = allowed(chart, branch, around[..., 0], around[..., 1])[0]
+        assert len(corners) > 100 and (inside.any(axis=1) & ~inside.all(axis=1)).all()

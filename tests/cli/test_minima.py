@@ -21,7 +21,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert "stable state" not in table and "full space: not asked" in table
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/1"
-    assert set(data) == {"schema", "scene", "model", "search", "completeness", "minima"}
+    assert set(data) == {"schema", "scene", "model", "search", "completeness", "flags", "minima"}
     assert set(data["model"]) == {
         "variables",
         "equalities",
@@ -49,7 +49,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
             )
     result = result_from_dict(data)
     assert result_to_dict(result) == data
-    assert "phi = -pi at creases 2, 6" in repr(result)
+    assert "phi = -pi at creases 2, 6" in str(result)
 
 
 def test_json_to_stdout_is_only_json(scene):

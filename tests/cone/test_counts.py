@@ -584,7 +584,7 @@ def test_count_writes_the_contract():
 
 def test_long_integers_are_strings(tmp_path):
     target = tmp_path / "cone.json"
-    command = ["cone", "count", "--degree", "200", "--ratio", "2", "--elevation", "pi/6"]
+    command = ["cone", "count", "--degree", "200", "--ratio", "2", "--rest-elevation", "pi/6"]
     out = CliRunner().invoke(app, [*command, "--json", str(target)])
     assert out.exit_code == 0 and "of 2.535e30 branches" in out.stdout
     data = json.loads(target.read_text())
@@ -598,6 +598,6 @@ def test_long_integers_are_strings(tmp_path):
 
 def test_bad_input_ends_before_anything_is_written(tmp_path):
     target = tmp_path / "missing" / "cone.json"
-    command = ["cone", "count", "--degree", "6", "--ratio", "2", "--elevation", "0.1"]
+    command = ["cone", "count", "--degree", "6", "--ratio", "2", "--rest-elevation", "0.1"]
     with pytest.raises(OrigamiError, match="--json"):
         CliRunner().invoke(app, [*command, "--json", str(target)], catch_exceptions=False)

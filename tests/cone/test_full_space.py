@@ -134,7 +134,7 @@ def test_only_equilibria_are_stable_at_random_parameters(degree, many):
 
 def test_command_reports_verdicts(tmp_path):
     out = tmp_path / "full.json"
-    options = ["--degree", "6", "--ratio", "1", "--elevation", "pi/6", "--json", str(out)]
+    options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "--json", str(out)]
     result = CliRunner().invoke(app, ["cone", "full", *options])
     assert result.exit_code == 0, result.output
     told = json.loads(out.read_text())

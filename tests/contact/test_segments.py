@@ -17,6 +17,7 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import FOLLOWED
 from origami_nlp.path import BoundaryCurve, HeldCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.programme import Contact, Model
+from origami_nlp.show import METASTABLE
 from tests.computed_once import panel_result, shared
 
 SCENES = {
@@ -227,6 +228,6 @@ def test_figure_marks_segments(tmp_path) -> None:  # type: ignore[no-untyped-def
     figure = draw_segments(segments("fold limit"), path)
     assert path.stat().st_size > 10_000
     colours = [line.get_color() for axis in figure.axes for line in axis.lines]
-    assert colours.count("#c1121f") == 4  # one segment in each of four rows
+    assert colours.count(METASTABLE) == 4  # one segment in each of four rows
     with pytest.raises(o.OrigamiError):
         draw_segments(segments("fold limit"), tmp_path / "segments.txt")

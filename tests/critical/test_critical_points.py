@@ -266,7 +266,7 @@ def test_command_line(tmp_path, monkeypatch):
     file = tmp_path / "scene.toml"
     file.write_text(text)
     target = tmp_path / "critical.json"
-    done = runner.invoke(app, ["critical", str(file), "--no-search", "--json", str(target)])
+    done = runner.invoke(app, ["critical", str(file), "--no-compare", "--json", str(target)])
     assert done.exit_code == 0, done.output
     assert "Morse sum 1, Euler characteristic 1: the count closes" in done.output
     data = json.loads(target.read_text())

@@ -49,3 +49,16 @@ def test_colours_go_on_beyond_the_edge_and_not_inside():
     assert (filled[known] == branch.energy[known]).all()
     assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
     assert panel.counts == (len(panel.result.minima), None, None)
+
+
+def test_map_under_the_pointer_has_the_exact_lines():
+    result = panel_result(SCENES["octagon"])
+    panel = find_landscape(result, 41, boundary=boundary("octagon"))
+    drawn = [line for shown in panel.turned().panels for line in shown.lines]
+    seen = [line for line in boundary("octagon").lines if not line.hidden]
+    assert len(drawn) == len(seen) + sum(not part.hidden for part in panel.metastable)
+    found = {id(line.points): line for line in drawn}
+    for line in seen:
+        assert found[id(line.points)].look == ("handle" if line.thin else "contact")
+        assert "; ".join(line.contacts) in found[id(line.points)].name
+    assert sum(line.look == "metastable" for line in drawn) == 1

@@ -118,11 +118,11 @@ def test_effort_and_what_it_says():
     quick, normal = (find_minima(scene, effort=e) for e in ("quick", "normal"))
     assert quick.search.starts < normal.search.starts and normal.search.stopped_by == "rule"
     assert len(quick.minima) <= len(normal.minima)
-    assert f"draw less than {3 / normal.search.quiet:.2g}" in repr(normal)
-    assert "expected undiscovered" not in repr(normal) and "complete" not in repr(normal)
-    assert normal.search.every_corner and "is decided" in repr(normal)
+    assert f"draw less than {3 / normal.search.quiet:.2g}" in str(normal)
+    assert "expected undiscovered" not in str(normal) and "complete" not in str(normal)
+    assert normal.search.every_corner and "is decided" in str(normal)
     one = find_minima(vertex(4, 1, "full"))
-    assert one.search.stopped_by == "complete" and "complete: one freedom" in repr(one)
+    assert one.search.stopped_by == "complete" and "complete: one freedom" in str(one)
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
 
 
@@ -137,4 +137,4 @@ def test_all_corners_is_said_only_where_all_were_tried():
         assert rounds.every_corner == (rounds.corners == every)
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16)
     assert capped.search.corners < 18 and not capped.search.every_corner
-    assert "leave without freedom" not in repr(capped)
+    assert "leave without freedom" not in str(capped)

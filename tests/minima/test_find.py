@@ -178,4 +178,4 @@ def test_descent_from_random_states_ends_at_a_listed_minimum():
 def test_a_search_stopped_by_its_cap_says_so():
     result = find_minima(examples.degree6("pi/3", 1), max_starts=5)
     assert result.search.stopped_by == "cap" and result.search.starts == 5
-    assert "cap" in repr(result)
+    assert "cap" in str(result)

@@ -19,8 +19,9 @@ from origami_nlp import (
     parse_scene,
 )
 from origami_nlp.cli import app
+from origami_nlp.folding import face_orders
 from origami_nlp.minima import write_fold, write_mesh
-from origami_nlp.minima.fold_out import face_orders, minima_to_fold
+from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.computed_once import once
 from tests.fold_files import disc, folded, in_space, miura

@@ -26,7 +26,7 @@ def test_a_report_says_what_was_made_exact() -> None:
     vertex = origami_nlp.Vertex((h + d, h - d, h + d, h - d))
     scene = origami_nlp.Scene(vertex, (1.0,) * 4, (1.0, 0.3, 0.4, -0.2), symmetry="none")
     result = origami_nlp.find_minima(scene, max_starts=4, fewest_starts=4)
-    assert "sector angles moved by up to 1.0e-09 rad" in repr(result)
+    assert "sector angles moved by up to 1.0e-09 rad" in str(result)
     data = result_to_dict(result)
     assert data["model"]["geometry"]["made_exact"] and data["search"]["undecided"] == []
     assert result_to_dict(result_from_dict(data)) == data
@@ -96,5 +96,5 @@ def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason
     named = Rejected(what.verdict, what.reason, state.fold_angles, state.energy, 1)
     told = replace(result, search=replace(result.search, undecided=(named,)))
-    assert "not decided: energy" in repr(told) and what.reason in repr(told)
+    assert "not decided: energy" in str(told) and what.reason in str(told)
     assert result_from_dict(result_to_dict(told)).search.undecided == (named,)

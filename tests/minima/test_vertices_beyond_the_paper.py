@@ -244,7 +244,7 @@ def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
     scene = Scene(Vertex(tuple(noisy)), (1,) * 6, rest, "D1", mirror=1, symmetry_tolerance=1e-4)
     assert scene.group.name == "D1" and 0 < scene.adjusted < 1e-4
     assert parse_scene(format_scene(scene)) == scene
-    assert "averaged" in repr(Model(scene))
+    assert "averaged" in str(Model(scene))
     a, b = find_minima(exact), find_minima(scene)
     assert len(a.minima) == len(b.minima)
     for m, other in zip(a.minima, b.minima, strict=True):
@@ -254,4 +254,4 @@ def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
 def test_scenes_that_are_not_flat_are_written_and_read():
     scene = Scene(Vertex((1.2, 1.3, 1.1, 1.4), flat=False), (1,) * 4, (0.4,) * 4, "none")
     assert parse_scene(format_scene(scene)) == scene
-    assert "not flat" in repr(scene)
+    assert "not flat" in str(scene)

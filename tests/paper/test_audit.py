@@ -287,7 +287,7 @@ def test_command_writes_json_and_markdown(
     source = tmp_path / "states.json"
     source.write_text(json.dumps(small[0][:2]))
     target, table = tmp_path / "out.json", tmp_path / "out.md"
-    done = run("audit", source, "--json", target, "--markdown", table)
+    done = run("paper", "audit", source, "--json", target, "--markdown", table)
     assert done.code == 0 and "2 published candidates" in done.out
     data = json.loads(target.read_text())
     assert data["schema"] == "origami-nlp/audit/1"
@@ -297,7 +297,7 @@ def test_command_writes_json_and_markdown(
     bad = tmp_path / "bad.json"
     bad.write_text("[]")
     for wrong in ([bad], [source, "--json", tmp_path / "no" / "out.json"]):
-        code, _, err = run("audit", *wrong)
+        code, _, err = run("paper", "audit", *wrong)
         assert code == 2 and err.count("\n") == 1
 
 

@@ -88,7 +88,7 @@ def test_bad_arguments_are_named():
 
 def test_command_prints_every_quantity(tmp_path):
     out = tmp_path / "limits.json"
-    result = CliRunner().invoke(app, ["cone", "limits", "--json", str(out)])
+    result = CliRunner().invoke(app, ["paper", "limits", "--json", str(out)])
     assert result.exit_code == 0, result.output
     told = json.loads(out.read_text())
     assert [row["name"] for row in told["quantities"]] == [q.name for q in limits()]

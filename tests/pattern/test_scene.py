@@ -94,8 +94,9 @@ def test_vertex_from_directions_and_degrees():
 
 def test_repr_says_what_was_stated_and_what_is_modelled():
     scene = examples.degree6("pi/3", 100)
-    assert "pi/3" in repr(scene) and "D1" in repr(scene)
-    words = repr(Model(scene))
+    assert "pi/3" in repr(scene) and "D1" in repr(scene) and len(repr(scene)) < 100
+    assert "stiffness=[0.25" in str(scene) and "rest_angles=[-pi" in str(scene)
+    words = str(Model(scene))
     for part in (
         "variables     4",
         "equalities    2",
@@ -104,6 +105,6 @@ def test_repr_says_what_was_stated_and_what_is_modelled():
         "left out",
     ):
         assert part in words
-    assert "facets 1 and 3: too far apart" in repr(Model(examples.degree6("pi/4", 1)))
-    none = repr(Model(examples.degree6("pi/4", 1, contact="none")))
+    assert "facets 1 and 3: too far apart" in str(Model(examples.degree6("pi/4", 1)))
+    none = str(Model(examples.degree6("pi/4", 1, contact="none")))
     assert "inequalities  0" in none

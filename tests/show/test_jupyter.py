@@ -19,7 +19,7 @@ scene = origami_nlp.examples.degree6("pi/4")
 minima = origami_nlp.find_minima(scene, fewest_starts=16, max_starts=16)
 points = find_critical_points(scene, samples=512)
 barriers = find_barriers(scene, minima, spacing=0.5)
-texts = {name: repr(globals()[name]) for name in ("scene", "minima", "points", "barriers")}
+texts = {name: str(globals()[name]) for name in ("scene", "minima", "points", "barriers")}
 """
 
 

@@ -278,7 +278,7 @@ def test_command_writes_json_and_figures(tmp_path):
         arguments = [
             "space",
             str(scene),
-            "--size",
+            "--rings",
             "8",
             "--json",
             str(out),

@@ -1,4 +1,4 @@
-"""The contract of `origami-nlp verify`: exit codes, one line per claim, files, messages."""
+"""The contract of `origami-nlp paper verify`: exit codes, one line per claim, files, messages."""
 
 import importlib
 import json
@@ -25,7 +25,7 @@ def verify(monkeypatch, capsys):
     """Run the command in this process, which has SymPy and its caches already."""
 
     def run(*args):
-        monkeypatch.setattr(sys, "argv", ["origami-nlp", "verify", *map(str, args)])
+        monkeypatch.setattr(sys, "argv", ["origami-nlp", "paper", "verify", *map(str, args)])
         with pytest.raises(SystemExit) as stop:
             main()
         told = capsys.readouterr()
@@ -39,7 +39,7 @@ def only(*ids):
 
 
 def test_single_claims_print_one_line_each_and_the_evidence():
-    command = [sys.executable, "-c", MAIN, "verify", *only(*QUICK)]
+    command = [sys.executable, "-c", MAIN, "paper", "verify", *only(*QUICK)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -113,7 +113,7 @@ def test_exit_code_follows_the_verdicts(verdict, code, monkeypatch, capsys):
 
     claim = Claim("x.y", "sec. 2", "title [bold]", 0, "x=y", lambda _: verdict)
     monkeypatch.setattr(catalogue, "claims", lambda: (claim,))
-    done = CliRunner().invoke(app, ["verify"])
+    done = CliRunner().invoke(app, ["paper", "verify"])
     assert done.exit_code == code, done.output
     assert "title [bold]" in done.output  # not taken for markup
 

@@ -1,0 +1,42 @@
+"""Passes between minima as paths that can be folded along."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from origami_nlp.barriers.passes import Pass
+from origami_nlp.chart import Landscape
+from origami_nlp.minima import points_on
+from origami_nlp.pattern import Vertex
+from origami_nlp.show import Content, Track, vertex_track
+
+
+def add_passes(content: Content, chart: Landscape, passes: Sequence[Pass]) -> Content:
+    """Add the paths over the passes to the minima of a scene, the lowest pass first.
+
+    Parameters
+    ----------
+    content
+        Of `MinimaResult.turned`.
+    chart
+        The energy over the scene's coordinates.
+    passes
+        Of `find_barriers`.
+
+    Returns
+    -------
+    Content
+        With a track for each pair of minima that a path joins.
+    """
+    joined = [p for p in passes if math.isfinite(p.energy) and len(p.path) > 1]
+    tracks = [_track(chart.scene.vertex, p) for p in sorted(joined, key=lambda p: p.energy)]
+    note = content.note if content.tracks or tracks else "No admissible path joins two minima."
+    return replace(content.with_tracks(tracks, points_on(content, chart, tracks)), note=note)
+
+
+def _track(vertex: Vertex, p: Pass) -> Track:
+    title = f"{p.from_state} → {p.to_state} over the pass at {p.energy:.6g} J ({p.pass_kind})"
+    start, end = p.from_state - 1, p.to_state - 1
+    return vertex_track(vertex, title, p.path, p.path_energy, start=start, end=end)

@@ -1,0 +1,234 @@
+"""Minima of every vertex of a crease pattern, each on its own, equal vertices once.
+
+JSON schema ``origami-nlp/vertexwise/1``: ``classes`` holds a result of ``origami-nlp/minima/1`` for each class of equal
+vertices, in the labels of its first vertex; ``vertices`` says of each vertex its class (from 1) and its labels:
+crease i of the class is crease ``creases[i]`` (from 1) of the vertex, with the opposite fold angle where ``over``
+is true.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.minima.find import find_minima
+from origami_nlp.minima.result import MinimaResult
+from origami_nlp.numerics import TYPED
+from origami_nlp.pattern import Alike, Labels, Scene, group_alike
+from origami_nlp.show import Piece, Table, Told, check_schema
+
+SCHEMA = "origami-nlp/vertexwise/1"
+HEADS = ("vertices", "degree", "minima", "kinds", "lowest [J]", "closure", "KKT")
+
+
+@dataclass(frozen=True, repr=False)
+class VertexwiseMinima(Told):
+    """Minima of several vertices, each as if it were alone.
+
+    Attributes
+    ----------
+    classes
+        Vertices that are equal but for their labels.
+    results
+        Of the first vertex of each class.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene = o.examples.degree6("pi/4", ratio=0.01)
+    >>> found = o.find_vertexwise({5: scene, 8: scene}, max_starts=16)
+    >>> len(found.results), found.at(8).shape
+    (1, (2, 6))
+    """
+
+    classes: tuple[Alike, ...]
+    results: tuple[MinimaResult, ...]
+
+    def result(self, vertex: int) -> MinimaResult:
+        """Return the result for the class of a vertex, in the labels of its first one.
+
+        Parameters
+        ----------
+        vertex
+            Its number.
+
+        Returns
+        -------
+        MinimaResult
+            The minima, and the record of the search for them.
+
+        Raises
+        ------
+        OptionError
+            If there is no such vertex.
+        """
+        return self.results[self._place(vertex)[0]]
+
+    def at(self, vertex: int) -> np.ndarray:
+        """Return the minima of a vertex in its own labels.
+
+        Parameters
+        ----------
+        vertex
+            Its number.
+
+        Returns
+        -------
+        numpy.ndarray
+            Fold angles [M, N] [rad], in order of energy; those of a vertex that equals another one within noise only
+            (`Alike.apart`) are as exact as that.
+
+        Raises
+        ------
+        OptionError
+            If there is no such vertex.
+        """
+        k, labels = self._place(vertex)
+        states = [m.fold_angles for m in self.results[k].minima]
+        return labels.back(np.array(states).reshape(len(states), labels.degree))
+
+    def _place(self, vertex: int) -> tuple[int, Labels]:
+        for k, one in enumerate(self.classes):
+            if vertex in one.numbers:
+                return k, one.labels[one.numbers.index(vertex)]
+        known = sorted(n for one in self.classes for n in one.numbers)
+        raise OptionError(f"vertex = {vertex!r} is not among {', '.join(map(str, known[:12]))}")
+
+    def table(self) -> Table:
+        """Return one row a class of equal vertices: minima, kinds, lowest energy, largest residuals."""
+        rows = [self._row(k) for k in range(len(self.classes))]
+        vertices = sum(len(one.numbers) for one in self.classes)
+        title = f"{vertices} vertices, each on its own: {len(self.classes)} different"
+        return Table(HEADS, rows, title, "LrrLrrr", framed=False, narrow=True)
+
+    def _row(self, k: int) -> tuple[str, ...]:
+        minima = self.results[k].minima
+        kinds = Counter(m.kind for m in minima)
+        undecided = len(self.results[k].search.undecided)
+        words = [f"{count} {kind}" for kind, count in kinds.items()]
+        words += [f"{undecided} not decided"] if undecided else []
+        stable = [m.full_space for m in minima if m.full_space]
+        words += [f"stable: {sum(f.verdict == 'stable' for f in stable)}"] if stable else []
+        return (
+            ", ".join(map(str, self.classes[k].numbers)),
+            str(self.results[k].scene.degree),
+            str(len(minima)),
+            ", ".join(words) or "none",
+            f"{minima[0].energy:.6g}" if minima else "-",
+            _largest(m.closure_residual for m in minima),
+            _largest(m.kkt_residual for m in minima),
+        )
+
+    def told(self) -> Iterator[Piece]:
+        """Return the table, and what was taken for equal."""
+        yield self.table()
+        for one in self.classes:
+            if one.apart > TYPED:
+                names = ", ".join(map(str, one.numbers[:12])) + ", ..." * (len(one.numbers) > 12)
+                yield (
+                    f"vertices {names} are equal within {one.apart:.1e} (angles in radians, stiffness relative): "
+                    f"the numbers are those of vertex {one.numbers[0]}"
+                )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        return {
+            "schema": SCHEMA,
+            "vertices": [
+                {
+                    "vertex": number,
+                    "class": k,
+                    "creases": (labels.creases + 1).tolist(),
+                    "over": labels.over,
+                }
+                for k, one in enumerate(self.classes, start=1)
+                for number, labels in zip(one.numbers, one.labels, strict=True)
+            ],
+            "apart": [one.apart for one in self.classes],
+            "classes": [result.to_dict() for result in self.results],
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> VertexwiseMinima:
+        """Rebuild a result from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            Of the schema ``origami-nlp/vertexwise/1``.
+
+        Returns
+        -------
+        VertexwiseMinima
+            The result.
+
+        Raises
+        ------
+        OptionError
+            If `data` is not of this schema.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        classes = []
+        for k, apart in enumerate(data["apart"], start=1):
+            mine = [v for v in data["vertices"] if v["class"] == k]
+            labels = tuple(_labels(v["creases"], v["over"]) for v in mine)
+            classes.append(Alike(tuple(v["vertex"] for v in mine), labels, apart))
+        return cls(tuple(classes), tuple(map(MinimaResult.from_dict, data["classes"])))
+
+
+def _labels(creases: list[int], over: bool) -> Labels:
+    n = len(creases)
+    return Labels(creases[0] - 1, (creases[1] - creases[0]) % n != 1, over, n)
+
+
+def _largest(values: Iterator[float]) -> str:
+    known = [v for v in values if np.isfinite(v)]
+    return f"{max(known):.0e}" if known else "-"
+
+
+def find_vertexwise(
+    scenes: Mapping[int, Scene],
+    *,
+    find: Callable[..., MinimaResult] = find_minima,
+    **options: Any,
+) -> VertexwiseMinima:
+    """Find the minima of several vertices, each as if it were alone; equal ones are searched once.
+
+    Parameters
+    ----------
+    scenes
+        By the number of the vertex, as `read_fold_scenes` returns them.
+    find
+        What searches one scene; `find_minima`, or a function that shows how far it is.
+    options
+        Of `find_minima`.
+
+    Returns
+    -------
+    VertexwiseMinima
+        Classes of equal vertices, and a result for each.
+
+    Raises
+    ------
+    OptionError
+        If there is no scene, or an option is none of `find_minima`.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scenes = {1: o.examples.degree6("pi/3"), 4: o.examples.degree6("pi/4")}
+    >>> [one.numbers for one in o.find_vertexwise(scenes, max_starts=16).classes]
+    [(1,), (4,)]
+    """
+    if not isinstance(scenes, Mapping) or not scenes:
+        raise OptionError(
+            "scenes must be a dictionary of scenes by vertex number, such as `read_fold_scenes` returns"
+        )
+    classes = group_alike(scenes)
+    results = tuple(find(scenes[one.numbers[0]], **options) for one in classes)
+    return VertexwiseMinima(classes, results)

@@ -1,0 +1,248 @@
+"""Crease patterns that people know, constructed from their geometry, as FOLD data with springs.
+
+A pattern is a list of faces; an edge of one face only is the border, and a rule gives every other one its letter.
+Unit of length: the short side of a cell.  Flat sheets seen from the side to which valleys open.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY
+from origami_nlp.pattern.scene import Scene
+
+Point = tuple[float, float]
+Face = tuple[Point, ...]
+Letter = Callable[[complex, complex], str]
+"""Letter of the crease between two points x + iy."""
+GRID = 1e-6
+"""Corners of faces that lie nearer than this are one vertex; those of patterns are 0.1 or more apart."""
+
+
+def to_fold(faces: Iterable[Face], letter: Letter, springs: Scene, title: str) -> dict[str, Any]:
+    """Return the FOLD data of a pattern.
+
+    Parameters
+    ----------
+    faces
+        Corners of each facet, counter-clockwise.
+    letter
+        Rule for the creases.
+    springs
+        Mountains and valleys rest, and are stiff, as its creases with negative and positive rest angles.
+    title
+        Of the file.
+
+    Returns
+    -------
+    dict
+        FOLD 1.1, rest angles as fold angles; rest angles and stiffness in our namespace too.
+    """
+    vertices: dict[tuple[int, int], int] = {}
+    coords: list[Point] = []
+
+    def number(p: Point) -> int:
+        key = (round(p[0] / GRID), round(p[1] / GRID))
+        if key not in vertices:
+            vertices[key] = len(coords)
+            coords.append((float(p[0]) + 0.0, float(p[1]) + 0.0))
+        return vertices[key]
+
+    rings = [[number(p) for p in face] for face in faces]
+    sides: dict[tuple[int, int], int] = {}
+    for ring in rings:
+        for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
+            edge = (min(a, b), max(a, b))
+            sides[edge] = sides.get(edge, 0) + 1
+    spring = _spring_of_letter(springs)
+    letters = [
+        letter(complex(*coords[a]), complex(*coords[b])) if count == 2 else "B"
+        for (a, b), count in sides.items()
+    ]
+    sprung = [spring.get(one, (None, None)) for one in letters]
+    return {
+        "file_spec": 1.1,
+        "file_creator": "origami_nlp",
+        "file_classes": ["singleModel"],
+        "file_title": title,
+        "frame_classes": ["creasePattern"],
+        "frame_attributes": ["2D"],
+        "vertices_coords": [list(p) for p in coords],
+        "edges_vertices": [list(edge) for edge in sides],
+        "edges_assignment": letters,
+        "edges_foldAngle": [math.degrees(rest) if rest is not None else 0.0 for rest, _ in sprung],
+        "faces_vertices": rings,
+        STIFFNESS_KEY: [k for _, k in sprung],
+        REST_KEY: [None if rest is None else math.degrees(rest) for rest, _ in sprung],
+    }
+
+
+def _spring_of_letter(scene: Scene) -> dict[str, tuple[float, float]]:
+    """Return rest angle and stiffness of mountains and valleys."""
+    springs = zip(scene.rest_angles, scene.stiffness, strict=True)
+    return {"V" if rest > 0 else "M": (rest, k) for rest, k in springs}
+
+
+# ---------------------------------------------------------------- patterns: faces, and the rule for letters
+
+
+def disc(scene: Scene) -> tuple[list[Face], Letter]:
+    """One vertex in the middle of a polygon; letters by the signs of the rest angles."""
+    a = scene.vertex.azimuths
+    rim = [(math.cos(v), math.sin(v)) for v in a]
+    faces: list[Face] = [((0.0, 0.0), p, q) for p, q in zip(rim, rim[1:] + rim[:1], strict=True)]
+
+    def letter(p: complex, q: complex) -> str:
+        tip = p if abs(p) > abs(q) else q
+        apart = [abs(complex(*c) - tip) for c in rim]
+        return "V" if scene.rest_angles[int(np.argmin(apart))] > 0 else "M"
+
+    return faces, letter
+
+
+def miura(alpha: float, rows: int, columns: int) -> tuple[list[Face], Letter]:
+    """Parallelograms with acute angle alpha; straight lines along x, zigzags along y."""
+    lean = 1 / math.tan(alpha)
+
+    def at(r: int, c: int) -> Point:
+        return (c + lean * (r % 2), float(r))
+
+    faces: list[Face] = [
+        (at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c))
+        for r in range(rows)
+        for c in range(columns)
+    ]
+
+    def letter(p: complex, q: complex) -> str:
+        low = p if (p.imag, p.real) < (q.imag, q.real) else q
+        r = round(low.imag)
+        c = round(low.real - lean * (r % 2))
+        return "MV"[(r + c) % 2] if abs(p.imag - q.imag) < 0.5 else "VM"[c % 2]
+
+    return faces, letter
+
+
+def waterbomb(rows: int, columns: int) -> tuple[list[Face], Letter]:
+    """Squares of side 2 with both diagonals and one midline; every other column is moved by half a square."""
+    faces: list[Face] = []
+    for i in range(columns):
+        for j in range(rows):
+            x, y = 2.0 * i, 2.0 * j + i % 2
+            rim = [(1, -1), (1, 0), (1, 1), (-1, 1), (-1, 0), (-1, -1)]
+            ring = [(x + dx, y + dy) for dx, dy in rim]
+            faces += [((x, y), p, q) for p, q in zip(ring, ring[1:] + ring[:1], strict=True)]
+
+    def letter(p: complex, q: complex) -> str:
+        d = q - p
+        return "V" if min(abs(d.real), abs(d.imag)) > 0.5 else "M"
+
+    return faces, letter
+
+
+def yoshimura(alpha: float, rows: int, columns: int) -> tuple[list[Face], Letter]:
+    """Isosceles triangles with base 2 and base angles alpha, in rows; bases are valleys."""
+    height = math.tan(alpha)
+
+    def at(r: int, c: int) -> Point:
+        return (2.0 * c + r % 2, height * r)
+
+    faces: list[Face] = []
+    for r in range(rows):
+        for c in range(columns):
+            if r % 2:
+                faces += [(at(r, c), at(r, c + 1), at(r + 1, c + 1))]
+                faces += [(at(r, c), at(r + 1, c + 1), at(r + 1, c))]
+            else:
+                faces += [(at(r, c), at(r, c + 1), at(r + 1, c))]
+                faces += [(at(r, c + 1), at(r + 1, c + 1), at(r + 1, c))]
+
+    def letter(p: complex, q: complex) -> str:
+        return "V" if abs((q - p).imag) < height / 2 else "M"
+
+    return faces, letter
+
+
+def square_twist(alpha: float) -> tuple[list[Face], Letter]:
+    """A square, from each side of which a pleat leaves at the angle alpha, a mountain and a valley."""
+    corner = [complex(x, y) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    turn = complex(math.cos(alpha), -math.sin(alpha))
+    out = [1.5 * (corner[(k + 1) % 4] - corner[k]) * turn for k in range(4)]
+
+    def point(z: complex) -> Point:
+        return (z.real, z.imag)
+
+    faces: list[Face] = [tuple(map(point, corner))]
+    mountains = []
+    for k in range(4):
+        here, there, before = corner[k], corner[(k + 1) % 4], out[k - 1]
+        faces.append(tuple(map(point, (here, here + out[k], there + out[k], there))))
+        faces.append(tuple(map(point, (here, here + before, here + out[k]))))
+        mountains.append({here, here + out[k]})
+
+    def letter(p: complex, q: complex) -> str:
+        close = [all(min(abs(z - w) for w in one) < 0.1 for z in (p, q)) for one in mountains]
+        return "M" if any(close) else "V"
+
+    return faces, letter
+
+
+def bird_base() -> tuple[list[Face], Letter]:
+    """The base of the crane on a square of side 2: four rabbit ears, petals folded at two opposite corners."""
+    corner = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+    r = 1 - math.tan(math.pi / 8)  # where bisectors of 22.5 degrees meet the midlines
+    inner = [(0.0, r), (-r, 0.0), (0.0, -r), (r, 0.0)]  # inner[k] between corners k and k + 1
+    middle = (0.0, 0.0)
+    faces: list[Face] = []
+    for k in range(4):
+        here, before, c = inner[k], inner[k - 1], corner[k]
+        faces.append((here, c, corner[(k + 1) % 4]))
+        if k % 2 == 0:
+            faces += [(middle, before, here), (before, c, here)]
+        else:
+            faces += [(middle, before, c), (middle, c, here)]
+
+    def letter(p: complex, q: complex) -> str:
+        sizes = sorted((abs(p), abs(q)))
+        petal = sizes[0] > 0.1 and sizes[1] < 1.0
+        half_diagonal = sizes[0] < 0.1 and sizes[1] > 1.0
+        return "V" if petal or half_diagonal else "M"
+
+    return faces, letter
+
+
+def resch(rows: int, columns: int) -> tuple[list[Face], Letter]:
+    """Triangles of side 1 between tucks: triangles of side 2, each cut into six by its three heights.
+
+    Corners of a tuck are the middles of the sides of its neighbours; so triangles and tucks tile the plane.
+    """
+    e, f = complex(1.0, 0.0), complex(0.5, math.sqrt(0.75))
+
+    def at(x: int, y: int) -> Point:
+        z = x * e + y * f
+        return (z.real, z.imag)
+
+    faces: list[Face] = []
+    ends: set[tuple[int, int]] = set()
+    for m in range(columns):
+        for n in range(rows):
+            x, y = 3 * (m // 2) + m % 2 - n, m % 2 + 2 * n  # columns to and fro, rows straight up
+            rim = [(x, y), (x + 1, y), (x + 2, y), (x + 1, y + 1), (x, y + 2), (x, y + 1)]
+            ends |= set(rim)
+            centre = (x + 2 / 3) * e + (y + 2 / 3) * f
+            faces += [
+                ((centre.real, centre.imag), at(*p), at(*q))
+                for p, q in zip(rim, rim[1:] + rim[:1], strict=True)
+            ]
+    for x, y in sorted((x - 1, y) for x, y in ends):
+        corners = [(x + 1, y), (x + 1, y + 1), (x, y + 1)]
+        if (x - y) % 3 and ends.issuperset(corners):  # else it is the middle of a tuck
+            faces.append(tuple(at(*c) for c in corners))
+
+    def letter(p: complex, q: complex) -> str:
+        return "V" if abs(q - p) > 1.1 else "M"  # from the middle of a tuck to a corner: 2/sqrt(3)
+
+    return faces, letter

@@ -1,0 +1,143 @@
+"""A folded vertex turned for viewing: upright, and to where most of it is seen."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.folding import fold_vertex
+from origami_nlp.pattern import Vertex
+
+CLOSED = 0.1
+"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
+SPREAD = 0.05
+"""Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A folded vertex turned for viewing.
+
+    Attributes
+    ----------
+    creases
+        c_i, shape [N, 3], in the picture's frame: x right, y up, z towards the viewer.
+    normals
+        Of the upper side of each facet, [N, 3].
+    offsets
+        Displacement of each facet, [N, 3]; zero unless facets lie on each other.
+    """
+
+    creases: np.ndarray
+    normals: np.ndarray
+    offsets: np.ndarray
+
+
+def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:
+    """Turn a state upright, and to where most of it is seen.
+
+    Upright: the mean normal of the paper's upper side points up (for a symmetric state this is its
+    axis, or lies in its mirror).  Where the normals cancel, as in a closed book, the mean of the
+    creases does.  Then the best of a fixed set of views is taken: facets seen broadly, crease ends
+    apart and not hidden.
+
+    Parameters
+    ----------
+    vertex
+        The vertex.
+    fold_angles
+        Of the state, shape [N] [rad].
+
+    Returns
+    -------
+    Pose
+        Creases and normals in the picture's frame.
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    creases, _ = fold_vertex(vertex, phi)
+    ends = np.roll(creases, -1, axis=0)
+    normals = np.cross(creases, ends)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    offsets = layer_offsets(phi, normals)
+    weight = np.array(vertex.sector_angles)[:, None] / (2 * math.pi)
+    up = (weight * normals).sum(axis=0)
+    if np.linalg.norm(up) < 0.15:
+        up = creases.mean(axis=0)
+    if np.linalg.norm(up) < 0.15:
+        up = np.array([0.0, 0.0, 1.0])
+    up = up / np.linalg.norm(up)
+    ahead = next(a for c in (*creases, *np.eye(3)) if np.linalg.norm(a := c - (c @ up) * up) > 0.05)
+    ahead = ahead / np.linalg.norm(ahead)
+    frame = np.stack([ahead, np.cross(up, ahead), up])
+    view = _best_view(creases @ frame.T, normals @ frame.T, weight[:, 0])
+    turn = view @ frame
+    return Pose(creases @ turn.T, normals @ turn.T, offsets @ turn.T)
+
+
+def layer_offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Displace the facets next to closed creases: a valley (+pi) lays the next facet on top."""
+    n = len(phi)
+    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
+    offsets = np.zeros((n, 3))
+    if not closed.any():
+        return offsets
+    first = int(np.argmin(np.abs(phi)))  # start behind the most open crease
+    for step in range(1, n + 1):
+        i = (first + step) % n  # crease i lies between facets i - 1 and i
+        move = math.copysign(SPREAD, phi[i]) * normals[i - 1] if closed[i] else np.zeros(3)
+        if step < n:
+            offsets[i] = offsets[i - 1] + move
+    if closed.all():  # the last step back to the first facet: share out what does not fit
+        misfit = offsets[first - 1] + move - offsets[first]
+        for step in range(n):
+            offsets[(first + step) % n] -= misfit * step / n
+    return offsets - offsets.mean(axis=0)
+
+
+def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Choose rows (right, up, towards the viewer) among azimuths and elevations."""
+    best, best_score = np.eye(3), -math.inf
+    n = len(creases)
+    i, j = np.triu_indices(n, 1)
+    for elevation in np.radians([25.0, 35.0, 45.0, 60.0]):
+        for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
+            s, c = math.sin(azimuth), math.cos(azimuth)
+            se, ce = math.sin(elevation), math.cos(elevation)
+            rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
+            flat = creases @ rows[:2].T
+            apart = np.hypot(*(flat[i] - flat[j]).T)
+            seen = float(np.minimum(np.abs(normals @ rows[2]), 0.85) @ weight)
+            edge_on = float(np.minimum(np.abs(normals @ rows[2]), 0.25).min())
+            hidden = _hidden(creases, rows[2])
+            score = (
+                seen
+                + 1.5 * edge_on
+                + 1.2 * float(np.minimum(apart, 0.3).mean())
+                + 1.0 * float(np.minimum(apart, 0.2).min())
+                - 0.9 * hidden
+                - 0.15 * abs(elevation - math.radians(35))
+            )
+            if score > best_score + 1e-9:  # the first of equal views, whatever the rounding
+                best, best_score = rows, score
+    return best
+
+
+def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
+    """Share of the crease midpoints and ends that a facet hides from a viewer at infinity."""
+    n = len(creases)
+    a, b = creases, np.roll(creases, -1, axis=0)
+    points = np.concatenate([0.5 * creases, 0.95 * creases])
+    owner = np.tile(np.arange(n), 2)
+    count = 0
+    for f in range(n):
+        # point + t view = x a + y b with t > 0, x, y >= 0, |x a + y b| <= 1
+        basis = np.stack([a[f], b[f], -view], axis=1)
+        if abs(np.linalg.det(basis)) < 1e-6:
+            continue
+        x, y, t = np.linalg.solve(basis, points.T)
+        length = np.linalg.norm(np.outer(x, a[f]) + np.outer(y, b[f]), axis=1)
+        own = (owner == f) | (owner == (f + 1) % n)
+        count += int(((t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own).sum())
+    return count / (2 * n)

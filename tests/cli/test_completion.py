@@ -1,0 +1,75 @@
+"""Words that a shell completes: asked for as the shell does, through the functions that it is given."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from origami_nlp.bench import FAMILIES
+from origami_nlp.paper import FIGURES
+from symbolic.catalogue import claims
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    """A folder with the program, and the environment in which a shell finds it."""
+    folder = tmp_path_factory.mktemp("bin")
+    file = folder / "origami-nlp"
+    file.write_text(f"#!{sys.executable}\nfrom origami_nlp.cli import main\nmain()\n")
+    file.chmod(0o755)
+    root = os.path.dirname(os.path.dirname(os.path.dirname(__file__)))
+    path = os.pathsep.join([str(folder), os.environ["PATH"]])
+    return {**os.environ, "PATH": path, "PYTHONPATH": root}
+
+
+def bash(program, script):
+    line = ["bash", "--norc", "-c", script]
+    done = subprocess.run(line, env=program, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and not done.stderr, done.stderr
+    return done.stdout.splitlines()
+
+
+ASKED = {
+    "mini": {"minima"},
+    "paper reproduce cone-4": {n for n in FIGURES if n.startswith("cone-4")},
+    "minima s.toml --effort ": {"quick", "normal", "thorough"},
+    "paper verify --only s2.v": {c.id for c in claims() if c.id.startswith("s2.v")},
+    "bench --search --family ": set(FAMILIES),
+    "minima s.toml --json ": set(),  # a file
+}
+
+
+def test_bash_completes_by_the_function_that_it_is_given(program):
+    script = ['eval "$(origami-nlp --show-completion)"', "complete -p origami-nlp"]
+    for line in ASKED:
+        words = f"origami-nlp {line}".split(" ")
+        quoted = " ".join(f"'{word}'" for word in words)
+        script += [
+            f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}",
+            "_origami_nlp_completion origami-nlp; echo = ${COMPREPLY[@]}",
+        ]
+    told, *answers = bash(program, "\n".join(script))
+    assert told == "complete -o default -F _origami_nlp_completion origami-nlp"  # default: files
+    found = [set(answer.split()[1:]) for answer in answers]
+    assert found == list(ASKED.values())
+
+
+@pytest.mark.parametrize(
+    ("line", "shown"),
+    [("cone ph", '"phase":"Map the number'), ("transitions ", '"degree6"'), ("minima ", "_files")],
+)
+def test_zsh_is_told_words_with_what_they_mean_or_files(program, line, shown):
+    asked = {"_ORIGAMI_NLP_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": f"origami-nlp {line}"}
+    done = subprocess.run(
+        ["origami-nlp"], env={**program, **asked}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0 and not done.stderr
+    assert shown in done.stdout and (shown == "_files") == ("_arguments" not in done.stdout)
+
+
+def test_completion_is_installed_for_bash_where_it_reads_it(program, tmp_path):
+    home = {**program, "HOME": str(tmp_path)}
+    told = bash(home, "origami-nlp --install-completion; . ~/.bashrc; complete -p origami-nlp")
+    assert told[-1] == "complete -o default -F _origami_nlp_completion origami-nlp"
+    assert f"source '{tmp_path}/.bash_completions/" in (tmp_path / ".bashrc").read_text()

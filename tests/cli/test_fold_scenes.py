@@ -1,0 +1,324 @@
+"""FOLD files wherever a scene goes in: one vertex, all of them, a scene file; paths as frames; what is refused."""
+
+import io
+import json
+import re
+import sys
+from functools import partial
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.barriers import find_barriers
+from origami_nlp.cli import source
+from origami_nlp.pattern import examples, fold_vertices, format_scene, parse_fold
+from tests.command_line import run, scene_file
+from tests.fold_files import disc, miura
+from tests.independent.rotations import project
+
+
+@pytest.fixture
+def sheet(tmp_path):
+    """A Miura sheet with springs, 2 kinds of vertices."""
+    path = tmp_path / "sheet.fold"
+    path.write_text(json.dumps(examples.crease_pattern("miura", 3, 3)))
+    return path
+
+
+@pytest.fixture
+def pocket(tmp_path):
+    """The paper's degree-6 vertex as a FOLD file, and the very same scene as a scene file."""
+    path = tmp_path / "pocket.fold"
+    path.write_text(json.dumps(examples.crease_pattern("degree6", ratio=0.01)))
+    scene = o.read_fold_scene(path, symmetry="D1", tell=lambda note: None)
+    return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
+
+
+COMMANDS = "model minima contacts barriers critical space landscape paper-grid".split()
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
+    command, pocket, monkeypatch
+):
+    fold, toml, options = pocket
+    read = []
+
+    def noted(reader):
+        def stop(*arguments, **more):
+            read.append(reader(*arguments, **more))
+            raise o.OrigamiError("read")
+
+        return stop
+
+    for name in ("vertex_scene", "vertex_scenes", "decode_scene"):
+        monkeypatch.setattr(source, name, noted(getattr(source, name)))
+    for words in ((fold, *options), (toml,)):
+        assert run(*command.split("-"), *words).err == "origami-nlp: read\n"
+    assert read[0] == read[1] and read[0].group.name == "D1"
+    code, _, err = run(*command.split("-"), toml, "--vertex", 0)
+    assert code == 2 and "--vertex is for FOLD files" in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["model", "space", "minima"])
+def test_they_say_the_same_of_both(command, pocket):
+    fold, toml, options = pocket
+    more = {"space": ("--rings", 16), "minima": ("--max-starts", 16, "--prove", 0)}.get(command, ())
+    one, two = run(command, fold, *options, *more), run(command, toml, *more)
+    assert one.code == two.code == 0, (one.err, two.err)
+    said = [re.sub(r"\d+\.\d+ s\b", "some s", done.out) for done in (one, two)]  # the time it took
+    assert said[0] == said[1] and said[0].count("\n") > 2
+
+
+@pytest.mark.parametrize("toml", [False, True])
+def test_standard_input_may_be_either(toml, pocket, monkeypatch):
+    fold, scene, options = pocket
+    raw = (scene if toml else fold).read_bytes()
+    for mark in (b"", b"\xef\xbb\xbf", b" \n\t"):
+        if toml and mark == b"\xef\xbb\xbf":
+            continue  # TOML has no byte order mark
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(mark + raw)))
+        done = run("model", "-", *(() if toml else options))
+        assert done.code == 0 and "degree 6" in done.out, done.err
+
+
+def test_a_vertex_becomes_a_scene_file_of_the_same_doubles(sheet, tmp_path):
+    out = tmp_path / "out.toml"
+    for options, keywords in (
+        ((), {}),
+        (("--symmetry", "none", "--contact", "none"), {"symmetry": "none", "contact": "none"}),
+    ):
+        for number, scene in o.read_fold_scenes(sheet, tell=lambda note: None, **keywords).items():
+            done = run("vertices", sheet, "--vertex", number, "--scene", out, *options)
+            assert done.code == 0 and done.out.endswith(f"written: {out}\n")
+            again = o.read_scene(out)
+            assert again == scene and again.group == scene.group
+            assert again.relations.exact == scene.relations.exact
+    done = run("vertices", sheet, "--vertex", 5, "--scene", "-")
+    assert o.parse_scene(done.out) == o.read_fold_scene(sheet, 5, tell=lambda note: None)
+    assert "degree" in done.err  # the table, beside what goes to standard output
+    code, _, err = run("vertices", sheet, "--vertex", 5)
+    assert code == 2 and "--scene FILE" in err
+
+
+def test_scenes_of_random_numbers_survive_the_file():
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        sectors = rng.dirichlet(np.full(rng.integers(3, 9), 8.0)) * 2 * np.pi
+        n = len(sectors)
+        if sectors.max() < 3.1:
+            k, rest = rng.uniform(0.1, 2, n), rng.uniform(-3.1, 3.1, n)
+            scene = o.Scene(
+                o.Vertex(tuple(sectors)), tuple(k), tuple(rest), symmetry_tolerance=np.float64(1e-4)
+            )
+            assert o.parse_scene(format_scene(scene)) == scene
+
+
+def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
+    out = tmp_path / "all.json"
+    done = run("minima", sheet, "--json", out, "--prove", 0)
+    assert done.code == 0 and "4 vertices, each on its own: 2 different" in done.out
+    data = json.loads(out.read_text())
+    assert data["schema"] == "origami-nlp/vertexwise/1" and len(data["classes"]) == 2
+    found = o.load(out)
+    assert json.loads(json.dumps(found.to_dict())) == data
+    for number, scene in o.read_fold_scenes(sheet, tell=lambda note: None).items():
+        # states of the class, in the labels of each of its vertices, are closed states of that vertex, and no other
+        # search finds different ones
+        states = found.at(number)
+        own = o.find_minima(scene, seed=3, prove=False)
+        assert len(states) == len(own.minima) == 2
+        angles = np.array(scene.vertex.sector_angles)
+        x, residual = project(angles, np.arange(scene.degree), states)
+        assert residual.max() < 1e-12 and np.abs(x - states).max() < 1e-9
+        for phi, m in zip(states, own.minima, strict=True):
+            assert np.isclose(scene.energy(phi), m.energy, rtol=1e-9)
+            assert np.abs(phi - m.fold_angles).max() < 1e-7
+    with pytest.raises(o.OrigamiError, match="vertex = 99"):
+        found.at(99)
+    with pytest.raises(o.OrigamiError, match="dictionary of scenes"):
+        o.find_vertexwise([])
+    for option in ("--figure", "--fold", "--mesh"):
+        code, _, err = run(
+            "minima", sheet, option, tmp_path / ("a.png" if option == "--figure" else "a.obj")
+        )
+        assert code == 2 and option in err and "--vertex" in err and err.count("\n") == 1
+
+
+def test_noise_is_told_and_different_vertices_stay_apart():
+    """Equal within noise: one class, and how far apart; different stiffness, contact or symmetry: another class."""
+    scene = examples.waterbomb()
+    a = np.array(scene.vertex.sector_angles)
+    noisy = o.Scene(
+        o.Vertex(tuple(a + 1e-6 * np.array([1, -1, 0, 0, 0, 0]))), scene.stiffness, scene.rest_angles,
+        symmetry_tolerance=1e-4,
+    )  # fmt: skip
+    loose = o.Scene(scene.vertex, scene.stiffness, scene.rest_angles, symmetry_tolerance=1e-4)
+    stiff = o.Scene(scene.vertex, tuple(2 * k for k in scene.stiffness), scene.rest_angles)
+    over = o.Scene(scene.vertex, scene.stiffness, tuple(-v for v in scene.rest_angles))
+    free = o.Scene(scene.vertex, scene.stiffness, scene.rest_angles, "none")
+    found = o.find_vertexwise(
+        {
+            1: loose,
+            2: noisy,
+            3: scene,
+            4: stiff,
+            5: over,
+            6: free,
+            7: examples.waterbomb(contact="none"),
+        },
+        max_starts=16,
+        prove=False,
+    )
+    assert [one.numbers for one in found.classes] == [(1, 2, 3, 5), (4,), (6,), (7,)] or [
+        one.numbers for one in found.classes
+    ] == [(1, 2), (3, 5), (4,), (6,), (7,)]
+    assert 1e-8 < found.classes[0].apart < 1e-5 and "equal within" in str(found)
+    assert np.allclose(found.at(5), -found.at(3))
+
+
+def test_letters_alone_are_said_to_mean_shut(tmp_path):
+    path = tmp_path / "letters.fold"
+    path.write_text(json.dumps(miura()))
+    for vertex in (("--vertex", 5), ()):
+        plain = run("minima", path, *vertex, "--prove", 0)
+        angled = run("minima", path, *vertex, "--prove", 0, "--rest-angle", 90)
+        assert plain.code == angled.code == 0
+        assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
+        assert "--rest-angle" not in angled.err
+    path.write_text(json.dumps(disc([90] * 4, "MVVV", [-90, 90, 90, 90])))
+    assert "--rest-angle" not in run("model", path).err
+
+
+def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
+    fold, _, options = pocket
+    coarse = partial(find_barriers, spacing=0.5)
+    monkeypatch.setattr("origami_nlp.barriers.find_barriers", coarse)
+    out = tmp_path / "path.fold"
+    barrier = run("barriers", fold, *options, "--fold", out, "--json", tmp_path / "b.json")
+    assert barrier.code == 0, barrier.err
+    pattern, *frames = parse_fold(out.read_bytes())
+    (vertex,), _ = fold_vertices(pattern)
+    scene = o.read_fold_scene(out, frame=0, tell=lambda note: None)
+    assert 20 < len(frames) <= 61
+    raw = json.loads(out.read_text())["file_frames"]
+    steps = []
+    for frame, data in zip(frames, raw, strict=True):
+        (here,), _ = fold_vertices(frame)
+        assert here.edges == vertex.edges
+        _, residual = project(
+            np.array(scene.vertex.sector_angles), np.arange(6), np.array([here.fold_angles])
+        )
+        assert residual[0] < 1e-10
+        assert np.isclose(scene.energy(here.fold_angles), data["origaminlp:energy"], rtol=1e-6)
+        steps.append(data["origaminlp:energy"])
+    (known,) = json.loads((tmp_path / "b.json").read_text())["barriers"]
+    ends = [m["energy"] for m in json.loads((tmp_path / "b.json").read_text())["minima"]]
+    assert np.isclose(max(steps), known["energy"], rtol=1e-9)
+    assert np.allclose([steps[0], steps[-1]], ends, rtol=1e-9)
+    code, _, err = run("barriers", "--panels", "--fold", out)
+    assert code == 2 and "--fold" in err
+
+
+def test_descents_of_unstable_states_are_frames(tmp_path):
+    scene = examples.degree6("pi/3", 1)
+    out = tmp_path / "states.fold"
+    done = run("minima", scene_file(tmp_path, scene), "--full", "--fold", out, "--prove", 0)
+    assert done.code == 0
+    frames = json.loads(out.read_text())["file_frames"]
+    states = [f for f in frames if "origaminlp:path" not in f]
+    unstable = {
+        f"descent from state {k}"
+        for k, f in enumerate(states, 1)
+        if f["origaminlp:fullSpace"] == "unstable"
+    }
+    paths = [f for f in frames if "origaminlp:path" in f]
+    assert unstable and {f["origaminlp:path"] for f in paths} == unstable
+    for name in unstable:
+        energies = [f["origaminlp:energy"] for f in paths if f["origaminlp:path"] == name]
+        assert (np.diff(energies) < 0).all() and len(energies) > 1
+
+
+BAD = {
+    "border": (("--vertex", 0), ["--vertex 0", "border", "there are 5, 6, 9, 10"]),
+    "not there": (("--vertex", 99), ["--vertex 99", "vertices are 0 to 15"]),
+    "negative": (("--vertex", -1), ["--vertex = -1", "at least 0"]),
+    "no frame": (("--vertex", 5, "--frame", 7), ["--frame 7", "there is 0"]),
+    "no vertex": ((), ["--vertex is needed", "4 interior"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_wrong_vertices_and_frames_get_one_line(name, tmp_path):
+    path = tmp_path / "a.fold"
+    path.write_text(json.dumps(miura()))
+    arguments, words = BAD[name]
+    for command in ("model", "space"):
+        code, out, err = run(command, path, *arguments)
+        assert code == 2 and not out and err.count("\n") == 1
+        assert all(word in err for word in words), err
+
+
+def test_several_frames_and_json_that_is_no_fold(tmp_path):
+    path = tmp_path / "a.fold"
+    first = miura()
+    path.write_text(
+        json.dumps({**first, "file_frames": [{**first}, {"frame_title": "no geometry"}]})
+    )
+    done = run("model", path, "--vertex", 5)
+    assert done.code == 0 and "2 frames have geometry: frame 0 is read, --frame" in done.err
+    assert "frames" not in run("model", path, "--vertex", 5, "--frame", 1).err
+    path.write_text(json.dumps({"schema": "origami-nlp/minima/1", "scene": {}}))
+    other = tmp_path / "result.txt"
+    other.write_bytes(path.read_bytes())
+    for file in (path, other):  # by its name, or by what is in it
+        code, _, err = run("minima", file)
+        assert (
+            code == 2
+            and err.count("\n") == 1
+            and "vertices_coords" in err
+            and "scene, schema" in err
+        )
+    with pytest.raises(o.OrigamiError, match="read_fold_scene"):
+        o.read_scene(tmp_path / "result.txt")
+
+
+def test_examples_are_written_as_asked(tmp_path):
+    fold, toml = tmp_path / "a.fold", tmp_path / "a.toml"
+    done = run("example", "miura:2x3", "--fold", fold, "--scene", toml, "--alpha", "pi/4")
+    assert done.code == 0 and done.out == f"written: {fold}\nwritten: {toml}\n"
+    assert o.read_scene(toml) == examples.miura("pi/4")
+    assert len(o.read_fold_scenes(fold, tell=lambda note: None)) == 2
+    for name in examples.BY_NAME:
+        done = run("example", name)
+        assert done.code == 0 and done.out.startswith("# ") and not done.err
+        assert o.parse_scene(done.out) == examples.by_name(name)
+    for arguments, word in (
+        (("miur",), "miura, waterbomb"),
+        (("miura:4",), "ROWSxCOLUMNS"),
+        (("miura:4x4",), "--fold FILE"),
+        (("birdbase", "--alpha", "1"), "no option alpha"),
+        (("miura", "--mountain", "1"), "[-pi, 0)"),
+        (("miura", "--valley", "4"), "(0, pi]"),
+        (("miura:0x4", "--fold", fold), "rows"),
+    ):
+        code, out, err = run("example", *arguments)
+        assert code == 2 and not out and err.count("\n") == 1 and word in err, err
+
+
+def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
+    picture = tmp_path / "a.png"
+    assert run("vertices", sheet, "--figure", picture).code == 0
+    assert picture.stat().st_size > 10_000
+    (frame,) = parse_fold(sheet.read_bytes())
+    from origami_nlp.show import draw_pattern
+
+    figure = draw_pattern(frame)
+    (axes,) = figure.axes
+    written = {text.get_text() for text in axes.texts}
+    assert written == {str(v.number) for v in fold_vertices(frame)[0]}
+    dashes = {str(lines.get_linestyle()) for lines in axes.collections}
+    assert (
+        len(dashes) == len(axes.collections) == 3
+    )  # borders, mountains, valleys: told apart without colour

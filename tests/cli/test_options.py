@@ -1,0 +1,115 @@
+"""One option, one meaning: over all commands, in their help at any width, and under former names."""
+
+import json
+from collections import defaultdict
+
+import pytest
+from typer.main import get_command
+
+from origami_nlp.cli import app, former
+from origami_nlp.cli.group import WRITES
+from tests.command_line import run
+
+IN_THEIR_OWN_WORDS = {
+    "--effort": "bench takes it with --search only",
+    "--contact": "of a FOLD file, or of an example",
+    "--symmetry": "of a FOLD file, or of an example",
+    "--workers": "sweep uses all processors by default",
+}
+"""Options of one name, form and meaning whose help differs between commands, and why."""
+
+
+def commands(command=None, path=()):
+    """Every command that help shows, groups included, with the words that call it."""
+    command = command or get_command(app)
+    yield path, command
+    for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
+        yield from commands(command.commands[name], (*path, name))
+
+
+def options():
+    """Every option of every command: its name, the command and the parameter."""
+    for path, command in commands():
+        for one in command.params:
+            if one.param_type_name == "option":
+                yield one.opts[0], path, one
+
+
+def test_one_option_is_one_thing_in_all_commands():
+    seen = defaultdict(dict)
+    for name, path, one in options():
+        seen[name][path] = one
+    for name, of in seen.items():
+        assert len({(p.metavar, p.is_flag, p.multiple) for p in of.values()}) == 1 or (
+            {p.metavar for p in of.values()} == {"ANGLE"}  # one drawing may show several
+        ), name
+        helps = {p.help for p in of.values()}
+        assert len(helps) == 1 or name in IN_THEIR_OWN_WORDS, (name, helps)
+    assert len({p.default for p in seen["--ratio"].values()}) == 1
+    assert {p.default for p in seen["--seed"].values()} == {0}
+
+
+def test_every_option_says_what_stands_after_it():
+    """By a word of ours; and one that writes a file by the same word everywhere."""
+    for name, path, one in options():
+        assert one.help, (path, name)
+        if not one.is_flag and name not in ("--install-completion", "--show-completion"):
+            assert one.metavar, (path, name)
+        if one.metavar == WRITES:
+            assert one.help.startswith("Write"), (path, name)
+
+
+@pytest.mark.parametrize("width", [60, 80])
+def test_help_keeps_to_the_terminal_and_cuts_no_word(width, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(width))
+    for path, command in commands():
+        code, out, _ = run(*path, "--help")
+        assert code == 0 and max(map(len, out.splitlines())) <= width, path
+        words = " ".join(out.split())
+        for text in (command.help, *(p.help for p in command.params)):
+            assert " ".join(text.split()) in words, (path, text)
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new"),
+    [(path, *pair) for path, table in former.OPTIONS.items() for pair in table.items()],
+)
+def test_a_former_option_is_one_of_now_and_said_to_be(path, old, new):
+    command = get_command(app)
+    for word in path.split():
+        command = command.commands[word]
+    names = {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
+    assert new in names and old not in names
+    # a wrong word at the end stops the command before it works
+    words = [old] if "-no-" in old or old == "--search" else [f"{old}=7"]
+    code, _, err = run(*path.split(), *words, "--wrong")
+    assert code == 2 and f"note: {old} is now {new}; " in err
+    assert "No such option: --wrong" in err and "No such option: " + old not in err
+
+
+def test_former_options_give_the_same_answer(tmp_path):
+    told = [
+        run("cone", "count", "--degree", 8, "--ratio", 2, option, 0.3, "--json", "-")
+        for option in ("--elevation", "--rest-elevation")
+    ]
+    assert told[0].code == told[1].code == 0 and told[0].out == told[1].out
+    assert json.loads(told[0].out)["schema"] and "note: " in told[0].err
+    assert "note: " not in told[1].err
+
+
+@pytest.mark.parametrize(("old", "new"), former.COMMANDS.items())
+def test_a_former_command_is_one_of_now_and_said_to_be(old, new):
+    code, out, err = run(*old.split(), "--help")
+    assert code == 0 and f"note: {old} is now {new}; " in err
+    usage = run(*new.split(), "--help").out.replace(f"origami-nlp {new} ", f"origami-nlp {old} ")
+    assert out.splitlines()[1:] == usage.splitlines()[1:]
+
+
+def test_what_comes_after_two_dashes_is_no_option():
+    assert former.renamed("space", ["--size", "8", "--", "--size"], True) == [
+        "--rings",
+        "8",
+        "--",
+        "--size",
+    ]
+    assert former.renamed("landscape", ["--size=8"], True) == ["--size=8"]

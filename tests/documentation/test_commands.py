@@ -1,0 +1,129 @@
+"""Every command and every Python block of the documentation runs, in the order of its page, and prints what is shown.
+
+A remark before a block says what differs: `<!-- run: slow: why -->` (with the long studies only),
+`<!-- run: not: why -->`, `<!-- run: exit 2 -->` (the exit code), `<!-- file: NAME -->` (kept under this name for the
+blocks that follow).
+"""
+
+import re
+import shutil
+import tomllib
+
+import pytest
+from typer.main import get_command
+
+from origami_nlp.cli import app
+from tests.documentation import shell
+from tests.documentation.pages import ROOT, blocks, inline_commands, markdown, name_of
+
+TERMINAL = ("bash", "console")
+PAGES = [
+    page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
+]
+SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
+
+
+def run_block(block, names):
+    """Run one block in the folder where we are; what is wrong is told with its line."""
+    if block.file:
+        with open(block.file, "w") as file:
+            file.write(block.text)
+    if block.language == "python":
+        exec(compile(block.text, f"block of line {block.line}", "exec"), names)
+    if block.language in TERMINAL:
+        wanted = int(block.run.removeprefix("exit ")) if block.run.startswith("exit ") else 0
+        lines, shown = shell.commands(block.text), shell.shown_after(block.text)
+        assert lines and len(lines) == len(shown)
+        for line, expected in zip(lines, shown, strict=True):
+            code, said = shell.run_line(line)
+            assert code == wanted, f"line {block.line}: {line}\n{said}"
+            wrong = shell.differs(expected, said)
+            assert not wrong, f"line {block.line}: {line}\n{wrong}"
+
+
+def run_page(page, folder, long):
+    """Run the blocks of a page in a folder of its own that holds the files of the documentation."""
+    shutil.copytree(ROOT / "docs" / "files", folder, dirs_exist_ok=True)
+    names = {"__name__": "__main__"}
+    for block in blocks(page):
+        if block.run.startswith("not: ") or (block.run.startswith("slow: ") and not long):
+            continue
+        run_block(block, names)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_blocks_run_and_print_what_is_shown(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_page(page, tmp_path, long=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SLOW, ids=name_of)
+def test_long_blocks_run_and_print_what_is_shown(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_page(page, tmp_path, long=True)
+
+
+@pytest.mark.parametrize("page", markdown(), ids=name_of)
+def test_blocks_are_marked_with_reasons_and_none_hides_a_command(page):
+    for block in blocks(page):
+        assert re.fullmatch(r"|(slow|not): \S.{10,}|exit \d", block.run, re.DOTALL), block
+        if re.search(r"^(\$ )?origami-nlp ", block.text, re.MULTILINE):
+            assert block.language in TERMINAL, (
+                f"line {block.line}: a command in a block of no shell"
+            )
+        if block.language == "toml":
+            tomllib.loads(block.text)
+
+
+# ---------------------------------------------------------------- commands that are named, not shown
+
+
+def misnamed(text):
+    """What of a command as people write it (`a|b`, `[--option VALUE]`) the command line does not know."""
+    words = re.sub(r"[][()]", " ", text).split()[1:]
+    commands = [get_command(app)]
+    while words and hasattr(commands[0], "list_commands") and not words[0].startswith("-"):
+        inner = [c.get_command(None, name) for c in commands for name in words[0].split("|")]
+        if None in inner:
+            return f"no command {words[0]}"
+        commands, words = inner, words[1:]
+    known = {o for c in commands for p in c.params for o in (*p.opts, *p.secondary_opts)} | {
+        "--help"
+    }
+    return ", ".join(w for w in words if w.startswith("--") and w.split("=")[0] not in known)
+
+
+@pytest.mark.parametrize("page", markdown(), ids=name_of)
+def test_commands_in_the_text_exist_with_their_options(page):
+    shown = [
+        line
+        for block in blocks(page)
+        if block.language in TERMINAL
+        for whole in shell.commands(block.text)
+        for line in re.split(r"\||&&", whole.split(" #")[0])
+    ]
+    named = [
+        *inline_commands(page),
+        *(s.strip() for s in shown if s.strip().startswith("origami-nlp ")),
+    ]
+    wrong = {text: why for text in named if (why := misnamed(text))}
+    assert not wrong
+
+
+# ---------------------------------------------------------------- the runner itself
+
+
+def test_the_runner_sees_what_is_wrong(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, said = shell.run_line("origami-nlp example degree6 --alpha pi/3 > a.toml")
+    assert (code, said) == (0, "") and "pi/3" in (tmp_path / "a.toml").read_text()
+    code, said = shell.run_line("origami-nlp example degree6 --alpha pi/3 | origami-nlp model -")
+    assert code == 0 and "degree 6" in said
+    with pytest.raises(AssertionError, match="only origami-nlp"):
+        shell.run_line("rm -r a.toml")
+    assert not shell.differs("one 1.50 2e-16 ... end 3 s", "one 1.501 7e-17 and so on, end 9 s")
+    for shown in ("one 1.52", "one 1.50 2e-16 ... fin", "two ...", "one"):
+        assert shell.differs(shown, "one 1.501 7e-17 and so on, end 9 s"), shown
+    assert misnamed("origami-nlp cone count|phase [--degree N]") == ""
+    assert misnamed("origami-nlp cone count|phases") and misnamed("origami-nlp minima X --nothing")

@@ -1,0 +1,193 @@
+"""What every result can do: travel, be drawn, saved, read back, become a data frame, and be one line in a list."""
+
+import math
+import pickle
+from dataclasses import fields, is_dataclass
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import origami_nlp as o
+from origami_nlp.critical import compare_minima
+from origami_nlp.show import Result, Told
+from tests.computed_once import panel_result
+
+pytest.importorskip("pandas")
+LONGEST = 260  # characters of a repr: two lines of a terminal
+
+
+@cache
+def results():
+    """One of each kind, by class."""
+    scene = o.examples.degree6("pi/4")
+    result = panel_result(scene)
+    result.model.energy(np.zeros(result.model.size))  # a model that was used
+    points = compare_minima(o.find_critical_points(scene, samples=512), result)
+    contacts = o.find_contacts(result, segments=True, check=False)
+    found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
+    found += [o.find_barriers(scene, result), o.find_landscape(result, 31)]
+    return {type(one).__name__: one for one in [*found, o.cone.phase_diagram(6, size=4)]}
+
+
+KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
+    "MinimaResult": (lambda r: len(r.minima), True, True, True),
+    "CriticalPoints": (lambda r: len(r.points), False, True, True),
+    "ContactReport": (
+        lambda r: sum(len(s.minimum.contacts) for s in r.states),
+        False,
+        True,
+        False,
+    ),
+    "SegmentReport": (lambda r: len(r.segments), True, True, False),
+    "Space": (None, True, True, False),
+    "Barriers": (lambda r: len(r.passes), True, True, False),
+    "ExactLandscape": (None, True, False, False),
+    "PhaseDiagram": (None, True, True, False),
+}
+by_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def test_results_travel_and_print_the_same():
+    for found in results().values():
+        again = pickle.loads(pickle.dumps(found))
+        assert str(again) == str(found) and len(str(found)) > 40
+    result = results()["MinimaResult"]
+    again = pickle.loads(pickle.dumps(result))
+    zero = np.zeros(again.model.size)
+    assert again.model.energy(zero) == result.model.energy(zero)
+
+
+@by_kind
+def test_rows_of_a_data_frame(kind):
+    count, found = KINDS[kind][0], results()[kind]
+    if count is None:
+        with pytest.raises(o.OrigamiError, match=f"{kind}.*rows"):
+            found.to_frame()
+        return
+    frame = found.to_frame()
+    assert len(frame) == count(found)
+    twice = o.to_frame(found, found)
+    assert len(twice) == 2 * len(frame) and list(twice.index) == list(range(len(twice)))
+
+
+def test_the_frame_of_minima_says_what_they_are():
+    result = results()["MinimaResult"]
+    frame = result.to_frame()
+    phi = frame[[f"phi_{k}" for k in range(1, 7)]].to_numpy()
+    assert np.array_equal(phi, [m.fold_angles for m in result.minima])
+    energies = result.scene.energy(phi)  # from the angles, not from the result
+    assert np.allclose(frame["energy"], energies, rtol=1e-14, atol=0)
+    assert list(frame["kind"]) == [m.kind for m in result.minima]
+    barriers = results()["Barriers"]
+    rows = barriers.to_frame()
+    low = frame.set_index("number")["energy"]
+    assert np.allclose(rows["energy"] - low[rows["from"]].to_numpy(), rows["rises"])
+    contacts = results()["ContactReport"].to_frame()
+    assert (contacts["least"] <= contacts["moment"] * (1 + 1e-9)).all()
+    with pytest.raises(o.OrigamiError, match="results"):
+        o.to_frame()
+    with pytest.raises(o.OrigamiError, match=r"results\[2\]"):
+        o.to_frame(result, result.minima)
+
+
+def test_without_pandas_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(o.OrigamiError, match=r"origami_nlp\[sweep\]"):
+        results()["MinimaResult"].to_frame()
+
+
+@by_kind
+def test_pictures(kind, tmp_path):
+    found = results()[kind]
+    if not KINDS[kind][1]:
+        with pytest.raises(o.OrigamiError, match=f"{kind}.*picture"):
+            found.draw()
+        return
+    path = tmp_path / "picture.png"
+    figure = found.draw(path)
+    assert isinstance(figure, Figure) and figure.axes
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+@by_kind
+def test_saved_and_read_back(kind, tmp_path):
+    found, path = results()[kind], tmp_path / "result.json"
+    _, _, has_schema, is_read = KINDS[kind]
+    if not has_schema:
+        with pytest.raises(o.OrigamiError, match=f"{kind}.*schema"):
+            found.save(path)
+        assert not path.exists()
+        return
+    found.save(path)
+    if not is_read:
+        for load in (o.load, type(found).load):
+            with pytest.raises(o.OrigamiError, match="read back"):
+                load(path)
+        return
+    for again in (o.load(path), type(found).load(path)):
+        assert type(again) is type(found) and again.to_dict() == found.to_dict()
+    (other,) = {"MinimaResult", "CriticalPoints"} - {kind}
+    with pytest.raises(o.OrigamiError, match="schema"):
+        type(results()[other]).load(path)
+    path.write_text("{")
+    with pytest.raises(o.OrigamiError, match="no JSON"):
+        type(found).load(path)
+
+
+def test_functions_take_results_only(tmp_path):
+    scene = results()["MinimaResult"].scene
+    for call in (o.draw, o.to_frame, lambda x: o.save(x, tmp_path / "x.json")):
+        with pytest.raises(o.OrigamiError, match="result"):
+            call(scene)
+
+
+@pytest.mark.parametrize("path", [None, 3, "", "no/such/folder/x.json", "\0"])
+def test_paths_that_are_none(path):
+    result = results()["MinimaResult"]
+    calls = [result.save, o.MinimaResult.load, *[result.draw] * (path is not None)]
+    for call in calls:
+        with pytest.raises(o.OrigamiError):
+            call(path)
+
+
+def parts(value):
+    """A value and the dataclasses in it, one of each class in a list."""
+    if is_dataclass(value):
+        yield value
+        for f in fields(value):
+            yield from parts(getattr(value, f.name))
+    elif isinstance(value, tuple | list):
+        for entry in {type(entry): entry for entry in value}.values():
+            yield from parts(entry)
+
+
+@by_kind
+def test_reprs_are_short(kind):
+    found = list(parts(results()[kind]))
+    assert len(found) > 2
+    long = {type(p).__name__ for p in found if len(repr(p)) > LONGEST or "\n" in repr(p)}
+    assert not long
+    assert isinstance(results()[kind], Result)
+
+
+def test_a_repr_shows_numbers_and_cuts_lists():
+    state = results()["MinimaResult"].minima[0]
+    assert f"energy={state.energy:.6g}" in repr(state) and state.kind in repr(state)
+    assert f"{state.fold_angles[1]:.6g}" in repr(state)
+    angles = (math.pi / 31,) * 60
+    scene = o.Scene(o.Vertex(angles, flat=False), (1,) * 60, (0,) * 60, "none", "fold-limits")
+    assert len(repr(scene)) < 160 and "..." in repr(scene) and "pi/31" in repr(scene)
+    assert str(scene).count("pi/31") == 60 and str(scene).count(" 1,") == 58  # but first and last
+
+
+def test_alone_in_full_and_in_a_list_on_one_line():
+    pretty = pytest.importorskip("IPython.lib.pretty").pretty
+    result = results()["MinimaResult"]
+    for thing in (result.scene, result.model, result, result.flags, results()["Barriers"]):
+        assert pretty(thing) == str(thing) and pretty([thing]) == repr([thing])
+        assert len(repr(thing).splitlines()) == 1
+        assert result.flags is thing or len(str(thing).splitlines()) > 2
+    assert isinstance(result, Told) and type(result).__name__ in repr([result])
+    assert pretty(result.scene.vertex) == str(result.scene.vertex)
