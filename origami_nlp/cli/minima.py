@@ -70,6 +70,7 @@ def minima(
                 ("fold", fold),
                 ("mesh", mesh),
                 ("certificate", certificate),
+                ("animate", animate),
             ):
                 if file is not None:
                     raise OptionError(
@@ -78,6 +79,7 @@ def minima(
             found = find_vertexwise(scenes, find=partial(search, name=scene.name), **options)
             found.tell(out.console)
             out.write("json", found.to_dict)
+            out.turn(*found.results)
             return
         (stated,) = scenes.values()
     else:
