@@ -21,6 +21,7 @@ from .minima import (
     write_mesh as write_mesh,
 )
 from .pattern import (
+    Pattern as Pattern,
     Scene as Scene,
     Vertex as Vertex,
     examples as examples,
@@ -28,6 +29,7 @@ from .pattern import (
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,
+    read_pattern as read_pattern,
     read_scene as read_scene,
 )
 from .programme import Model as Model
@@ -38,5 +40,6 @@ from .results import (
     to_frame as to_frame,
     view as view,
 )
+from .sheets import Overview as Overview, overview as overview
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
 from .version import __version__ as __version__

@@ -21,6 +21,7 @@ from origami_nlp.cli.landscape import landscape
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.paper import paper
+from origami_nlp.cli.pattern import pattern
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
 from origami_nlp.cli.transitions import transitions
@@ -29,7 +30,7 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 from origami_nlp.version import __version__
 
-MANY = "Many scenes, many creases"
+MANY = "Many vertices, many scenes, many creases"
 COMPARE = "Compare with the paper and with other solvers"
 app = Group(
     "Energy minima of an origami vertex: found, classified, and which are stable states.",
@@ -38,7 +39,7 @@ app = Group(
 app.add(minima, check_proof, landscape, under="Find the states of a scene")
 app.add(contacts, barriers, critical, space, transitions, under="Understand them")
 app.add(example, vertices, model, under="Make and read scenes")
-app.add(sweep, under=MANY)
+app.add(pattern, sweep, under=MANY)
 app.add_group("cone", cone, under=MANY)
 app.add_group("paper", paper, under=COMPARE)
 app.add(bench, under=COMPARE)

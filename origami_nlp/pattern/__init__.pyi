@@ -27,6 +27,7 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .labels import Labels as Labels, canonical_labels as canonical_labels
+from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
@@ -38,5 +39,5 @@ from .scene_file import (
     scene_from_dict as scene_from_dict,
     scene_to_dict as scene_to_dict,
 )
-from .vertex import Vertex as Vertex
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
+from .vertex import Vertex as Vertex

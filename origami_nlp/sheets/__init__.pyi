@@ -1,6 +1,16 @@
 from .closure import Closure as Closure
 from .crossings import Crossings as Crossings, convex_parts as convex_parts
+from .curve import Curve as Curve, tangents as tangents, wells as wells
 from .descent import Descended as Descended, descend as descend
+from .drawing import (
+    draw_overview as draw_overview,
+    draw_sheet as draw_sheet,
+    sheet_view as sheet_view,
+)
+from .overview import (
+    Overview as Overview,
+    jacobian_rank as jacobian_rank,
+    overview as overview,
+)
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
-from .curve import Curve as Curve, follow as follow_curve, tangents as tangents, wells as wells
