@@ -38,5 +38,5 @@ from .scene_file import (
     scene_from_dict as scene_from_dict,
     scene_to_dict as scene_to_dict,
 )
-from .vertex import Vertex as Vertex
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
+from .vertex import Vertex as Vertex

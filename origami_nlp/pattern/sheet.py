@@ -154,7 +154,9 @@ class Pattern:
         k = self.stiffness if stiffness is None else np.broadcast_to(stiffness, self.creases)
         k = k * self.lengths if per_length else np.array(k, float)
         if not (np.isfinite(k) & (k > 0)).all():
-            raise SceneError(f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]")
+            raise SceneError(
+                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]"
+            )
         if rest is None:
             phi = self.rest
         elif np.ndim(rest) == 0:
@@ -241,7 +243,9 @@ def make_pattern(
                     f"and {b}: a sheet has one facet on each side"
                 )
             left_of[a, b] = p
-    facet_of = _joined(len(polygons), [(left_of[s], left_of[s[::-1]]) for s in _both(joins, left_of)])
+    facet_of = _joined(
+        len(polygons), [(left_of[s], left_of[s[::-1]]) for s in _both(joins, left_of)]
+    )
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
     together = {tuple(sorted(s)) for s in joins}
     sides = [s for s in inner if s not in together]
