@@ -4,3 +4,6 @@ from .curve import Curve as Curve, tangents as tangents, wells as wells
 from .descent import Descended as Descended, descend as descend
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
+from .judgement import judge as judge
+from .layers import Layers as Layers, order_layers as order_layers, overlaps as overlaps
+from .state import SheetContact as SheetContact, SheetState as SheetState

@@ -18,6 +18,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.linalg import eigsh
 
 from origami_nlp.numerics import RANK, ROUNDED
 from origami_nlp.pattern import Pattern
@@ -25,6 +26,10 @@ from origami_nlp.sheets.closure import Closure, Matrix
 from origami_nlp.sheets.crossings import Crossings
 from origami_nlp.sheets.linear import Normal, dense
 
+MOST_DENSE = 400
+"""Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+SQUARED = 1e-12
+"""Eigenvalues of J'J below this are zero: rounding leaves some 1e-15, and of `RANK` nothing could be told."""
 LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
 
@@ -152,7 +157,11 @@ class Sheet:
 
     def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the part of v [n] that closure allows to first order at a state."""
-        return Normal(self.closure.jacobian(phi)).along(v)
+        return self.normal(phi).along(v)
+
+    def normal(self, phi: np.ndarray) -> Normal:
+        """Factorise J J' at a state."""
+        return Normal(self.closure.jacobian(phi))
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
         """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
@@ -166,7 +175,17 @@ class Sheet:
 
     def rank(self, phi: np.ndarray) -> int:
         """Rank of the Jacobian of closure, singular values below `RANK` being zero."""
-        j = dense(self.closure.jacobian(phi))
-        if not j.size:
+        j = self.closure.jacobian(phi)
+        if not j.shape[0]:
             return 0
-        return int((np.linalg.svd(j, compute_uv=False) > RANK).sum())
+        if self.size <= MOST_DENSE:
+            return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
+        # singular values of a large sheet shrink as one over its length: the smallest ones of J'J are counted
+        square = (j.T @ j).tocsc()
+        for many in (6, 24, 96, 384):
+            values = eigsh(square, k=min(many, self.size - 2), sigma=-1e-9, return_eigenvectors=False,
+                           v0=np.ones(self.size))  # fmt: skip
+            zero = int((values < SQUARED).sum())
+            if zero < len(values):
+                return self.size - zero
+        return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
