@@ -13,11 +13,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 
+from origami_nlp.numerics import cross
 from origami_nlp.pattern import Loop, Pattern
+
+MOST_DENSE = 60
+"""Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
+
+
+Matrix: TypeAlias = np.ndarray | sparse.csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +99,7 @@ class Closure:
                 o[:, i] = t + _rotate(q0, qv, g.points[:, i])
             q0, qv = (
                 q0 * w[:, i] - np.einsum("ki,ki->k", qv, v[:, i]),
-                q0[:, None] * v[:, i] + w[:, i, None] * qv + np.cross(qv, v[:, i]),
+                q0[:, None] * v[:, i] + w[:, i, None] * qv + cross(qv, v[:, i]),
             )
             if t is not None and o is not None and g.points is not None:
                 t = o[:, i] - _rotate(q0, qv, g.points[:, i])
@@ -117,17 +125,25 @@ class Closure:
     def _derivatives(self, s: _Turned) -> np.ndarray:
         """Derivative of a group's equations by each of its turns, [K, d, 3 or 6]."""
         q0, qv = s.q[:, 0], s.q[:, None, 1:]
-        out = 0.5 * (q0[:, None, None] * s.c + np.cross(s.c, qv))
+        out = 0.5 * (q0[:, None, None] * s.c + cross(s.c, qv))
         if s.t is None or s.o is None:
             return out
-        return np.concatenate([out, np.cross(s.c, s.t[:, None] - s.o) / self._size], axis=2)
+        return np.concatenate([out, cross(s.c, s.t[:, None] - s.o) / self._size], axis=2)
 
-    def jacobian(self, phi: np.ndarray, at: list[_Turned] | None = None) -> sparse.csr_array:
-        """Evaluate the Jacobian at a state [n], sparse [m, n]."""
+    def jacobian(self, phi: np.ndarray, at: list[_Turned] | None = None) -> Matrix:
+        """Evaluate the Jacobian at a state [n], [m, n]; sparse beyond `MOST_DENSE` creases."""
         data = [self._derivatives(s).ravel() for s in (at or self.turned(phi))]
-        rows, columns = self._places
-        shape = self.count, self.pattern.creases
-        return sparse.csr_array((np.concatenate([*data, np.zeros(0)]), (rows, columns)), shape=shape)
+        return self._matrix(data, self._places, self.count)
+
+    def _matrix(
+        self, data: list[np.ndarray], places: tuple[np.ndarray, np.ndarray], rows: int
+    ) -> Matrix:
+        """Add up entries at their places in a matrix [rows, n]."""
+        n = self.pattern.creases
+        values = np.concatenate([*data, np.zeros(0)])
+        if n > MOST_DENSE:
+            return sparse.csr_array((values, places), shape=(rows, n))
+        return np.bincount(places[0] * n + places[1], values, rows * n).reshape(rows, n)
 
     @cached_property
     def _places(self) -> tuple[np.ndarray, np.ndarray]:
@@ -153,33 +169,32 @@ class Closure:
 
     def hessian(
         self, phi: np.ndarray, multipliers: np.ndarray, at: list[_Turned] | None = None
-    ) -> sparse.csr_array:
-        """Evaluate the Hessian of multipliers . closure at a state [n], sparse [n, n]; multipliers [m]."""
-        data = [np.zeros(0)]
+    ) -> Matrix:
+        """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
+        data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
             lam = multipliers[g.rows[:, None] + np.arange(3)]
             q0, qv = s.q[:, 0], s.q[:, 1:]
             # lam . vec(c_i c_j q), c_i c_j = (-c_i . c_j, c_i x c_j)
             dots = np.einsum("kia,kja->kij", s.c, s.c)
-            crosses = np.cross(s.c[:, :, None], s.c[:, None])
-            turn = q0[:, None] * lam + np.cross(qv, lam)  # lam . (q0 v + v x q) = v . turn
+            crosses = cross(s.c[:, :, None], s.c[:, None])
+            turn = q0[:, None] * lam + cross(qv, lam)  # lam . (q0 v + v x q) = v . turn
             h = np.einsum("kija,ka->kij", crosses, turn)
             h -= dots * np.einsum("ka,ka->k", lam, qv)[:, None, None]
             h *= 0.25
             if s.t is not None and s.o is not None:
                 push = multipliers[g.rows[:, None] + np.arange(3, 6)] / self._size
-                arm = np.cross(s.c, s.t[:, None] - s.o)
-                h += np.einsum("ka,kija->kij", push, np.cross(s.c[:, :, None], arm[:, None]))
+                arm = cross(s.c, s.t[:, None] - s.o)
+                h += np.einsum("ka,kija->kij", push, cross(s.c[:, :, None], arm[:, None]))
             d = h.shape[1]
             upper = np.triu(np.ones((d, d), bool))
             h = np.where(upper, h, 0.0)
             h = h + h.swapaxes(1, 2) * ~np.eye(d, dtype=bool)
             data.append(h.ravel())
-        n = self.pattern.creases
-        return sparse.csr_array((np.concatenate(data), self._pairs), shape=(n, n))
+        return self._matrix(data, self._pairs, self.pattern.creases)
 
 
 def _rotate(q0: np.ndarray, qv: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Rotate vectors [K, 3] by quaternions (q0 [K], qv [K, 3])."""
-    t = 2 * np.cross(qv, v)
-    return v + q0[:, None] * t + np.cross(qv, t)
+    t = 2 * cross(qv, v)
+    return v + q0[:, None] * t + cross(qv, t)

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from origami_nlp.numerics import cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.poses import Poses
 
@@ -38,12 +39,15 @@ class Crossings:
         self.size = float(np.ptp(pattern.corners, axis=0).max())
 
     @cached_property
-    def _joined(self) -> set[tuple[int, int]]:
+    def _joined(self) -> np.ndarray:
+        """Codes of pairs of convex facets that share a crease: their planes meet in its line alone."""
         p = self.pattern
-        return {(min(a, b), max(a, b)) for a, b in zip(p.left.tolist(), p.right.tolist(), strict=True)}
+        whole = np.bincount(self.facet, minlength=p.facets) == 1
+        low, high = np.minimum(p.left, p.right), np.maximum(p.left, p.right)
+        return np.unique((low * p.facets + high)[whole[low] & whole[high]])
 
     def candidates(self, corners: np.ndarray, margin: float = 0.0) -> np.ndarray:
-        """Return pairs of pieces whose boxes overlap, of different facets that share no crease, [K, 2]."""
+        """Return pairs of pieces whose boxes overlap, of different facets that can cross, [K, 2]."""
         low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
         axis = int(np.ptp(low, axis=0).argmax())
         order = np.argsort(low[:, axis], kind="stable")
@@ -57,8 +61,7 @@ class Crossings:
         a, b = a[near], b[near]
         f = np.sort(np.column_stack([self.facet[a], self.facet[b]]), axis=1)
         code = f[:, 0] * self.pattern.facets + f[:, 1]
-        known = np.array(sorted(x * self.pattern.facets + y for x, y in self._joined), int)
-        keep = ~np.isin(code, known)
+        keep = ~np.isin(code, self._joined)
         return np.column_stack([a[keep], b[keep]])
 
     def placed(self, phi: np.ndarray) -> np.ndarray:
@@ -90,10 +93,7 @@ class Crossings:
         for start in range(0, len(both), 20_000):
             a, b = both[start : start + 20_000].T
             hit[start : start + 20_000] = pierced(x[a], x[b], self.inner[b], deep)
-        found = {
-            (min(p, q), max(p, q))
-            for p, q in self.facet[both[hit]].tolist()
-        }
+        found = {(min(p, q), max(p, q)) for p, q in self.facet[both[hit]].tolist()}
         return sorted(found)
 
 
@@ -115,7 +115,7 @@ def pierced(a: np.ndarray, b: np.ndarray, inner: np.ndarray, deep: float) -> np.
         Of bool, [K].
     """
     # about its first corner, so that far from the origin nothing cancels
-    normal = np.cross(b - b[:, :1], np.roll(b, -1, axis=1) - b[:, :1]).sum(axis=1)
+    normal = cross(b - b[:, :1], np.roll(b, -1, axis=1) - b[:, :1]).sum(axis=1)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     h = np.einsum("kqi,ki->kq", a - b[:, :1], normal)
     h2 = np.roll(h, -1, axis=1)
@@ -125,7 +125,7 @@ def pierced(a: np.ndarray, b: np.ndarray, inner: np.ndarray, deep: float) -> np.
     point = a + s[..., None] * (np.roll(a, -1, axis=1) - a)  # [K, q, 3]
     side = np.roll(b, -1, axis=1) - b
     length = np.linalg.norm(side, axis=2)
-    out = np.cross(normal[:, None], side)  # inwards
+    out = cross(normal[:, None], side)  # inwards
     reach = np.einsum("kqri,kri->kqr", point[:, :, None] - b[:, None], out)
     room = np.where(inner, -deep, deep) * length
     within = (reach > room[:, None]) | (length == 0.0)[:, None]
@@ -140,11 +140,11 @@ def convex_parts(
     A convex polygon is returned whole; others are cut into triangles by their ears.
     """
     x = corners[list(polygon)]
-    normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    normal = cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
     normal /= np.linalg.norm(normal)
     u = x[1] - x[0]
     u /= np.linalg.norm(u)
-    flat = np.column_stack([(x - x[0]) @ u, (x - x[0]) @ np.cross(normal, u)])
+    flat = np.column_stack([(x - x[0]) @ u, (x - x[0]) @ cross(normal, u)])
 
     def turn(a: int, b: int, c: int) -> float:
         p, q = flat[b] - flat[a], flat[c] - flat[b]
@@ -167,7 +167,10 @@ def convex_parts(
             ):
                 break
         else:
-            i = max(range(len(ring)), key=lambda i: turn(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]))
+            i = max(
+                range(len(ring)),
+                key=lambda i: turn(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]),
+            )
             a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
         parts.append((a, b, c))
         ring.remove(b)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, RANK
+from origami_nlp.numerics import CLOSES, null_space
+from origami_nlp.sheets.linear import dense
 from origami_nlp.sheets.sheet import Sheet
 
 STEP = 0.05
@@ -54,8 +55,7 @@ class Curve:
 
 def tangents(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the kernel of the Jacobian, [n, t]."""
-    _, values, vt = np.linalg.svd(sheet.closure.jacobian(phi).toarray())
-    return vt[int((values > RANK).sum()) :].T
+    return null_space(dense(sheet.closure.jacobian(phi)))
 
 
 def follow(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float = STEP) -> Curve:
@@ -123,10 +123,7 @@ def _advance(
     size = float(np.linalg.norm(went))
     if not 0.5 * h < size < 1.5 * h or float(went @ d) < BENT * size:
         return None
-    z = tangents(sheet, new)
-    if z.shape[1] == 0:
-        return None
-    turned = z @ (z.T @ went)  # where branches cross, the kernel is larger: straight on
+    turned = sheet.along(new, went)  # where branches cross, the kernel is larger: straight on
     length = float(np.linalg.norm(turned))
     if length < BENT * size:
         return None
@@ -163,9 +160,7 @@ def _curve(sheet: Sheet, path: list[np.ndarray], ends: tuple[str, str]) -> Curve
     energy = np.array([sheet.energy(x) for x in phi])
     slope = np.empty(len(phi))
     for i, x in enumerate(phi):
-        z = tangents(sheet, x)
-        way = phi[min(i + 1, len(phi) - 1)] - phi[max(i - 1, 0)]
-        t = z @ (z.T @ way)
+        t = sheet.along(x, phi[min(i + 1, len(phi) - 1)] - phi[max(i - 1, 0)])
         slope[i] = sheet.torque(x) @ t / max(float(np.linalg.norm(t)), 1e-300)
     return Curve(phi, arc, energy, slope, ends)
 
@@ -203,9 +198,7 @@ def _still(sheet: Sheet, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         middle, residual = sheet.project(0.5 * (a + b))
         if residual > CLOSES:
             break
-        z = tangents(sheet, middle)
-        t = z @ (z.T @ way)
-        if sheet.torque(middle) @ t < 0:
+        if sheet.torque(middle) @ sheet.along(middle, way) < 0:
             a = middle
         else:
             b = middle

@@ -9,7 +9,9 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.numerics import CLOSES
-from origami_nlp.sheets.sheet import MOST_DENSE, Sheet, _Factor
+from origami_nlp.sheets.closure import MOST_DENSE
+from origami_nlp.sheets.linear import Factor
+from origami_nlp.sheets.sheet import Sheet
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -117,7 +119,7 @@ def _direction(
     shift = 0.0
     for _ in range(8):
         matrix = (h + shift * sparse.eye_array(len(free))).tocsr()
-        d, _ = _Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
+        d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
         if float(d @ (matrix @ d)) > 1e-8 * float(d @ d) or not d.any():
             break
         shift = max(10 * shift, 0.1)

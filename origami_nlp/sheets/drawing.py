@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.crossings import Crossings
-from origami_nlp.sheets.overview import MOVES, Overview
+from origami_nlp.sheets.counts import MOVES, Overview
 from origami_nlp.show import (
     BORDER,
     FLAT,

@@ -113,7 +113,8 @@ class Poses:
             there = int(before[here])
             c = int(
                 np.flatnonzero(
-                    ((p.left == here) & (p.right == there)) | ((p.left == there) & (p.right == here))
+                    ((p.left == here) & (p.right == there))
+                    | ((p.left == there) & (p.right == here))
                 )[0]
             )
             walk.append((c, 1.0 if p.left[c] == here else -1.0))

@@ -14,22 +14,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import eigsh
 
 from origami_nlp.numerics import RANK, ROUNDED
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.closure import Closure
+from origami_nlp.sheets.closure import Closure, Matrix
 from origami_nlp.sheets.crossings import Crossings
+from origami_nlp.sheets.linear import Normal, dense
 
-PROXIMAL = 1e-10
-"""Weight of closure multipliers in linear systems: what it leaves is closed by one more step."""
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+SQUARED = 1e-12
+"""Eigenvalues of J'J below this are zero: rounding leaves some 1e-15, and of `RANK` nothing could be told."""
 LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
 
@@ -80,10 +80,6 @@ class Sheet:
         """Largest entry of closure."""
         return float(np.abs(self.closure.values(phi)).max(initial=0.0))
 
-    def system(self, matrix: sparse.csr_array, jacobian: sparse.csr_array) -> _Factor:
-        """Factorise [matrix J'; J -eps] for several right-hand sides."""
-        return _Factor(matrix, jacobian)
-
     def project(
         self, phi: np.ndarray, held: np.ndarray | None = None, steps: int = 40
     ) -> tuple[np.ndarray, float]:
@@ -114,9 +110,7 @@ class Sheet:
                 break
             j = self.closure.jacobian(phi, at)
             j = j if free is None else j[:, free]
-            d, _ = _Factor(sparse.eye_array(j.shape[1], format="csr"), j).solve(
-                np.zeros(j.shape[1]), -c
-            )
+            d = Normal(j).step(-c)
             d *= min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
             if free is None:
                 phi += d
@@ -148,27 +142,31 @@ class Sheet:
         held = list(held)
         j, g = self.closure.jacobian(phi), self.torque(phi)
         free = np.setdiff1d(np.arange(self.size), held)
-        j_free = j[:, free]
-        lam = np.zeros(j.shape[0])
-        factor = _Factor(sparse.eye_array(len(free), format="csr"), j_free)
-        left = g[free]
-        for _ in range(3):  # refined: eps leaves a share of 1e-10 at each
-            _, more = factor.solve(left, np.zeros(j.shape[0]))
-            lam += more
-            left = g[free] - j_free.T @ lam
+        lam = Normal(j[:, free]).multipliers(g[free])
         balance = g - j.T @ lam
         limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
         balance[held] = 0.0
         return lam, limits, balance
 
-    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> sparse.csr_array:
-        """Hessian of U - multipliers . closure over `scale`, sparse [n, n]."""
-        return sparse.diags_array(self.stiffness).tocsr() - self.closure.hessian(phi, multipliers)
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
+        """Hessian of U - multipliers . closure over `scale`, [n, n]."""
+        bent = self.closure.hessian(phi, multipliers)
+        if isinstance(bent, np.ndarray):
+            return np.diag(self.stiffness) - bent
+        return sparse.diags_array(self.stiffness).tocsr() - bent
+
+    def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the part of v [n] that closure allows to first order at a state."""
+        return self.normal(phi).along(v)
+
+    def normal(self, phi: np.ndarray) -> Normal:
+        """Factorise J J' at a state."""
+        return Normal(self.closure.jacobian(phi))
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
         """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
         free = np.setdiff1d(np.arange(self.size), list(held))
-        j = self.closure.jacobian(phi).toarray()[:, free]
+        j = dense(self.closure.jacobian(phi))[:, free]
         _, values, vt = np.linalg.svd(j, full_matrices=True)
         rank = int((values > RANK).sum())
         z = np.zeros((self.size, len(free) - rank))
@@ -177,28 +175,17 @@ class Sheet:
 
     def rank(self, phi: np.ndarray) -> int:
         """Rank of the Jacobian of closure, singular values below `RANK` being zero."""
-        j = self.closure.jacobian(phi).toarray()
-        if not j.size:
+        j = self.closure.jacobian(phi)
+        if not j.shape[0]:
             return 0
-        return int((np.linalg.svd(j, compute_uv=False) > RANK).sum())
-
-
-@dataclass(eq=False)
-class _Factor:
-    """Sparse factors of [matrix J'; J -eps]."""
-
-    matrix: sparse.csr_array
-    jacobian: sparse.csr_array
-
-    def __post_init__(self) -> None:
-        m = self.jacobian.shape[0]
-        damping = -PROXIMAL * sparse.eye_array(m)
-        whole = sparse.block_array(
-            [[self.matrix, self.jacobian.T], [self.jacobian, damping]], format="csc"
-        )
-        self._lu = splu(whole)
-
-    def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return both parts of the solution."""
-        both = self._lu.solve(np.concatenate([top, bottom]))
-        return both[: len(top)], both[len(top) :]
+        if self.size <= MOST_DENSE:
+            return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
+        # singular values of a large sheet shrink as one over its length: the smallest ones of J'J are counted
+        square = (j.T @ j).tocsc()
+        for many in (6, 24, 96, 384):
+            values = eigsh(square, k=min(many, self.size - 2), sigma=-1e-9, return_eigenvectors=False,
+                           v0=np.ones(self.size))  # fmt: skip
+            zero = int((values < SQUARED).sum())
+            if zero < len(values):
+                return self.size - zero
+        return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
