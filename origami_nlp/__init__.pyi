@@ -40,6 +40,11 @@ from .results import (
     to_frame as to_frame,
     view as view,
 )
-from .sheets import Overview as Overview, overview as overview
+from .sheets import (
+    Motion as Motion,
+    Overview as Overview,
+    find_motion as find_motion,
+    overview as overview,
+)
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
 from .version import __version__ as __version__

@@ -8,12 +8,21 @@ from .crossings import Crossings as Crossings, convex_parts as convex_parts
 from .curve import Curve as Curve, tangents as tangents, wells as wells
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
+    draw_motion as draw_motion,
     draw_overview as draw_overview,
     draw_sheet as draw_sheet,
+    draw_states as draw_states,
     sheet_view as sheet_view,
+)
+from .fold_out import (
+    sheet_frame as sheet_frame,
+    sheet_to_fold as sheet_to_fold,
+    write_sheet_mesh as write_sheet_mesh,
 )
 from .judgement import judge as judge
 from .layers import Layers as Layers, order_layers as order_layers, overlaps as overlaps
+from .motion import Motion as Motion, find_motion as find_motion
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
 from .state import SheetContact as SheetContact, SheetState as SheetState
+from .turnable import sheet_content as sheet_content

@@ -7,6 +7,8 @@ side of the paper is warm, the lower cool: all of it can be told in grey.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +17,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.crossings import Crossings
 from origami_nlp.sheets.counts import MOVES, Overview
+from origami_nlp.sheets.crossings import Crossings
+from origami_nlp.sheets.motion import Motion
 from origami_nlp.show import (
     BORDER,
     FLAT,
@@ -31,6 +34,8 @@ from origami_nlp.show import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+MOST_DRAWN = 12
+"""States of one picture."""
 PIXELS = 1_000
 """Of the longer side of the painted picture."""
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
@@ -261,3 +266,67 @@ def _draw_flat(axes: Axes, p: Pattern) -> None:
     axes.margins(0.05)
     axes.autoscale_view()
     axes.axis("off")
+
+
+def draw_states(
+    pattern: Pattern, states: Sequence[tuple[str, np.ndarray]], title: str, path: Any = None
+) -> Figure:
+    """Draw states of a sheet side by side.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    states
+        Title and fold angles [n] [rad] of each; the first `MOST_DRAWN` are drawn.
+    title
+        Above all.
+    path
+        Where to save the picture, if anywhere.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    shown = states[:MOST_DRAWN]
+    columns = min(3, max(1, len(shown)))
+    rows = max(1, -(-len(shown) // columns))
+    figure = Figure(figsize=(4.4 * columns, 4.2 * rows + 0.8), layout="constrained")
+    for k, (name, phi) in enumerate(shown):
+        axes = figure.add_subplot(rows, columns, k + 1)
+        draw_sheet(axes, pattern, phi)
+        axes.set_title(name, fontsize=9)
+    more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
+    figure.suptitle(title + more, fontsize=11)
+    figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
+    if path is not None:
+        from origami_nlp.files import save_figure
+
+        save_figure(figure, path, 200)
+    return figure
+
+
+def draw_motion(motion: Motion, path: Any = None) -> Figure:
+    """Draw six states along a folding motion.
+
+    Parameters
+    ----------
+    motion
+        Of `find_motion`.
+    path
+        Where to save the picture, if anywhere.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+    """
+    states = []
+    for k in motion.shown(6):
+        phi = motion.phi[k]
+        largest = math.degrees(float(np.abs(phi).max()))
+        states.append((f"{motion.arc[k]:.2f} rad along, largest fold {largest:.0f} deg", phi))
+    return draw_states(
+        motion.pattern, states, f"{motion.pattern.name}: {fill(motion.end, 90)}", path
+    )

@@ -71,7 +71,7 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
             return Layers("not decided", f"not decided: layers round vertex {loop.vertex}: {error}")
         if not found.admissible:
             return Layers("crosses", f"round vertex {loop.vertex}: {found.reason}")
-    if not stacked or len(pattern.vertices) == 1 and _all_round(pattern):
+    if not stacked or (len(pattern.vertices) == 1 and _all_round(pattern)):
         return Layers("ordered")
     return Layers(
         "not decided",
