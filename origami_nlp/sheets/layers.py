@@ -71,7 +71,7 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
             return Layers("not decided", f"not decided: layers round vertex {loop.vertex}: {error}")
         if not found.admissible:
             return Layers("crosses", f"round vertex {loop.vertex}: {found.reason}")
-    if not stacked or len(pattern.vertices) == 1 and _all_round(pattern):
+    if not stacked or (len(pattern.vertices) == 1 and _all_round(pattern)):
         return Layers("ordered")
     return Layers(
         "not decided",
@@ -82,7 +82,9 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
 def _all_round(pattern: Pattern) -> bool:
     """Tell whether every facet is at the only interior vertex: near it they are all there is."""
     creases = list(pattern.vertices[0].creases)
-    return len({*pattern.left[creases].tolist(), *pattern.right[creases].tolist()}) == pattern.facets
+    return (
+        len({*pattern.left[creases].tolist(), *pattern.right[creases].tolist()}) == pattern.facets
+    )
 
 
 def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
