@@ -58,7 +58,7 @@ def tangents(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
     return null_space(dense(sheet.closure.jacobian(phi)))
 
 
-def follow(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float = STEP) -> Curve:
+def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float = STEP) -> Curve:
     """Walk along the curve through a closed state both ways.
 
     Parameters
@@ -173,7 +173,7 @@ def wells(sheet: Sheet, curve: Curve) -> list[tuple[np.ndarray, str]]:
     sheet
         The programme.
     curve
-        Of `follow`.
+        Of `follow_curve`.
 
     Returns
     -------

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
-from origami_nlp.numerics import CLOSES, CURVED, STATIONARY, nonnegative_least_squares
+from origami_nlp.numerics import CLOSES, CURVED, EPS, RANK, STATIONARY, nonnegative_least_squares
 from origami_nlp.sheets.closure import Matrix
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.layers import order_layers
@@ -29,7 +29,7 @@ from origami_nlp.sheets.linear import dense
 from origami_nlp.sheets.sheet import MOST_DENSE, Sheet
 from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
 
-PENALTIES = 1e2, 1e4, 1e6
+PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10
 """Weights rho with which positivity on the kernel is tried."""
 LOADED = 1e-9
 """Moments over the mean stiffness above which a contact is loaded."""
@@ -168,7 +168,11 @@ def _balance(
 
 
 def curvature(
-    sheet: Sheet, phi: np.ndarray, hessian: Matrix, held: np.ndarray, extra: np.ndarray | None = None
+    sheet: Sheet,
+    phi: np.ndarray,
+    hessian: Matrix,
+    held: np.ndarray,
+    extra: np.ndarray | None = None,
 ) -> tuple[float, np.ndarray, bool]:
     """Examine curvature along motions that closure allows with creases held.
 
@@ -206,7 +210,7 @@ def curvature(
     if extra is not None:
         j = np.vstack([j, extra[:, free]])
     _, values, vt = np.linalg.svd(j, full_matrices=True)
-    z = vt[int((values > 1e-7).sum()) :].T
+    z = vt[int((values > RANK).sum()) :].T
     smallest = math.inf
     if z.shape[1]:
         curvatures, vectors = np.linalg.eigh(z.T @ h @ z)
@@ -214,9 +218,10 @@ def curvature(
         way[free] = z @ vectors[:, 0]
     if smallest <= CURVED:
         return smallest, way, False
-    margin = CURVED * float(np.abs(h).max())
+    square, size = j.T @ j, float(np.abs(h).max())
     for rho in PENALTIES:
-        whole = h + rho * j.T @ j
+        whole = h + rho * square
+        margin = CURVED * size + 10 * len(h) * EPS * rho  # rows of J have entries up to 1/2
         try:
             linalg.cholesky(whole - margin * np.eye(len(h)))
         except linalg.LinAlgError:

@@ -82,7 +82,9 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
 def _all_round(pattern: Pattern) -> bool:
     """Tell whether every facet is at the only interior vertex: near it they are all there is."""
     creases = list(pattern.vertices[0].creases)
-    return len({*pattern.left[creases].tolist(), *pattern.right[creases].tolist()}) == pattern.facets
+    return (
+        len({*pattern.left[creases].tolist(), *pattern.right[creases].tolist()}) == pattern.facets
+    )
 
 
 def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:

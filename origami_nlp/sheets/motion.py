@@ -17,7 +17,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import Overview, overview
-from origami_nlp.sheets.curve import Curve, follow
+from origami_nlp.sheets.curve import Curve, follow_curve
 from origami_nlp.sheets.sheet import Sheet
 from origami_nlp.show import Piece, Table, Told
 
@@ -150,7 +150,7 @@ def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -
         raise OptionError("no freedom is left: the sheet does not move with rigid facets")
     sheet = Sheet(pattern)
     z = sheet.kernel(seen.folded)
-    curve = follow(sheet, seen.folded, z @ (z.T @ seen.folded))
+    curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
     here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
     phi, touching = _until_touch(sheet, curve.phi[least:])
