@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
@@ -50,7 +51,9 @@ BEFORE = 4e-3
 """A line hides only behind what is nearer by more than this share of the picture."""
 
 
-def draw_sheet(axes: Axes, pattern: Pattern, fold_angles: np.ndarray) -> None:
+def draw_sheet(
+    axes: Axes, pattern: Pattern, fold_angles: np.ndarray, named: Sequence[int] = ()
+) -> None:
     """Draw a folded sheet into axes, made bare here.
 
     Parameters
@@ -61,6 +64,8 @@ def draw_sheet(axes: Axes, pattern: Pattern, fold_angles: np.ndarray) -> None:
         The sheet.
     fold_angles
         Of a closed state, [n] [rad].
+    named
+        Facets whose numbers are written, from 0.
     """
     phi = np.asarray(fold_angles, float)
     crossings = Crossings(pattern)
@@ -81,6 +86,11 @@ def draw_sheet(axes: Axes, pattern: Pattern, fold_angles: np.ndarray) -> None:
     for line, (colour, width, dashed) in zip(lines, looks, strict=True):
         for part in _visible(line, nearest, low, step, size, dashed):
             axes.plot(*part.T, color=colour, lw=width, solid_capstyle="butt", zorder=3)
+    for f in named:
+        own = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
+        x, y, _ = view @ np.concatenate(own).mean(axis=0)
+        around = [withStroke(linewidth=2.5, foreground="white")]
+        axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
     axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
     axes.axis("off")
 
@@ -269,7 +279,11 @@ def _draw_flat(axes: Axes, p: Pattern) -> None:
 
 
 def draw_states(
-    pattern: Pattern, states: Sequence[tuple[str, np.ndarray]], title: str, path: Any = None
+    pattern: Pattern,
+    states: Sequence[tuple[str, np.ndarray]],
+    title: str,
+    path: Any = None,
+    named: Sequence[int] = (),
 ) -> Figure:
     """Draw states of a sheet side by side.
 
@@ -283,6 +297,8 @@ def draw_states(
         Above all.
     path
         Where to save the picture, if anywhere.
+    named
+        Facets whose numbers are written into the last picture, from 0.
 
     Returns
     -------
@@ -292,10 +308,10 @@ def draw_states(
     shown = states[:MOST_DRAWN]
     columns = min(3, max(1, len(shown)))
     rows = max(1, -(-len(shown) // columns))
-    figure = Figure(figsize=(4.4 * columns, 4.2 * rows + 0.8), layout="constrained")
+    figure = Figure(figsize=(4.4 * columns, 3.5 * rows + 0.8), layout="constrained")
     for k, (name, phi) in enumerate(shown):
         axes = figure.add_subplot(rows, columns, k + 1)
-        draw_sheet(axes, pattern, phi)
+        draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else ())
         axes.set_title(name, fontsize=9)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
     figure.suptitle(title + more, fontsize=11)
@@ -327,6 +343,5 @@ def draw_motion(motion: Motion, path: Any = None) -> Figure:
         phi = motion.phi[k]
         largest = math.degrees(float(np.abs(phi).max()))
         states.append((f"{motion.arc[k]:.2f} rad along, largest fold {largest:.0f} deg", phi))
-    return draw_states(
-        motion.pattern, states, f"{motion.pattern.name}: {fill(motion.end, 90)}", path
-    )
+    title = f"{motion.pattern.name}: {fill(motion.end, 90)}"
+    return draw_states(motion.pattern, states, title, path, motion.touching or ())
