@@ -24,6 +24,8 @@ from origami_nlp.show import Piece, Table, Told
 SCHEMA = "origami-nlp/motion/1"
 MOST_TRACED = 480
 """Creases of a sheet whose motion is traced."""
+AHEAD = 0.3
+"""A flat-folded state this near is where a walk was going that stopped before it [rad]."""
 BISECTED = 45
 """Halvings of a step on which facets begin to cross."""
 TOLD = 9
@@ -153,7 +155,10 @@ def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -
     curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
     here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
-    phi, touching = _until_touch(sheet, curve.phi[least:])
+    states = curve.phi[least:]
+    if curve.ends[1].startswith("lost"):
+        states = _shut(sheet, states)
+    phi, touching = _until_touch(sheet, states)
     arc = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1))]
     end = _end(curve, phi[-1], touching)
     return Motion(
@@ -165,6 +170,15 @@ def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -
         end,
         touching,
     )
+
+
+def _shut(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
+    """Add the flat-folded state ahead, where many creases shut at once and steps cannot be told from each other."""
+    last = phi[-1]
+    near = math.pi - np.abs(last) < AHEAD
+    end, residual = sheet.project(np.where(near, np.copysign(math.pi, last), last), near)
+    good = near.any() and residual <= CLOSES and np.abs(end - last).max() < AHEAD
+    return np.vstack([phi, end]) if good and (np.abs(end) <= math.pi).all() else phi
 
 
 def _until_touch(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, tuple[int, int] | None]:

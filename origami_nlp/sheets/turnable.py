@@ -12,6 +12,9 @@ from origami_nlp.sheets.drawing import sheet_view
 from origami_nlp.sheets.motion import Motion
 from origami_nlp.show import Body, Content, Crease, Folded, Piece, Station, Track
 
+LONG = 0.8
+"""Mean length of a crease on a page, whose lines are as wide as for a vertex with creases of length 1."""
+
 
 def sheet_content(
     pattern: Pattern,
@@ -43,11 +46,13 @@ def sheet_content(
     creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
     body = Body(tuple(parts), creases)
 
+    scale = LONG / float(pattern.lengths.mean())
+
     def folded(phi: np.ndarray) -> Folded:
         x = np.nan_to_num(crossings.poses.corners(phi))
         middle = x[crossings.pieces.ravel()].mean(axis=0)
         return Folded(
-            (x - middle) / crossings.size,
+            (x - middle) * scale,
             np.asarray(phi, float),
             float(pattern.energy(phi)),
             np.zeros((len(parts), 3)),
