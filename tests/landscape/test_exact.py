@@ -10,10 +10,10 @@ from origami_nlp.chart import (
     Boundary,
     with_energy,
 )
+from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.contact import find_segments
 from origami_nlp.landscape import find_landscape
 from origami_nlp.landscape.exact import metastable_stretches
-from origami_nlp.landscape.panel import fill_outwards
 from tests.computed_once import PANELS, panel_boundary, panel_result
 
 SCENES = {
