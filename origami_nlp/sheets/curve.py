@@ -194,14 +194,23 @@ def wells(sheet: Sheet, curve: Curve) -> list[tuple[np.ndarray, str]]:
 def _still(sheet: Sheet, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Bisect between two neighbouring states of a curve for the state where the slope vanishes."""
     way = b - a
-    for _ in range(40):
-        middle, residual = sheet.project(0.5 * (a + b))
+    start = a
+    if sheet.pattern.is_flat and a @ way < 0 < b @ way:
+        # through the flat state a curve is odd, phi(-t) = -phi(t): closer to it than to a and b, its tangent is
+        # the better guess, and does not lead to another branch
+        start = a - (a @ way) / float(way @ way) * way
+        start = np.zeros(sheet.size) if np.abs(start).max() < 0.1 * np.abs(way).max() else a
+    middle = a
+    low, high = (float((x - start) @ way) / float(way @ way) for x in (a, b))
+    for _ in range(60):
+        t = 0.5 * (low + high)
+        middle, residual = sheet.project(start + t * way)
         if residual > CLOSES:
             break
         if sheet.torque(middle) @ sheet.along(middle, way) < 0:
-            a = middle
+            low = t
         else:
-            b = middle
-        if np.abs(b - a).max() < 1e-9:
+            high = t
+        if high - low < 1e-9:
             break
-    return 0.5 * (a + b)
+    return middle

@@ -29,7 +29,7 @@ from origami_nlp.sheets.linear import dense
 from origami_nlp.sheets.sheet import MOST_DENSE, Sheet
 from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
 
-PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10
+PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10, 1e12
 """Weights rho with which positivity on the kernel is tried."""
 LOADED = 1e-9
 """Moments over the mean stiffness above which a contact is loaded."""
