@@ -14,7 +14,7 @@ from origami_nlp.arguments import check_number, check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.crease_pattern import CLOSED
-from origami_nlp.pattern.fold_file import Frame, read_fold
+from origami_nlp.pattern.fold_file import PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_rings import Rings, oriented
 from origami_nlp.pattern.sheet import Pattern, make_pattern
@@ -120,6 +120,12 @@ def frame_pattern(
     if rest_angles == "measured" and not frame.folded:
         raise FoldFileError(
             f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
+        )
+    wound = np.flatnonzero(np.nan_to_num(frame.preload))
+    if len(wound):
+        raise FoldFileError(
+            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and give "
+            "the angle to which the spring is wound as rest angle"
         )
     sheet = _Sheet(frame)
     edges = [(s, e) for s, e in sheet.edge.items() if frame.assignment[e] not in "BC"]
@@ -285,8 +291,8 @@ class _Sheet:
 
         cuts = 0
         for side, polygons in at.items():
-            e = self.number.get(side)
-            if e is not None and letters[e] in "BC" and len(polygons) > 1:
+            known = self.number.get(side)
+            if known is not None and letters[known] in "BC" and len(polygons) > 1:
                 cuts += 1
                 continue
             for other in polygons[1:]:

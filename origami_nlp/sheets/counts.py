@@ -190,8 +190,8 @@ class Overview(Told):
         }
 
     def _rows(self) -> Iterable[dict[str, object]]:
-        names = ("name", "facets", "creases", "interior_vertices", "holes", "closure_rows")
-        names += ("rank_flat", "rank_folded", "freedoms", "redundant")
+        names = ["name", "facets", "creases", "interior_vertices", "holes", "closure_rows"]
+        names += ["rank_flat", "rank_folded", "freedoms", "redundant"]
         data = self.to_dict()
         yield {name: data[name] for name in names}
 

@@ -227,7 +227,7 @@ def draw_overview(seen: Overview, path: Any = None) -> Figure:
         The figure.
     """
     p = seen.pattern
-    parts = [("crease pattern", None)] if p.is_flat else []
+    parts: list[tuple[str, np.ndarray | None]] = [("crease pattern", None)] if p.is_flat else []
     if seen.folded is not None:
         parts.append((f"folded: {seen.start}", seen.folded))
     elif not parts:

@@ -141,6 +141,13 @@ def test_a_cut_gives_both_sides_a_border_of_their_own():
 
 
 REFUSED = {
+    "preload": (
+        lambda: {
+            **miura(2, 2),
+            "edges_origaminlp:preload": [0.1] * len(miura(2, 2)["edges_vertices"]),
+        },
+        "has no preload",
+    ),
     "crossing": (lambda: square(extra=[([0, 4], "M"), ([2, 6], "M")]), "cross without a vertex"),
     "through": (lambda: square(extra=[([1, 5], "M"), ([7, 8], "M")]), "passes through vertex 8"),
     "dangling": (lambda: square(extra=[([1, 8], "M")]), "ends within a facet"),
