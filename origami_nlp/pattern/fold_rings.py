@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
 
@@ -166,3 +168,26 @@ def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], i
                         faces[g] = faces[g][::-1]
                         against += 1
     return faces, against
+
+
+def check_drawing(frame: Frame) -> None:
+    """Complain about edges that cross, or pass through a vertex, in a drawing whose faces are to be walked round."""
+    from shapely import STRtree, linestrings, points
+
+    xy = frame.coords[:, :2]
+    lines = linestrings(xy[frame.edges])
+    tree = STRtree(lines)
+    near = TYPED * float(np.ptp(xy, axis=0).max())
+    used: list[int] = np.unique(frame.edges).tolist()
+    which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
+    for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
+        if v not in frame.edges[e]:
+            raise FoldFileError(
+                f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
+            )
+    one, other = tree.query(lines, predicate="crosses")
+    if len(one):
+        a, b = sorted((int(frame.numbers[one[0]]), int(frame.numbers[other[0]])))
+        raise FoldFileError(
+            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both"
+        )

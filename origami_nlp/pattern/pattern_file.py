@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -16,7 +15,7 @@ from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.crease_pattern import CLOSED
 from origami_nlp.pattern.fold_file import PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_rings import Rings, oriented
+from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 LETTERS_ONLY = "M and V without angles: creases rest at -180 and +180 degrees; --rest-angle 90 lets them rest half way"
@@ -124,8 +123,8 @@ def frame_pattern(
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
-            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and give "
-            "the angle to which the spring is wound as rest angle"
+            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and "
+            "give the angle to which the spring is wound as rest angle"
         )
     sheet = _Sheet(frame)
     edges = [(s, e) for s, e in sheet.edge.items() if frame.assignment[e] not in "BC"]
@@ -184,7 +183,8 @@ class _Sheet:
         self._cut()
         sides = Counter(_side(p[i - 1], v) for p in self.polygons for i, v in enumerate(p))
         shared = [s for s, count in sorted(sides.items()) if count > 1]
-        self.edge = {s: e for s in shared if (e := self._edge(s)) is not None}
+        found = {s: self._edge(s) for s in shared}
+        self.edge = {s: known for s, known in found.items() if known is not None}
         bare = [s for s in shared if s not in self.edge]
         if bare:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
@@ -228,7 +228,7 @@ class _Sheet:
             raise FoldFileError(
                 "faces_vertices is missing: a folded form needs it, to say what is paper"
             )
-        _check_drawing(frame)
+        check_drawing(frame)
         faces, holes = [], 0
         for walk, area in Rings(frame).walks():
             if area <= 0:
@@ -389,26 +389,3 @@ def _normal(x: np.ndarray) -> np.ndarray:
     n = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
     unit: np.ndarray = n / np.linalg.norm(n)
     return unit
-
-
-def _check_drawing(frame: Frame) -> None:
-    """Complain about edges that cross, or pass through a vertex, in a drawing whose faces are to be walked round."""
-    from shapely import STRtree, linestrings, points
-
-    xy = frame.coords[:, :2]
-    lines = linestrings(xy[frame.edges])
-    tree = STRtree(lines)
-    near = TYPED * float(np.ptp(xy, axis=0).max())
-    used: Sequence[int] = np.unique(frame.edges).tolist()
-    which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
-    for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
-        if v not in frame.edges[e]:
-            raise FoldFileError(
-                f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
-            )
-    one, other = tree.query(lines, predicate="crosses")
-    if len(one):
-        a, b = sorted((int(frame.numbers[one[0]]), int(frame.numbers[other[0]])))
-        raise FoldFileError(
-            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both"
-        )
