@@ -1,4 +1,4 @@
-"""Which facets of a folded pattern pass through each other: sort and sweep, then edges through polygons."""
+"""Which facets of a folded pattern pass through each other: sort and sweep, then chords of polygons."""
 
 from __future__ import annotations
 
@@ -88,24 +88,24 @@ class Crossings:
         if not len(pairs):
             return []
         deep = DEEP * self.size
-        both = np.concatenate([pairs, pairs[:, ::-1]])
-        hit = np.zeros(len(both), bool)
-        for start in range(0, len(both), 20_000):
-            a, b = both[start : start + 20_000].T
-            hit[start : start + 20_000] = pierced(x[a], x[b], self.inner[b], deep)
-        found = {(min(p, q), max(p, q)) for p, q in self.facet[both[hit]].tolist()}
+        hit = np.zeros(len(pairs), bool)
+        for start in range(0, len(pairs), 20_000):
+            a, b = pairs[start : start + 20_000].T
+            hit[start : start + 20_000] = cross_each_other(x[a], x[b], deep)
+        found = {(min(p, q), max(p, q)) for p, q in self.facet[pairs[hit]].tolist()}
         return sorted(found)
 
 
-def pierced(a: np.ndarray, b: np.ndarray, inner: np.ndarray, deep: float) -> np.ndarray:
-    """Tell whether a side of polygon a passes through polygon b by more than `deep`.
+def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
+    """Tell whether convex polygons pass through each other by more than `deep`.
+
+    Each must reach through the plane of the other, and their chords on the line of both planes must overlap: so that
+    polygons which share a corner, or whose sides meet, are told as others are.
 
     Parameters
     ----------
     a, b
-        Corners of convex polygons, [K, q, 3], padded by repeating the first.
-    inner
-        Sides of b that are cuts within a facet, [K, q].
+        Corners, [K, q, 3], padded by repeating the first.
     deep
         Length.
 
@@ -114,22 +114,37 @@ def pierced(a: np.ndarray, b: np.ndarray, inner: np.ndarray, deep: float) -> np.
     numpy.ndarray
         Of bool, [K].
     """
-    # about its first corner, so that far from the origin nothing cancels
-    normal = cross(b - b[:, :1], np.roll(b, -1, axis=1) - b[:, :1]).sum(axis=1)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    h = np.einsum("kqi,ki->kq", a - b[:, :1], normal)
+    normal_a, normal_b = _normals(a), _normals(b)
+    line = cross(normal_a, normal_b)
+    line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-300)
+    origin = b[:, :1]
+    through_a, low_a, high_a = _chord(a, normal_b, origin, line, deep)
+    through_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line, deep)
+    # places along the line, both from the first corner of b
+    shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
+    overlap = np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift)
+    return through_a & through_b & (overlap > deep)
+
+
+def _normals(x: np.ndarray) -> np.ndarray:
+    """Return unit normals of plane polygons [K, q, 3]; about a corner, so that far from the origin nothing cancels."""
+    normal = cross(x - x[:, :1], np.roll(x, -1, axis=1) - x[:, :1]).sum(axis=1)
+    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def _chord(
+    x: np.ndarray, normal: np.ndarray, origin: np.ndarray, line: np.ndarray, deep: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cut polygons by planes: whether they reach through by `deep`, and from where to where along a line."""
+    h = np.einsum("kqi,ki->kq", x - origin, normal)
+    through = (h.max(axis=1) > deep) & (h.min(axis=1) < -deep)
     h2 = np.roll(h, -1, axis=1)
-    through = ((h > deep) & (h2 < -deep)) | ((h < -deep) & (h2 > deep))
+    cut = ((h > 0) & (h2 <= 0)) | ((h <= 0) & (h2 > 0))
     with np.errstate(invalid="ignore", divide="ignore"):
-        s = np.where(through, h / (h - h2), 0.0)
-    point = a + s[..., None] * (np.roll(a, -1, axis=1) - a)  # [K, q, 3]
-    side = np.roll(b, -1, axis=1) - b
-    length = np.linalg.norm(side, axis=2)
-    out = cross(normal[:, None], side)  # inwards
-    reach = np.einsum("kqri,kri->kqr", point[:, :, None] - b[:, None], out)
-    room = np.where(inner, -deep, deep) * length
-    within = (reach > room[:, None]) | (length == 0.0)[:, None]
-    return (through & within.all(axis=2)).any(axis=1)
+        s = np.where(cut, h / (h - h2), 0.0)
+    t = np.einsum("kqi,ki->kq", x - origin, line)
+    t = t + s * (np.roll(t, -1, axis=1) - t)
+    return through, np.where(cut, t, np.inf).min(axis=1), np.where(cut, t, -np.inf).max(axis=1)
 
 
 def convex_parts(

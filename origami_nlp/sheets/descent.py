@@ -71,7 +71,9 @@ def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
             continue
         d = _direction(sheet, phi, lam, held, radius)
         slope = float(balance @ d)
-        if np.abs(balance).max() <= STILL and slope > -(STILL**2):
+        # beside the flat state multipliers are large, and rounding with them
+        still = STILL * max(1.0, float(np.abs(lam).max(initial=0.0)))
+        if np.abs(balance).max() <= still and slope > -(still**2):
             return Descended(phi, True, step, "still")
         moved = False
         while radius > 1e-14:

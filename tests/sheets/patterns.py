@@ -32,7 +32,7 @@ def miura_angles(pattern: Pattern, n: int, zigzag: float, gamma: float = math.pi
     i, j = start // (n + 1), start % (n + 1)
     row = 2 * math.atan(math.cos(gamma) * math.tan(zigzag / 2))
     # along a row mountains and valleys alternate; a zigzag is one or the other, in turn
-    return np.where(straight, (-1.0) ** (i + j) * row, (-1.0) ** i * zigzag)
+    return np.where(straight, -((-1.0) ** (i + j)) * row, (-1.0) ** i * zigzag)
 
 
 def strip(seed: int, m: int = 3, n: int = 2) -> Pattern:
