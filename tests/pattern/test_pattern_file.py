@@ -140,7 +140,25 @@ def test_a_cut_gives_both_sides_a_border_of_their_own():
     assert len(p.corners) == 10  # the vertex on the border is there twice
 
 
+def moebius(count=6):
+    """A band with half a turn in it."""
+    turn = [2 * math.pi * k / count for k in range(count)]
+    rim = [
+        [r * math.cos(t), r * math.sin(t), side * math.sin(t / 2)]
+        for side in (-1, 1)
+        for t in turn
+        for r in [2 + side * math.cos(t / 2)]
+    ]
+    bands = [(k, (k + 1) % count, (k + 1) // count) for k in range(count)]
+    faces = []
+    for k, after, swapped in bands:  # triangles, which are flat
+        low, high = (after + count, after) if swapped else (after, after + count)
+        faces += [[k, low, high], [k, high, k + count]]
+    return {"vertices_coords": rim, "faces_vertices": faces, "frame_classes": ["foldedForm"]}
+
+
 REFUSED = {
+    "Moebius": (moebius, "on the same side"),
     "preload": (
         lambda: {
             **miura(2, 2),

@@ -51,10 +51,15 @@ def without(corners, other):
 
 
 def depth(a, b):
-    """How far a convex polygon reaches through the plane of another: least of what is on either side, over both."""
-    normal = np.cross(b[1] - b[0], b[2] - b[0])
-    h = (a - b[0]) @ (normal / np.linalg.norm(normal))
-    return min(h.max(), -h.min())
+    """Shortest translation along an axis (normals, normals of sides, products of sides) that parts two polygons."""
+    sides = [np.roll(x, -1, axis=0) - x for x in (a, b)]
+    normals = [np.cross(e[0], e[1]) for e in sides]
+    axes = [*normals, *np.cross(sides[0][:, None], sides[1][None]).reshape(-1, 3)]
+    axes += [np.cross(n, e) for n, es in zip(normals, sides, strict=True) for e in es]
+    axes = np.array([x / np.linalg.norm(x) for x in axes if np.linalg.norm(x) > 1e-9])
+    of_a, of_b = a @ axes.T, b @ axes.T
+    overlap = np.minimum(of_a.max(0) - of_b.min(0), of_b.max(0) - of_a.min(0))
+    return overlap.min()
 
 
 def compare(pattern, phi):
@@ -76,7 +81,7 @@ def compare(pattern, phi):
             if fcl.collide(*objects, fcl.CollisionRequest(), fcl.CollisionResult()):
                 theirs.add((j, i))
     for i, j in ours ^ theirs:
-        deep = min(depth(x[i], x[j]), depth(x[j], x[i]))
+        deep = depth(x[i], x[j])
         if deep > SHALLOW * sheet.crossings.size:
             wrong.append((i, j, deep, (i, j) in ours))
     return len(ours), wrong
