@@ -1,4 +1,4 @@
-from . import cone as cone, sweep as sweep
+from . import cone as cone, springs as springs, sweep as sweep
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .contact import (
     ContactReport as ContactReport,
@@ -10,6 +10,7 @@ from .errors import OrigamiError as OrigamiError
 from .folding import examine as examine
 from .kkt import State as State, Stratum as Stratum, classify as classify
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
+from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     MinimaResult as MinimaResult,
     Minimum as Minimum,
@@ -20,7 +21,9 @@ from .minima import (
     write_fold as write_fold,
     write_mesh as write_mesh,
 )
+from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
+    Load as Load,
     Scene as Scene,
     Vertex as Vertex,
     examples as examples,
@@ -39,4 +42,5 @@ from .results import (
     view as view,
 )
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
+from .springs import Design as Design, design as design
 from .version import __version__ as __version__

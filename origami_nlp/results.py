@@ -32,7 +32,8 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     Parameters
     ----------
     result
-        Minima, barriers, an admissible space, a landscape, metastable segments, or the phase diagram of a cone.
+        Minima, barriers, an admissible space, a landscape, metastable segments, modes, a load path, or the phase
+        diagram of a cone.
     path
         Where to save it (.png, .pdf or .svg), if anywhere.
 

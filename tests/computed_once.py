@@ -15,6 +15,7 @@ import pytest
 from filelock import FileLock
 
 from origami_nlp import Scene, examples, find_minima
+from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
 
@@ -60,6 +61,13 @@ def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
 @shared
 def _searched(number: int) -> MinimaResult:
     return find_minima(PANELS[number], full=True)
+
+
+@shared
+def barriers_with_handles() -> Barriers:
+    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1, with two handles, also in the full space."""
+    scene = examples.degree6("pi/3", 1)
+    return find_barriers(scene, panel_result(scene, full=True), True, spacing=0.25)
 
 
 @shared

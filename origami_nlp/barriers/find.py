@@ -61,7 +61,7 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If the scene has another number of symmetric freedoms, or an argument is not what it must be.
+        If the scene has dead loads or another number of symmetric freedoms, or an argument is not what it must be.
 
     Examples
     --------
@@ -72,6 +72,7 @@ def find_barriers(
     [(1, 2, 'flat state')]
     """
     check_type("scene", scene, Scene)
+    scene.check_no_forces("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
     check_flag("full", full)

@@ -77,7 +77,7 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         if len(wide) != 1:
             return None
         one, two = (h for h in hinges if h != wide[0])
-        k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+        k, rest = np.array(scene.stiffness), np.array(scene.wound_angles)
         # least of k_1 (x - r_1)^2 + k_2 (-s pi - x - r_2)^2 over the segment
         x = (k[one] * rest[one] + k[two] * (-side * math.pi - rest[two])) / (k[one] + k[two])
         x = float(np.clip(x, *sorted((0.0, -side * math.pi))))

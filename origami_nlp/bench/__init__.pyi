@@ -15,6 +15,7 @@ from .hard import run_hard as run_hard
 from .judging import Judge as Judge
 from .methods_casadi import ipopt_alone as ipopt_alone
 from .methods_ours import ours as ours
+from .problems import random_vertex as random_vertex
 from .proved import (
     ProvedCounts as ProvedCounts,
     count_proved as count_proved,

@@ -67,13 +67,14 @@ def outline_of(scene: Scene) -> Outline:
     >>> from origami_nlp import examples
     >>> from origami_nlp.chart import outline_of
     >>> [round(r.area, 3) for r in outline_of(examples.degree6("pi/4", contact="fold-limits")).regions]
-    [24.674]
+    [19.739]
     """
     if chart_of(scene) is None:
         raise OptionError(f"symmetry {scene.group.name}: the scene has no chart of two coordinates")
     springs: dict[str, Any] = {
         "stiffness": (1.0,) * scene.degree,
         "rest_angles": (0.0,) * scene.degree,
+        "preload": (),
     }
     return _outline(replace(scene, **springs, symmetry=scene.group.name, name=None))
 

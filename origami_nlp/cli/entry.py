@@ -11,15 +11,20 @@ import typer
 
 from origami_nlp.cli.barriers import barriers
 from origami_nlp.cli.bench import bench
+from origami_nlp.cli.boundary import boundary
 from origami_nlp.cli.check_proof import check_proof
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
+from origami_nlp.cli.design import design
 from origami_nlp.cli.example import example
+from origami_nlp.cli.follow import follow
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.landscape import landscape
+from origami_nlp.cli.load import load
 from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
+from origami_nlp.cli.modes import modes
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
@@ -36,9 +41,10 @@ app = Group(
     completion=True,
 )
 app.add(minima, check_proof, landscape, under="Find the states of a scene")
-app.add(contacts, barriers, critical, space, transitions, under="Understand them")
-app.add(example, vertices, model, under="Make and read scenes")
-app.add(sweep, under=MANY)
+app.add(contacts, modes, load, under="Understand them")
+app.add(barriers, critical, space, transitions, under="Understand them")
+app.add(design, example, vertices, model, under="Make and read scenes")
+app.add(follow, boundary, sweep, under=MANY)
 app.add_group("cone", cone, under=MANY)
 app.add_group("paper", paper, under=COMPARE)
 app.add(bench, under=COMPARE)

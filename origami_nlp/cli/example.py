@@ -24,9 +24,7 @@ def example(
             help='The sector angle alpha [rad] of those that have one, a number or e.g. "pi/4".',
         ),
     ] = None,
-    ratio: Annotated[
-        float | None, typer.Option(metavar="R", help="Stiffness ratio r_k = k_m / k_v.")
-    ] = None,
+    ratio: o.RatioWanted = None,
     mountain: Annotated[
         str | None,
         typer.Option(metavar="ANGLE", help='Rest angle of mountains [rad], e.g. "-pi/2".'),

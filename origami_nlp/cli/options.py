@@ -210,6 +210,15 @@ Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases,
 OutFolder = typer.Option("--out", metavar="DIR", help="Folder for the results; made if new.")
 Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
 
+Over = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME=FROM:TO",
+        help="The parameter to follow states over: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
+        "vertex.sector_angles[1]; angles as 0.5, pi/6 or 30deg.",
+    ),
+]
+
 # ---------------------------------------------------------------- FOLD files
 
 FrameNumber = Annotated[
@@ -264,13 +273,9 @@ ELEVATION = 'Elevation nu of the folded cone [rad], up > 0 and down < 0: 0.3 or 
 
 Degree = Annotated[int, typer.Option(metavar="N", help=DEGREE)]
 DegreeWanted = Annotated[int | None, typer.Option("--degree", metavar="N", help=DEGREE)]
-Ratio = Annotated[
-    float,
-    typer.Option(
-        metavar="R",
-        help="Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone k_even/k_odd.",
-    ),
-]
+RATIO = "Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone k_even/k_odd."
+Ratio = Annotated[float, typer.Option(metavar="R", help=RATIO)]
+RatioWanted = Annotated[float | None, typer.Option("--ratio", metavar="R", help=RATIO)]
 Flaps = Annotated[str, typer.Option(metavar="FLAPS", help=FLAPS)]
 FlapsWanted = Annotated[str | None, typer.Option("--flaps", metavar="FLAPS", help=FLAPS)]
 Elevation = Annotated[str, typer.Option(metavar="ANGLE", help=ELEVATION)]

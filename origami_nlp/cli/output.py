@@ -69,8 +69,12 @@ class Output:
         self.console: Screen = screen(*targets.values())
 
     def say(self, *things: Any, **options: Any) -> None:
-        """Print for people, as `rich.console.Console.print` does."""
-        self.console.print(*things, **options)
+        """Print for people, as `rich.console.Console.print` does; a result tells itself."""
+        for thing in things or ("",):
+            if hasattr(thing, "tell"):
+                thing.tell(self.console)
+            else:
+                self.console.print(thing, **options)
 
     def page(self, markdown: str) -> None:
         """Print Markdown for people, its tables as all others."""

@@ -79,7 +79,8 @@ def find_critical_points(
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms or not full contact, or an argument is not what it must be.
+        If the scene has dead loads, not two symmetric freedoms or not full contact, or an argument is not what it must
+        be.
 
     Examples
     --------
@@ -89,6 +90,7 @@ def find_critical_points(
     (1, 2)
     """
     check_type("scene", scene, Scene)
+    scene.check_no_forces("critical points")
     if minima is not None:
         check_type("minima", minima, MinimaResult)
     check_whole("samples", samples, 1, MOST_SAMPLES)

@@ -2,7 +2,7 @@
 
 The vertex is drawn as a disc of unit creases: vertex 0 in the middle, vertex i at the end of crease i; edge
 i - 1 is crease i, face i - 1 the facet between creases i and i + 1.  Targets of the crease pattern
-(``edges_foldAngle``, degrees) are the rest angles; stiffness and rest angles are kept in the namespace
+(``edges_foldAngle``, degrees) are the rest angles; stiffness, rest angles and preload are kept in the namespace
 ``origaminlp`` too, so that reading the file gives the same scene.  Where layers touch, ``faceOrders`` holds one
 order that is free of crossings.  Coordinates of a folded frame: the frame of the paper, last facet in the plane.
 """
@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.folding.embedding import fold_vertex
 from origami_nlp.folding.layers import layer_problem, ordered
 from origami_nlp.numerics import TOUCHES
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Scene
+from origami_nlp.pattern import PRELOAD_KEY, REST_KEY, STIFFNESS_KEY, Scene
 from origami_nlp.version import __version__
 
 MOST_FRAMES = 61
@@ -54,6 +54,7 @@ def frames_to_fold(scene: Scene, frames: Iterable[dict[str, Any]]) -> dict[str, 
         "faces_vertices": [[0, i, i % n + 1] for i in rim],
         STIFFNESS_KEY: [*scene.stiffness, *[None] * n],
         REST_KEY: [*(math.degrees(a) for a in scene.rest_angles), *[None] * n],
+        **_loads(scene),
         "origaminlp:symmetry": scene.symmetry,
         "origaminlp:contact": scene.contact,
     }
@@ -72,6 +73,16 @@ def frames_to_fold(scene: Scene, frames: Iterable[dict[str, Any]]) -> dict[str, 
         states = states[1:]
     data["file_frames"] = states
     return data
+
+
+def _loads(scene: Scene) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    if scene.preload:
+        out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
+    if scene.loads:
+        out["origaminlp:loads"] = [load.to_dict() for load in scene.loads]
+        out["origaminlp:heldFacet"] = scene.held_facet
+    return out
 
 
 def folded_frame(

@@ -16,7 +16,7 @@ from origami_nlp.pattern import Scene
 class PassingMoment:
     """What each facet of a folded vertex receives from the next one, across the crease between them.
 
-    Facets carry no load, so in balance it is the same vector all the way round: the springs have
+    Facets carry no load (preload winds phi0), so in balance it is the same vector all the way round: the springs have
     k_i (phi_i - phi0_i) = m . c_i at each free crease, c_i the unit vector along the deformed crease, from the vertex.
 
     Attributes
@@ -47,7 +47,8 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     Returns
     -------
     PassingMoment or None
-        None where the free creases lie in a plane, or fewer than three are free: there the moment is not known across.
+        None where the free creases lie in a plane, or fewer than three are free: there the moment is not known across;
+        and where forces pull at facets.
 
     Examples
     --------
@@ -58,10 +59,12 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     >>> passing_moment(scene, lowest.fold_angles).residual < 1e-12
     True
     """
+    if scene.loads:
+        return None
     phi = np.asarray(fold_angles, dtype=float)
     creases, _ = fold_vertex(scene.vertex, phi)
     stiffness = np.array(scene.stiffness)
-    torque = stiffness * (phi - np.array(scene.rest_angles))
+    torque = stiffness * (phi - np.array(scene.wound_angles))
     free = np.abs(phi) < math.pi - TOUCHES if scene.contact != "none" else np.ones(len(phi), bool)
     c, t, root = creases[free], torque[free], np.sqrt(stiffness[free])
     if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:

@@ -92,8 +92,10 @@ def rest_state(model: Programme) -> list[np.ndarray]:
     """Return the rest angles where they are a closed state of the model to rounding, else nothing.
 
     No state has less energy, however near a singular set it lies.  Beside one, what misses by d closes to d^2:
-    the move that would close it decides, not the residual.
+    the move that would close it decides, not the residual.  Under forces in space they are nothing special.
     """
+    if model.parameters.dead is not None:
+        return []
     x = model.parameters.rest.copy()
     value, jacobian = model.closure(x)
     singular = np.linalg.svd(jacobian, compute_uv=False)

@@ -17,12 +17,18 @@ from .find import (
     find_minima as find_minima,
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
-from .fold_out import check_mesh as check_mesh, write_fold as write_fold, write_mesh as write_mesh
+from .fold_out import (
+    check_mesh as check_mesh,
+    write_fold as write_fold,
+    write_mesh as write_mesh,
+)
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
     hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
+    mode_symmetry as mode_symmetry,
+    permutations as permutations,
 )
 from .ipopt import (
     OPTIONS as OPTIONS,

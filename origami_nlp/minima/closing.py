@@ -92,7 +92,10 @@ class Closing:
             used = p.rows.shape[1] - m
             forces = s.sides[:, :used] * p.multipliers[:, m:]
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
-        return np.eye(s.x.shape[1]) - curved / np.outer(self.root, self.root)
+        own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
+        if dead is not None:
+            curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
+        return own - curved / np.outer(self.root, self.root)
 
     def close(self, s: Samples, steps: int = STEPS, to: float = EXPLORED) -> Samples:
         """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""

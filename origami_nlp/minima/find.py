@@ -205,7 +205,8 @@ class _Job:
 
     def search(self, guesses: list[np.ndarray], workers: int) -> None:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
-        if self.model.freedom == 1 and self._traced():
+        # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
+        if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
             self.stopped_by = "complete"
             return
         if self.model.size > MOST_BATCHED and not is_chain(self.model):
@@ -254,13 +255,13 @@ class _Job:
             answer.listed = True
             if new:
                 judge(self.model, answer)
-        self.complete = traced.reason if traced.complete else ""
+        self.complete = traced.reason if traced.complete and not self.model.scene.loads else ""
         return traced.complete
 
     def _under(self) -> tuple[Model, Labels] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
         scene = self.model.scene
-        if not scene.group.is_trivial:
+        if not scene.group.is_trivial or scene.loads:
             return None
         labels = canonical_labels(scene)
         return Model(labels.relabelled(scene)), labels

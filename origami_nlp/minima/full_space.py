@@ -16,7 +16,7 @@ from origami_nlp.files import Brief
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDS, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.programme import Contact, Model
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 KEPT = 1e-6
@@ -185,17 +185,20 @@ def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) 
     return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
 
 
-def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def hessian_spectra(
+    state: State, scene: Scene, contacts: tuple[Contact, ...] | None = None
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
     block.
 
     The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent
     space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
     appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
+    contacts: those closed, where they are known.
     """
     if not state.regular:
         return (), ()
-    piece = state.on(state.pieces[0])
+    piece = state.on(state.pieces[0] if contacts is None else contacts)
     z, mu = state.kernel, piece.multiplier_set
     if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
         return (), ()

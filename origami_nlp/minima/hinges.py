@@ -21,11 +21,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSES, OUTSIDE, cross
+from origami_nlp.numerics import CLOSES, LEVEL, OUTSIDE, ROUNDED, cross
 from origami_nlp.programme import Model
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
+MOST_STEPS = 300
+"""Steps towards the lowest state of a set under forces in space."""
 MOST_STATES = 2000
 """Lowest states of sets that are kept, those of lowest energy first."""
 
@@ -39,15 +41,12 @@ def hinge_minima(model: Model) -> list[np.ndarray]:
     n = model.size
     if not model.has_limits or n > MOST_VARIABLES:
         return []
-    weight = model.parameters.stiffness
-    rest = model.parameters.rest
     states: list[np.ndarray] = []
     for fixed, moving, turn, c in _sets(model):
-        lowest = _lowest(weight[moving], rest[moving], turn, c)
-        if lowest is None:
+        x = _lowest_of(model, fixed, moving, turn, c)
+        if x is None:
             continue
-        x = fixed.copy()
-        x[moving] = lowest
+        lowest = x[moving]
         # a hinge at +-pi is shut: that state belongs to another set
         inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
         if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
@@ -93,6 +92,34 @@ def _books(model: Model) -> tuple[np.ndarray, ...]:
     book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)
     sigma = np.round(np.einsum("kni,ki->kn", creases, line))
     return tuple(a[book] for a in (kinds == 2, kinds == 1, line, sigma, q))
+
+
+def _lowest_of(
+    model: Model, fixed: np.ndarray, moving: np.ndarray, turn: np.ndarray, c: float
+) -> np.ndarray | None:
+    """Return the lowest state [n] of a polytope; under forces in space, one that is lowest near by.
+
+    Springs alone: in one step.  Else that step is made again and again, with stiffer springs where it climbs.
+    """
+    p = model.parameters
+    weight, free = p.stiffness[moving], p.rest[moving]
+    x: np.ndarray | None = None
+    for _ in range(1 if p.dead is None else MOST_STEPS):
+        lowest = _lowest(weight, free, turn, c)
+        if lowest is None:
+            return None
+        y = fixed.copy()
+        y[moving] = lowest
+        if x is not None and np.abs(y - x).max() <= ROUNDED:
+            return y
+        if x is not None and p.energy_change(x, y) > LEVEL * weight.sum():
+            weight = 2 * weight
+        else:
+            x = y
+        free = x[moving] - p.torque(x)[moving] / weight
+    return (
+        x if p.dead is None else None
+    )  # a state that is nearly lowest would stand for the one that is
 
 
 def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) -> np.ndarray | None:

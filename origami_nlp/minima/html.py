@@ -18,7 +18,7 @@ from origami_nlp.minima.telling import (
     contact_words,
     flag_lines,
     freedom_words,
-    geometry_lines,
+    scene_lines,
     search_lines,
     undecided_lines,
 )
@@ -107,6 +107,6 @@ def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, more: li
         *search_lines(s),
         *[not_asked] * bool(not_asked),
         *undecided_lines(s),
-        *geometry_lines(scene),
+        *scene_lines(scene),
     ]
     return "<p><small>" + "<br>".join(map(escape, lines)) + "</small></p>"

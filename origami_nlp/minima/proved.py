@@ -78,6 +78,8 @@ def prove_complete(
 
 def why_not(model: Model) -> str:
     """Say why a scene is not tried to be proved complete; "" where it is."""
+    if model.scene.loads:
+        return "dead loads: proofs know springs and torques on creases only"
     if not model.has_limits:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:

@@ -18,7 +18,7 @@ from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
     flag_lines,
-    geometry_lines,
+    scene_lines,
     search_lines,
     state_lines,
     states_table,
@@ -120,7 +120,7 @@ class MinimaResult(Told, Turnable):
         yield self.table()
         yield from state_lines(self.scene, self.minima)
         yield from undecided_lines(self.search)
-        yield from geometry_lines(self.scene)
+        yield from scene_lines(self.scene)
         yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())

@@ -201,12 +201,13 @@ def flag_lines(flags: ResultFlags) -> list[str]:
     return [f"flags up: {', '.join(flags.up)} (causes and cures: docs/flags.md, result.flags)"]
 
 
-def geometry_lines(scene: Scene) -> list[str]:
-    """Say how far sector angles were moved to make nearly special relations exact, if they were."""
+def scene_lines(scene: Scene) -> list[str]:
+    """Say what is loaded, and how far sector angles were moved to make nearly special relations exact, if they were."""
     found = scene.relations
     if not found.made_exact:
-        return []
+        return scene.load_lines
     return [
+        *scene.load_lines,
         f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
-        "relations hold exactly (origami-nlp model lists them)"
+        "relations hold exactly (origami-nlp model lists them)",
     ]

@@ -71,3 +71,15 @@ UNPOLISHED = 1e-5
 """Contacts and torques of an answer of IPOPT: its tolerance 1e-7 leaves sqrt(mu) ~ 1e-4.5 at weak contacts."""
 BESIDE = 1e-3
 """Distance of IPOPT's answer from a singular state: the square root of its tolerance, with room."""
+DESIGN_SNAP = 1e-4
+"""Fold angles [rad] that people state for a design: a contact that is open by less is meant to be closed, four digits
+were typed."""
+DESIGN_MARGIN = 1e-6
+"""Smallest margin of a design, over the mean stiffness: ten decades above rounding, and what a conic solver with its
+tolerance of 1e-10 leaves after division by the worst condition, 1e4."""
+DESIGN_ACTIVE = 1e-7
+"""A rest angle this close to its bound [rad] is put there: a conic solver stops sqrt(1e-10) from an active bound at
+worst, and less where the margin depends on it."""
+DESIGN_FOUND = 1e-9
+"""A minimum is the state that springs were made for [rad]: both are closed to `CLOSES`, stiff to `DESIGN_MARGIN` at
+least, and balanced to `ROUNDED`; their quotient is 1e-8 at worst, and 1e-14 as a rule."""

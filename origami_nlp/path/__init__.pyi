@@ -9,6 +9,18 @@ from .curve import (
     follow_boundary as follow_boundary,
     trace_held as trace_held,
 )
+from .equilibrium import (
+    Equilibrium as Equilibrium,
+    EquilibriumCurve as EquilibriumCurve,
+    Hold as Hold,
+    Tally as Tally,
+)
+from .halves import half_branches as half_branches, is_equilibrium as is_equilibrium
+from .line import (
+    ParameterLine as ParameterLine,
+    line_between as line_between,
+    load_line as load_line,
+)
 from .tracer import (
     SINGULAR as SINGULAR,
     End as End,
@@ -17,3 +29,4 @@ from .tracer import (
     advance as advance,
     trace as trace,
 )
+from .web import Arc as Arc, Node as Node, Web as Web

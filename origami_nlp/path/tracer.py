@@ -21,6 +21,9 @@ SINGULAR = "singular: closure or contacts lose rank, or no solution beyond"
 ALIGNED = 0.9
 """A curve is closed where it comes back with tangents whose scalar product is larger: it may also cross itself."""
 
+ASIDE = 0.3
+"""The corrector moves a point by a smaller share of the step: one that it moves further lies on another curve."""
+
 TOWARDS_AN_END = 0.75
 """Each accepted step towards an end over the one before: a half would reach it only if steps had no bend."""
 
@@ -129,8 +132,9 @@ def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
     The arclength is exact to O(h^5); without a bend it is the chord.
     """
     root = curve.root
-    x = curve.correct(frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root)
-    if x is None:
+    ahead = frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root
+    x = curve.correct(ahead)
+    if x is None or np.linalg.norm(root * (x - ahead)) > ASIDE * h:
         return None
     along = frame.tangent + h * frame.bend
     new = curve.frame(x, along / np.linalg.norm(along))
@@ -150,7 +154,7 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
     It ends at the first of `ends` (the first in their order where two come at once), where it is singular, and after
     `steps.most` points or the length `steps.far`.  None where the curve does not turn around.
     """
-    ahead, lengths, end = _one_way(curve, first, steps, ends)
+    ahead, lengths, end = trace_ahead(curve, first, steps, ends)
     behind: list[F] = []
     back: list[float] = []
     start = end
@@ -158,15 +162,15 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
         turned = curve.frame(first.x, -first.tangent)
         if turned is None:
             return None
-        behind, back, start = _one_way(curve, turned, steps, ends)
+        behind, back, start = trace_ahead(curve, turned, steps, ends)
     s = np.array([*(-v for v in reversed(back)), 0.0, *lengths])
     return Trace((*reversed(behind), first, *ahead), s, start, end, len(behind))
 
 
-def _one_way(
+def trace_ahead(
     curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]]
 ) -> tuple[list[F], list[float], str]:
-    """Trace from `first` along its tangent: frames with their arclength, and why they end."""
+    """Trace from `first` along its tangent: the frames after it with their arclength, and why they end."""
     frames: list[F] = []
     s: list[float] = []
     here, at, h = first, 0.0, steps.first

@@ -13,6 +13,7 @@ from .crease_pattern import (
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
     LARGEST as LARGEST,
+    PRELOAD_KEY as PRELOAD_KEY,
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
     Frame as Frame,
@@ -27,6 +28,13 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .labels import Labels as Labels, canonical_labels as canonical_labels
+from .loads import (
+    DeadLoads as DeadLoads,
+    Load as Load,
+    dead_loads as dead_loads,
+    flat_points as flat_points,
+    followed as followed,
+)
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

@@ -64,11 +64,15 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
     same = (first.contact, first.vertex.flat, first.group.name)
+    if first.loads or other.loads:  # forces are told from a facet that has a number
+        return None
     if other.degree != n or same != (other.contact, other.vertex.flat, other.group.name):
         return None
     noise = min(first.symmetry_tolerance, other.symmetry_tolerance)
-    sectors, k, rest = np.array([first.vertex.sector_angles, first.stiffness, first.rest_angles])
-    theirs = np.array([other.vertex.sector_angles, other.stiffness, other.rest_angles])
+    (sectors, k, *rest), theirs = (
+        np.array([s.vertex.sector_angles, s.stiffness, s.rest_angles, s.wound_angles])
+        for s in (first, other)
+    )
     if np.abs(np.sort(sectors) - np.sort(theirs[0])).max() > noise:
         return None
     best = None
@@ -80,7 +84,7 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
                 apart = max(
                     float(np.abs(theirs[0, labels.facets] - sectors).max()),
                     float(np.abs(theirs[1, i] / k - 1).max()),
-                    float(np.abs(labels.sign * theirs[2, i] - rest).max()),
+                    float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
                 )
                 if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
                     best = labels, apart

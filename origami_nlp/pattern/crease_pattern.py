@@ -228,7 +228,8 @@ def _analyse(
 
 
 def _is_sprung(frame: Frame, edge: int) -> bool:
-    return not (np.isnan(frame.stiffness[edge]) and np.isnan(frame.rest_angles[edge]))
+    springs = frame.stiffness[edge], frame.rest_angles[edge], frame.preload[edge]
+    return not np.isnan(springs).all()
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:

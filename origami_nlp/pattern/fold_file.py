@@ -2,8 +2,8 @@
 
 A FOLD file holds a crease pattern or a folded form: vertices, edges with assignment (M, V, B, F, U, C, J),
 fold angles in degrees, valley positive.  We also read ``edges_origaminlp:stiffness`` [N m/rad] and
-``edges_origaminlp:restAngle`` [deg] (FOLD lets programs add keys with a namespace).  Vertices, edges and
-frames are numbered from 0, as in the file.
+``edges_origaminlp:restAngle`` [deg], ``edges_origaminlp:preload`` [N m] (FOLD lets programs
+add keys with a namespace).  Vertices, edges and frames are numbered from 0, as in the file.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ MOST_ELEMENTS = 2_000_000
 """Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
+PRELOAD_KEY = "edges_origaminlp:preload"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
@@ -40,6 +41,7 @@ _READ = (
     *_LEGACY,
     STIFFNESS_KEY,
     REST_KEY,
+    PRELOAD_KEY,
     "frame_classes",
     "frame_title",
     "file_title",
@@ -70,6 +72,8 @@ class Frame:
         [E] [rad]; NaN where not given.
     stiffness
         [E] [N m/rad]; NaN where not given.
+    preload
+        [E] torque [N m] beside that of the rest angle; NaN where not given.
     faces
         Vertices of each face; empty where none are given.
     conflicts
@@ -88,6 +92,7 @@ class Frame:
     fold_angles: np.ndarray = field(repr=False)
     rest_angles: np.ndarray = field(repr=False)
     stiffness: np.ndarray = field(repr=False)
+    preload: np.ndarray = field(repr=False)
     faces: tuple[tuple[int, ...], ...] = field(repr=False)
     conflicts: frozenset[int] = frozenset()
     notes: tuple[str, ...] = ()
@@ -254,14 +259,17 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         angles = np.radians(angles)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
+    preload = _numbers(data.get(PRELOAD_KEY), PRELOAD_KEY, m)
     for key, values, good, what in (
         ("edges_foldAngle", angles, np.abs(angles) <= math.pi * (1 + TYPED), "within [-180, 180]"),
         (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + TYPED), "within [-180, 180]"),
         (STIFFNESS_KEY, stiffness, stiffness > 0, "positive"),
+        (PRELOAD_KEY, preload, np.isfinite(preload), "finite"),
     ):
         wrong = np.flatnonzero(~good & ~np.isnan(values))
         if wrong.size:
-            shown = values[wrong[0]] if key == STIFFNESS_KEY else math.degrees(values[wrong[0]])
+            shown = values[wrong[0]]
+            shown = math.degrees(shown) if key in ("edges_foldAngle", REST_KEY) else shown
             raise FoldFileError(f"{key}[{wrong[0]}] = {shown:.6g} must be {what}, or null")
     keep, conflicts = once(pairs, letters, angles, notes)
     place = {int(e): k for k, e in enumerate(keep)}
@@ -282,6 +290,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         angles[keep],
         rest[keep],
         stiffness[keep],
+        preload[keep],
         faces,
         frozenset(place[k] for k in conflicts),
         tuple(notes),

@@ -259,7 +259,8 @@ def vertex_scenes(
             tell(f"vertex {v.number}: {note}")
     if not scenes:
         raise FoldFileError(
-            f"frame {frame.number} has no interior vertex that can be analysed: origami-nlp vertices says why of each"
+            f"frame {frame.number} has no interior vertex that can be analysed: "
+            + ("; ".join(notes) or "origami-nlp vertices says why of each")
         )
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
         tell(LETTERS_ONLY)
@@ -326,6 +327,7 @@ def _scene(
     rest = np.full(v.degree, math.nan)
     for choice in choices[rest_angles]:
         rest = np.where(np.isnan(rest), choice, rest)
+    preload = np.nan_to_num(frame.preload[at])
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -334,4 +336,5 @@ def _scene(
         contact,
         name=f"{frame.title or 'FOLD'}, vertex {v.number}",
         symmetry_tolerance=NOISY,
+        preload=tuple(preload.tolist()),
     )

@@ -56,6 +56,10 @@ class Labels:
         out[..., self.creases] = self.sign * x
         return out
 
+    def _turned(self, values: tuple[float, ...]) -> np.ndarray:
+        """Angles or torques [N] of the creases under the new labels."""
+        return self.sign * np.array(values)[self.creases] + 0.0
+
     def relabelled(self, scene: Scene) -> Scene:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
         sectors = np.array(scene.vertex.sector_angles)[self.facets]
@@ -63,9 +67,10 @@ class Labels:
         return Scene(
             Vertex(tuple(sectors.tolist()), scene.vertex.flat),
             tuple((np.array(scene.stiffness)[creases] / np.mean(scene.stiffness)).tolist()),
-            tuple((self.sign * np.array(scene.rest_angles)[creases] + 0.0).tolist()),
+            tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
+            preload=self._turned(scene.preload) / np.mean(scene.stiffness) if scene.preload else (),
         )
 
 
@@ -87,7 +92,7 @@ def canonical_labels(scene: Scene) -> Labels:
     """
     n = scene.degree
     k = np.array(scene.stiffness) / np.mean(scene.stiffness)
-    columns = np.stack([scene.vertex.sector_angles, k, scene.rest_angles])
+    columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
     numbers = np.round(columns, 12) + 0.0
     best: tuple[tuple[float, ...], Labels] | None = None
     for start in range(n):

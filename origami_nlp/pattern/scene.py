@@ -10,10 +10,11 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
-from origami_nlp.errors import SceneError
+from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.files import Full, is_unicode, printable
 from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
@@ -26,6 +27,8 @@ MOST_PAIRED = 400
 LARGEST_RATIO = 1e8
 """Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
 a line of states that only soft springs order, every point seems to balance, and a search never ends."""
+MOST_WOUND = 1e3
+"""Largest |wound angle| [rad]: the energy of such a spring is 1e6 times that of one radian, and loses 6 digits."""
 SMALLEST, LARGEST = 1e-300, 1e300
 """Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
 
@@ -58,6 +61,16 @@ class Scene(Full):
         group; `adjusted` says by how much.
     name
         A title for tables and figures.
+    preload
+        Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
+        A torque that no rest angle in [-pi, pi] gives: the spring is wound to `wound_angles` = phi0_i + m_i/k_i, at
+        most 1,000 rad.
+    loads
+        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`.  Forces ask
+        for `held_facet`, and for states without symmetry.
+    held_facet
+        Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
+        depends on it.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -67,6 +80,8 @@ class Scene(Full):
     ----------
     group
         The symmetry that was found or asked for.
+    wound_angles
+        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]; the rest angles without preload.
     adjusted
         Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for.
 
@@ -95,6 +110,9 @@ class Scene(Full):
     mirror: int | None = None
     name: str | None = None
     symmetry_tolerance: float = TYPED
+    preload: tuple[float, ...] = ()
+    loads: tuple[Load, ...] = ()
+    held_facet: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -123,7 +141,7 @@ class Scene(Full):
             if abs(a) > math.pi * (1 + 1e-15):
                 raise SceneError(
                     f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
-                    "valley positive"
+                    "valley positive; a torque beyond is stated as preload"
                 )
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
@@ -141,6 +159,7 @@ class Scene(Full):
             raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
+        self._read_loads(stiffness, rest)
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
             relations = find_relations(self.vertex.sector_angles)
             object.__setattr__(self, "relations", relations)
@@ -155,32 +174,62 @@ class Scene(Full):
                 f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
         wanted = self.symmetry, self.mirror, tolerance
-        group = find_symmetry(self.vertex, stiffness, rest, *wanted)
+        group = self._find_symmetry(stiffness, rest, *wanted)
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
 
+    def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
+        """Read preload, loads and the facet that is held."""
+        loads = read_loads(self.loads, self.vertex.sector_angles)
+        forces = tuple(load for load in loads if load.force is not None)
+        given: object = self.preload
+        if len(forces) < len(loads):
+            total = list(_read_preload(given, stiffness, rest) or (0.0,) * len(stiffness))
+            for load in loads:
+                total[load.number - 1] += load.torque or 0.0
+            given = tuple(total)
+        object.__setattr__(self, "preload", _read_preload(given, stiffness, rest))
+        object.__setattr__(self, "loads", forces)
+        held, n = self.held_facet, len(stiffness)
+        if held is None and not forces:
+            return
+        if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= n:
+            raise SceneError(
+                f"held_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
+                "facet is held"
+            )
+
+    def _find_symmetry(
+        self, stiffness: tuple[float, ...], rest: tuple[float, ...], *wanted: Any
+    ) -> Symmetry:
+        """Find the group; forces in space, with one facet held, leave none."""
+        if self.loads and wanted[0] not in ("auto", "none"):
+            raise SymmetryError(
+                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.held_facet} held: "
+                "use none or auto"
+            )
+        wanted = ("none", *wanted[1:]) if self.loads else wanted
+        return find_symmetry(self.vertex, stiffness, (rest, self.wound_angles), *wanted)
+
     def _make_symmetric(self, *wanted: Any) -> None:
-        """Average sector angles, stiffness and rest angles over the group, then cut the piece anew.
+        """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
 
         Averaged values may share a larger group within the tolerance, or another mirror: what is kept is exactly
         symmetric.  What differs by no more than rounding stays as it is.
         """
-        stated = self.vertex.sector_angles, self.rest_angles, self.stiffness
+        stated = self._numbers
         while True:
             elements = self.group.elements
             sectors = averaged(self.vertex.sector_angles, elements, facets=True)
-            rest = averaged(self.rest_angles, elements, facets=False)
-            k = averaged(self.stiffness, elements, facets=False)
-            if (
-                _change(
-                    (sectors, rest, k),
-                    (self.vertex.sector_angles, self.rest_angles, self.stiffness),
-                )
-                <= SUMMED
-            ):
+            rest, k, preload = (
+                averaged(values, elements, facets=False) if values else ()
+                for values in (self.rest_angles, self.stiffness, self.preload)
+            )
+            made = sectors, rest, np.divide(preload, k) if preload else (), k
+            if _change(made, self._numbers) <= SUMMED:
                 return
-            object.__setattr__(self, "adjusted", _change((sectors, rest, k), stated))
+            object.__setattr__(self, "adjusted", _change(made, stated))
             object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
             found = find_relations(self.vertex.sector_angles)
             record = replace(
@@ -189,7 +238,22 @@ class Scene(Full):
             object.__setattr__(self, "relations", record)
             object.__setattr__(self, "stiffness", k)
             object.__setattr__(self, "rest_angles", rest)
-            object.__setattr__(self, "group", find_symmetry(self.vertex, k, rest, *wanted))
+            object.__setattr__(self, "preload", preload)
+            object.__setattr__(self, "group", self._find_symmetry(k, rest, *wanted))
+
+    @property
+    def _numbers(self) -> tuple[Any, ...]:
+        """Sector angles, rest angles, angles by which preload winds the springs, stiffness."""
+        wound = np.divide(self.preload, self.stiffness) if self.preload else ()
+        return self.vertex.sector_angles, self.rest_angles, wound, self.stiffness
+
+    @property
+    def wound_angles(self) -> tuple[float, ...]:
+        """Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]."""
+        if not self.preload:
+            return self.rest_angles
+        springs = zip(self.rest_angles, self.preload, self.stiffness, strict=True)
+        return tuple(rest + m / k for rest, m, k in springs)
 
     @property
     def label(self) -> str:
@@ -201,8 +265,50 @@ class Scene(Full):
         """Number of creases N."""
         return self.vertex.degree
 
+    def check_no_forces(self, what: str) -> None:
+        """Complain where forces pull in space, which `what` does not know.
+
+        Parameters
+        ----------
+        what
+            Of the scene, in words.
+
+        Raises
+        ------
+        OptionError
+            If the scene has such loads.
+        """
+        if self.loads:
+            raise OptionError(
+                f"{what}: not decided for scenes with dead loads ({self.loads[0].words}); torques on creases, "
+                "as preload, are known there"
+            )
+
+    @property
+    def load_lines(self) -> list[str]:
+        """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
+        lines = []
+        if self.preload:
+            wound = enumerate(zip(self.preload, self.wound_angles, strict=True), start=1)
+            at = [f"crease {i} {m:g} N m ({w:.6g} rad)" for i, (m, w) in wound if m]
+            lines = [
+                "preload (and the angle to which it winds the spring): " + ", ".join(at),
+                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
+            ]
+        if self.loads:
+            lines += [load.words for load in self.loads]
+            lines.append(
+                f"facet {self.held_facet} is held: x along crease {self.held_facet}, z its normal (creases run "
+                "counter-clockwise seen from there); energies are U - sum force . position"
+            )
+        return lines
+
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Elastic energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy).
+        """Energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy), phi0 the `wound_angles`, less the work of loads.
+
+        With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
+        wind the springs counts, so that the elastic energy is never negative.  Forces f at points p add -sum f . p,
+        p in the frame of the held facet.
 
         Parameters
         ----------
@@ -220,8 +326,10 @@ class Scene(Full):
             If `fold_angles` are not numbers [rad], N a state (NaN is allowed: its energy is NaN).
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
-        k, rest = np.array(self.stiffness), np.array(self.rest_angles)
+        k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
+        if (dead := dead_loads(self.loads, self.held_facet)) is not None:
+            energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
 
     def __repr__(self) -> str:
@@ -232,16 +340,22 @@ class Scene(Full):
         k = ", ".join(f"{v:.6g}" for v in self.stiffness)
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
         title = f"{self.label}: " if self.label else ""
+        preload = ", ".join(f"{v:.6g}" for v in self.preload)
         return (
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
-            f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
+            + (f"\n  preload=[{preload}] N m," if preload else "")
+            + "".join(
+                f"\n  load: {load.words}, facet {self.held_facet} held," for load in self.loads
+            )
+            + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
 
 
-def _change(new: Sequence[Sequence[float]], old: Sequence[Sequence[float]]) -> float:
-    """Return the largest change of sector angles and rest angles [rad] and, relatively, of stiffnesses."""
-    angles = [np.abs(np.subtract(a, b)).max() for a, b in zip(new[:2], old[:2], strict=True)]
-    return float(max(*angles, np.abs(np.divide(new[2], old[2]) - 1).max()))
+def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
+    """Return the largest change of angles [rad] and, relatively, of the stiffnesses, which come last."""
+    pairs = zip(new[:-1], old[:-1], strict=True)
+    angles = [np.abs(np.subtract(a, b)).max(initial=0.0) for a, b in pairs]
+    return float(max(*angles, np.abs(np.divide(new[-1], old[-1]) - 1).max()))
 
 
 def _check_range(stiffness: Sequence[float]) -> None:
@@ -259,6 +373,24 @@ def _check_range(stiffness: Sequence[float]) -> None:
             f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
             "the facets at the stiff crease"
         )
+
+
+def _read_preload(
+    values: object, stiffness: Sequence[float], rest: Sequence[float]
+) -> tuple[float, ...]:
+    """Read the preload [N m] of each crease; () where there is none."""
+    if isinstance(values, tuple) and not values:
+        return ()
+    preload = _numbers(values, "preload", len(stiffness))
+    for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
+        if not math.isfinite(m):
+            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
+        if abs(a + m / k) > MOST_WOUND:
+            raise SceneError(
+                f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
+                f"{MOST_WOUND:g} rad, beyond which energies lose digits"
+            )
+    return preload if any(preload) else ()
 
 
 def _same_length(values: Sequence[float], name: str, degree: int) -> None:

@@ -20,8 +20,9 @@ from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
-    "creases": ("stiffness", "rest_angles", "rest_angles_deg"),
-    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance"),
+    "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
+    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance", "held_facet"),
+    "loads": (),
 }
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
 
@@ -166,6 +167,10 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     for table, content in data.items():
         if table not in _KEYS:
             raise SceneFileError(f"unknown table [{table}]: a scene has {_listed(_KEYS)}")
+        if table == "loads":
+            if not isinstance(content, list) or not all(isinstance(c, Mapping) for c in content):
+                raise SceneFileError("loads must be a list of tables: write [[loads]]")
+            continue
         if not isinstance(content, Mapping):
             raise SceneFileError(f"{table} = {content!r} must be a table: write [{table}]")
         for key in content:
@@ -189,7 +194,9 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
-    return Scene(the_vertex, creases["stiffness"], rest, **dict(data.get("model", {})))
+    more = {"preload": creases["preload"]} if "preload" in creases else {}
+    more |= {"loads": data["loads"]} if "loads" in data else {}
+    return Scene(the_vertex, creases["stiffness"], rest, **more, **dict(data.get("model", {})))
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -216,6 +223,8 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         model["mirror"] = scene.mirror
     if scene.name is not None:
         model["name"] = scene.name
+    if scene.held_facet is not None:
+        model["held_facet"] = scene.held_facet
     if scene.symmetry_tolerance != TYPED:
         model["symmetry_tolerance"] = scene.symmetry_tolerance
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
@@ -226,8 +235,10 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         "creases": {
             "stiffness": list(scene.stiffness),
             "rest_angles": [_exact(a) for a in scene.rest_angles],
+            **({"preload": list(scene.preload)} if scene.preload else {}),
         },
         "model": model,
+        **({"loads": [load.to_dict() for load in scene.loads]} if scene.loads else {}),
     }
 
 
@@ -256,10 +267,12 @@ def format_scene(scene: Scene) -> str:
     [vertex]
     """
     lines = []
-    for table, content in scene_to_dict(scene).items():
-        lines.append(f"[{table}]")
-        lines += [f"{key} = {_toml(value)}" for key, value in content.items()]
-        lines.append("")
+    for name, content in scene_to_dict(scene).items():
+        many = isinstance(content, list)
+        for table in content if many else [content]:
+            lines.append(f"[[{name}]]" if many else f"[{name}]")
+            lines += [f"{key} = {_toml(value)}" for key, value in table.items()]
+            lines.append("")
     return "\n".join(lines)
 
 

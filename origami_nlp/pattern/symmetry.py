@@ -1,5 +1,4 @@
-"""Which rotations and mirrors of the flat sheet map creases, stiffness and rest angles to
-themselves.
+"""Which rotations and mirrors of the flat sheet map creases, stiffness, rest angles and preload to themselves.
 
 The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From
 a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
@@ -12,6 +11,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,12 +77,14 @@ class Symmetry(Brief):
 def find_symmetry(
     vertex: Vertex,
     stiffness: Sequence[float],
-    rest_angles: Sequence[float],
+    rest_angles: Sequence[Any],
     wanted: str = "auto",
     mirror: int | None = None,
     tolerance: float = TYPED,
 ) -> Symmetry:
     """Find the piece of the vertex for the symmetry `wanted`, or for the largest one (``"auto"``).
+
+    rest_angles: [N], or rows of angles, [..., N], all of which must agree.
 
     Raises
     ------
@@ -101,13 +103,13 @@ def find_symmetry(
             )
         if len(shifts) % order:
             raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
+                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles and preload: "
                 f"the largest common group is {largest}"
             )
         return _period(vertex, order)
     if len(shifts) % order or not mirrors:
         raise SymmetryError(
-            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness and rest angles: "
+            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles and preload: "
             f"the largest common group is {largest}"
         )
     return _wedge(vertex, order, mirrors, mirror, tolerance)
@@ -116,7 +118,7 @@ def find_symmetry(
 def shared_symmetries(
     vertex: Vertex,
     stiffness: Sequence[float],
-    rest_angles: Sequence[float],
+    rest_angles: Sequence[Any],
     tolerance: float = TYPED,
 ) -> tuple[list[int], list[int]]:
     """Find all rotations and mirrors that geometry and mechanics share within `tolerance`.
@@ -131,13 +133,13 @@ def shared_symmetries(
     n = vertex.degree
     a = np.array(vertex.sector_angles)
     k = np.array(stiffness)
-    rest = np.array(rest_angles)
+    rest = np.array(rest_angles, dtype=float)
     i = np.arange(n)
 
     def mechanics(j: np.ndarray) -> bool:
         return bool(
             np.all(np.abs(k[j] - k) <= tolerance * np.maximum(k[j], k))
-            and np.all(np.abs(rest[j] - rest) <= tolerance)
+            and np.all(np.abs(rest[..., j] - rest) <= tolerance)
         )
 
     near = {

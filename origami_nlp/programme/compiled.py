@@ -12,6 +12,8 @@ from typing import Any
 
 import casadi as ca
 
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.pattern import flat_points, followed
 from origami_nlp.programme.closure import Folded, fold_piece
 from origami_nlp.programme.evaluator import Evaluate, evaluator
 from origami_nlp.programme.gaps import Gap, gap_expression
@@ -27,6 +29,7 @@ class Structure:
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
     pairs: facet pairs that may cross, each as positions of their first rays.
     flat_sheet: whether the sector angles of the vertex sum to 2 pi.
+    dead: facets of the points at which forces pull, and first the one that is held, 0-based; empty without forces.
     """
 
     kind: str
@@ -36,6 +39,7 @@ class Structure:
     gaps: tuple[Gap, ...]
     pairs: tuple[tuple[int, int], ...]
     flat_sheet: bool = True
+    dead: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ class Functions:
     rays(x, p): deformed rays, shape [3, rays].
     sheet(x, p): positive on the sheet q = +1.
     evaluators: the same functions by name, called with NumPy arrays.
+    drift: how the KKT system changes with the parameters.
     """
 
     x: ca.SX
@@ -73,6 +78,21 @@ class Functions:
             for f in (self.closure, self.local, self.hessian, self.rays, self.sheet)
         }
 
+    @cached_property
+    def drift(self) -> Evaluate:
+        """Return drift(x, p, lam, mu, dp): how grad(U - lam . equations - mu . gaps), equations and gaps change with p.
+
+        Built when a path over parameters first asks for it.
+        """
+        x, p, g, gaps = self.x, self.p, self.piece.equations, self.gaps
+        lam, mu = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0])
+        step = ca.SX.sym("dp", p.shape[0])
+        lagrangian = self.energy - ca.dot(lam, g) - ca.dot(mu, gaps)
+        moved = [ca.jtimes(v, p, step) for v in (ca.gradient(lagrangian, x), g, gaps)]
+        return evaluator(
+            ca.Function("drift", [x, p, lam, mu, step], [ca.densify(v) for v in moved])
+        )
+
 
 @lru_cache(maxsize=64)
 def compile_structure(structure: Structure) -> Functions:
@@ -83,10 +103,16 @@ def compile_structure(structure: Structure) -> Functions:
     x = ca.SX.sym("phi", n)
     sectors = ca.SX.sym("alpha", sector_count)
     stiffness, rest, load = ca.SX.sym("k", n), ca.SX.sym("phi0", n), ca.SX.sym("m", n)
-    p = ca.vertcat(sectors, stiffness, rest, load)
+    held, *facets = s.dead or (0,)
+    forces = ca.SX.sym("f", 5, len(facets))  # points and forces
+    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces))
     piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors, s.flat_sheet)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2) - ca.dot(load, x)
+    for i, facet in enumerate(facets):
+        energy -= quat.dot(
+            _carried(held, facet, x, sectors, forces[:2, i]), ca.vertsplit(forces[2:, i])
+        )
     gaps = ca.vertcat(ca.SX(0, 1), *(gap_expression(g, piece, sines) for g in s.gaps))
     g = piece.equations
     lam, mu, weight = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0]), ca.SX.sym("s")
@@ -106,6 +132,17 @@ def compile_structure(structure: Structure) -> Functions:
         rays=ca.Function("rays", [x, p], [ca.horzcat(*(ca.vertcat(*c) for c in piece.rays))]),
         sheet=ca.Function("sheet", [x, p], [piece.sheet]),
     )
+
+
+def _carried(held: int, facet: int, x: ca.SX, sectors: ca.SX, point: ca.SX) -> Any:
+    """Where a point of a facet is, seen from the facet that is held."""
+    n = x.shape[0]
+    chain = [(held + 1 + i) % n for i in range((facet - held) % n)]
+    axes, flat = flat_points(chain, sectors, held, point, ca.cos, ca.sin)
+    folds = [
+        quat.fold(ca.cos(x[c] / 2), ca.sin(x[c] / 2), a) for c, a in zip(chain, axes, strict=True)
+    ]
+    return followed(axes, flat, folds)[1]
 
 
 @lru_cache(maxsize=256)

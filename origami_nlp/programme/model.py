@@ -114,6 +114,35 @@ class Model(Posed):
         other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
         return other
 
+    def drift(
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+        change: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the KKT system along a change of the parameters.
+
+        Parameters
+        ----------
+        x, multipliers, contacts
+            As for `lagrangian_hessian`, at one state.
+        change
+            Of `Parameters.vector`.
+
+        Returns
+        -------
+        torque, constraints : numpy.ndarray
+            Change of the gradient of U - multipliers . (closure, openings), [n], and of these, [m + r].
+        """
+        m = self.equation_count
+        mu = self.weights(contacts, multipliers[m:])
+        torque, closure, gaps = self.functions.drift(
+            x, self.parameters.vector, multipliers[:m], mu, change
+        )
+        moved = [0.0 if c.is_limit else c.side * float(gaps[c.index, 0]) for c in contacts]
+        return torque[:, 0], np.concatenate([closure[:, 0], moved])
+
     @cached_property
     def _chain(self) -> Kinematics | None:
         """Closed forms of a long chain, whose compiled Hessian would take minutes to build; None where it does not."""
@@ -160,9 +189,7 @@ class Model(Posed):
         if name == "hessian":
             weight, lam, _ = more
             h = chain.closure_hessian(at, np.broadcast_to(lam, (k, 3)))
-            i = np.arange(n)
-            h[:, i, i] += np.reshape(weight, (-1, 1)) * self.parameters.stiffness
-            return [h]
+            return [h + np.reshape(weight, (-1, 1, 1)) * self.parameters.hessian(x)]
         value, jacobian = chain.closure(at)
         if name == "closure":
             return [value[..., None], jacobian]

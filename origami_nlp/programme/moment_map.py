@@ -103,7 +103,8 @@ class MomentMap:
     @property
     def largest(self) -> float:
         """Length of a moment that shuts any crease that it does not miss by more than a right angle of 90 degrees."""
-        return 2 * math.pi / float(self._soft[self._soft > 0].min())
+        wound = max(math.pi, float(np.abs(self._rest).max()))
+        return (math.pi + wound) / float(self._soft[self._soft > 0].min())
 
     def shoot(self, m: np.ndarray, *, slope: bool = True) -> Shot:
         """Fold the creases that moments lead to, from both sides, and compare in the middle.

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+
+from origami_nlp.pattern import DeadLoads
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,20 +21,33 @@ class Parameters:
     stiffness
         Of the n variables, summed over the creases that each stands for, over `Model.scale`, shape [n].
     rest
-        Rest angles [rad], shape [n].
+        Angles without torque [rad], shape [n]: `Scene.wound_angles`, the rest angles where nothing is preloaded.
     load
         Moment conjugate to each variable over `Model.scale`: the energy is U - load . phi, shape [n].
+    dead
+        Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.
     """
 
     sectors: np.ndarray
     stiffness: np.ndarray
     rest: np.ndarray
     load: np.ndarray
+    dead: DeadLoads | None = None
 
     @cached_property
     def vector(self) -> np.ndarray:
-        """All of them in the order in which compiled functions take them, shape [s + 3 n]."""
-        return np.concatenate([self.sectors, self.stiffness, self.rest, self.load])
+        """All of them in the order in which compiled functions take them, shape [s + 3 n + 5 l]."""
+        dead = [] if self.dead is None else [self.dead.vector]
+        return np.concatenate([self.sectors, self.stiffness, self.rest, self.load, *dead])
+
+    def scaled(self, share: float) -> Parameters:
+        """Return the same springs and loads over another scale: `share` times the numbers."""
+        return replace(
+            self,
+            stiffness=share * self.stiffness,
+            load=share * self.load,
+            dead=None if self.dead is None else self.dead.times(share),
+        )
 
     @property
     def softness(self) -> float:
@@ -41,18 +56,35 @@ class Parameters:
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
-        return 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1) - x @ self.load
+        energy = 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1) - x @ self.load
+        return energy if self.dead is None else energy + self.dead.energy(self.sectors, x)
 
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Energy of y less that of x, without cancellation for nearby states [..., n], shape [...]."""
         step = y - x
         torque = self.stiffness * ((x - self.rest) + 0.5 * step) - self.load
-        return np.sum(step * torque, axis=-1)
+        change = np.sum(step * torque, axis=-1)
+        if self.dead is None:
+            return change
+        return change + self.dead.energy_change(self.sectors, *np.broadcast_arrays(x, y))
 
     def excess(self, x: np.ndarray) -> np.ndarray:
-        """Energy of states [..., n] above that of springs at rest under the load, over `Model.scale`, shape [...]."""
+        """Energy of states [..., n] above that of springs at rest under the load, over `Model.scale`, shape [...].
+
+        inf under forces in space: no state is known to have the least energy.
+        """
+        if self.dead is not None:
+            return np.full(x.shape[:-1], np.inf)
         return 0.5 * np.sum(self.torque(x) ** 2 / self.stiffness, axis=-1)
 
     def torque(self, x: np.ndarray) -> np.ndarray:
         """Gradient of the energy over `Model.scale` at states [..., n], same shape."""
-        return self.stiffness * (x - self.rest) - self.load
+        torque = self.stiffness * (x - self.rest) - self.load
+        return torque if self.dead is None else torque + self.dead.gradient(self.sectors, x)
+
+    def hessian(self, x: np.ndarray) -> np.ndarray:
+        """Hessian of the energy over `Model.scale` at states [..., n], shape [..., n, n]."""
+        springs = np.diag(self.stiffness)
+        if self.dead is None:
+            return np.broadcast_to(springs, (*x.shape[:-1], *springs.shape))
+        return springs + self.dead.hessian(self.sectors, x)

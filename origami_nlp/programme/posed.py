@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.files import Full
 from origami_nlp.numerics import SUMMED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
 from origami_nlp.programme.compiled import Structure
 from origami_nlp.programme.contact import Contact, gap_weights
@@ -53,6 +55,9 @@ class Posed(Full):
             gaps=gaps,
             pairs=pairs,
             flat_sheet=scene.vertex.flat,
+            dead=()
+            if (dead := dead_loads(scene.loads, scene.held_facet)) is None
+            else (dead.held, *dead.facets),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}
@@ -60,12 +65,34 @@ class Posed(Full):
         self.multiplicity = np.bincount(self.variable_of_crease)
         # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
         k = np.bincount(self.variable_of_crease, scene.stiffness)
-        rest = np.bincount(self.variable_of_crease, scene.rest_angles) / self.multiplicity
+        rest = np.bincount(self.variable_of_crease, scene.wound_angles) / self.multiplicity
         self.scale = 2.0 ** round(math.log2(k.mean()))
         sectors = [ray.sector for ray in group.rays]
         if group.kind == "D":
             sectors = sectors[:-1]
-        self.parameters = Parameters(np.array(sectors), k / self.scale, rest, np.zeros(self.size))
+        springs = Parameters(np.array(sectors), k, rest, np.zeros(self.size), dead)
+        self.parameters = springs.scaled(1 / self.scale)
+
+    def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
+        """Return the same programme with other numbers; it shares the compiled functions.
+
+        Parameters
+        ----------
+        parameters
+            Of the programme, over the same `scale`.
+        sector_angles
+            Of the whole vertex, shape [N] [rad], where they change; special relations are not made exact.
+        """
+        other = copy.copy(self)
+        for name in ("own_symmetries", "_chain"):  # they depend on the numbers
+            vars(other).pop(name, None)
+        other.parameters = parameters
+        if sector_angles is not None:
+            # unseen: a step may look beyond the angles that make a vertex before it comes back
+            other.scene, vertex = copy.copy(self.scene), copy.copy(self.scene.vertex)
+            object.__setattr__(vertex, "sector_angles", tuple(sector_angles.tolist()))
+            object.__setattr__(other.scene, "vertex", vertex)
+        return other
 
     @property
     def size(self) -> int:
@@ -119,12 +146,12 @@ class Posed(Full):
         """Maps x -> sign x[order] [n] that the springs and sectors have without being imposed, the identity first.
 
         Turned about the vertex, reflected in a plane across the sheet, or reflected in the sheet (which changes the
-        sign of every fold).  Only the identity where a symmetry is imposed already.
+        sign of every fold).  Only the identity where a symmetry is imposed already, or forces pull in space.
         """
         n, i = self.size, np.arange(self.size)
         p = self.parameters
         found = [(i, 1)]
-        if not self.scene.group.is_trivial:
+        if not self.scene.group.is_trivial or p.dead is not None:
             return tuple(found)
         a = p.sectors
         for shift, mirrored, sign in itertools.product(range(n), (False, True), (1, -1)):
@@ -343,6 +370,7 @@ class Posed(Full):
                 f"                  facets {i} and {j}: a separating plane, 4 rows "
                 "(3 more variables and |n| = 1, only while a solve needs it)"
             )
+        lines += [f"  load          {line}" for line in scene.load_lines]
         lines.append(
             f"  parameters    {self.parameters.vector.size}: sector angles, stiffness, rest angles, load"
         )

@@ -84,6 +84,16 @@ class Programme(Protocol):
     ) -> tuple[Contact, ...]: ...
     def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
     def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102
+    def varied(  # noqa: D102
+        self, parameters: Parameters, sector_angles: np.ndarray | None = None
+    ) -> Any: ...
+    def drift(  # noqa: D102
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+        change: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]: ...
 
 
 class Solvable(Programme, Protocol):

@@ -263,7 +263,7 @@ def _exact(scene: Scene) -> dict[str, tuple[float, ...]]:
     return {
         "sector_angles": scene.vertex.sector_angles,
         "stiffness": scene.stiffness,
-        "rest_angles": scene.rest_angles,
+        "rest_angles": scene.wound_angles,
     }
 
 

@@ -35,7 +35,7 @@ def piece_of(scene: Scene) -> Chain:
         In balls of the precision that is set.
     """
     if scene.group.is_trivial:
-        return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
+        return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
     return (Wedge if scene.group.kind == "D" else Period)(scene)
 
 
@@ -56,7 +56,7 @@ class _Piece(Chain):
         super().__init__(
             azimuths,
             [scene.stiffness[c] for c in creases if c is not None],
-            [scene.rest_angles[c] for c in creases if c is not None],
+            [scene.wound_angles[c] for c in creases if c is not None],
             [2 if r in mirrors else 1 for r in places],
             [orbit.count(r) for r in places],
         )

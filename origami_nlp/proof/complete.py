@@ -67,7 +67,7 @@ def prove(
     Raises
     ------
     OptionError
-        If the scene has other contact, or is no flat sheet.
+        If the scene has other contact or dead loads, or is no flat sheet.
 
     Examples
     --------
@@ -149,9 +149,10 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     Raises
     ------
     OptionError
-        If the scene has other contact, or is no flat sheet.
+        If the scene has other contact or dead loads, or is no flat sheet.
     """
     scene = model.scene
+    scene.check_no_forces("a proof")
     if scene.contact != "fold-limits":
         raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
     if not scene.vertex.flat:

@@ -95,6 +95,7 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     >>> isolated(model, [math.pi, -math.pi, -math.pi, -math.pi], (0, 0, 0, -1)).radius
     0.01
     """
+    model.scene.check_no_forces("a singular state")
     if model.scene.contact != "fold-limits" or not model.scene.vertex.flat:
         raise OptionError(
             "singular states are looked at for contact = 'fold-limits' and flat sheets"

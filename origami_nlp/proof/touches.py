@@ -117,6 +117,7 @@ def prove(
     (True, 2)
     """
     check_type("model", model, Model)
+    model.scene.check_no_forces("a proof")
     if model.scene.contact != "full":
         return prove_within_limits(model, seconds=seconds, most=most, record=record)
     started = time.perf_counter()

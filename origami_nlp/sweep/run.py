@@ -105,6 +105,20 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     )
 
 
+def run_chain(sweep: Sweep, chain: range) -> list[Outcome]:
+    """Find the states of the scenes of a chain by following them; by searches where they are no smooth family."""
+    from origami_nlp.sweep.along import follow_chain
+
+    try:
+        return follow_chain(sweep, chain)
+    except OrigamiError:
+        out: list[Outcome] = []
+        for index in chain:
+            guesses = [s[-1] for s in out[-1].states] if out else []
+            out.append(run_scene(sweep, index, guesses))
+        return out
+
+
 def run_sweep(
     sweep: Sweep,
     folder: str | Path,
@@ -177,11 +191,15 @@ def _walk(
 ) -> tuple[int, bool]:
     done = store.done()
     waiting = iter([chain for chain in sweep.chains() if not done.issuperset(chain)])
-    running: dict[Future[Outcome], tuple[range, int]] = {}
+    running: dict[Future[Any], tuple[range, int]] = {}
     finished, ran, states = len(done), 0, 0
 
     def submit(chain: range, at: int) -> bool:
-        """Submit the first scene of `chain` from position `at` that is not done."""
+        """Submit the first scene of `chain` from position `at` that is not done, or all of it where it is followed."""
+        if sweep.search["follow"]:
+            if not at:
+                running[pool.submit(run_chain, sweep, chain)] = chain, len(chain)
+            return not at
         for k in range(at, len(chain)):
             if chain[k] not in done:
                 guesses = store.angles(chain[k - 1]) if k else []
@@ -200,12 +218,15 @@ def _walk(
                 return ran, False
             for future in wait(running, return_when=FIRST_COMPLETED).done:
                 chain, k = running.pop(future)
-                outcome = future.result()
-                store.add(outcome, sweep.parameters(outcome.scene))
-                done.add(outcome.scene)
-                finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
-                if progress:
-                    progress(finished, sweep.count, states)
+                found = future.result()
+                for outcome in found if isinstance(found, list) else [found]:
+                    if outcome.scene in done:
+                        continue
+                    store.add(outcome, sweep.parameters(outcome.scene))
+                    done.add(outcome.scene)
+                    finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
+                    if progress:
+                        progress(finished, sweep.count, states)
                 submit(chain, k + 1)
     except BrokenExecutor:
         raise SweepError(

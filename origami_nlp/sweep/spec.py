@@ -24,6 +24,7 @@ starts = 1                     # fewest starts a scene
 max_starts = 100000
 seed = 0
 full = false                   # also decide each state in the full space
+follow = false                 # follow states along the last axis; search at both ends and in the middle only
 ```
 """
 
@@ -56,6 +57,7 @@ _SEARCH = {
     "max_starts": 100_000,
     "seed": 0,
     "full": False,
+    "follow": False,
 }
 _LARGEST = 10_000_000
 
@@ -128,8 +130,11 @@ class Sweep:
         OrigamiError
             If these values make no scene (sector angles that do not sum to 2 pi, say).
         """
+        return self.scene_with(self.parameters(index))
+
+    def scene_with(self, values: Mapping[str, float]) -> Scene:
+        """Make the scene with these values of the axes, whether they are among theirs or not."""
         data = copy.deepcopy(self.base)
-        values = self.parameters(index)
         for axis in self.axes:
             for place in axis.places:
                 _put(data, place, values[axis.name])
@@ -144,6 +149,7 @@ class Sweep:
         Runs depend on the sweep alone, not on what was interrupted when, and so does every answer.
         """
         row = self.shape[-1]
+        length = row if self.search["follow"] else length
         for start in range(0, self.count, row):
             for a in range(start, start + row, length):
                 yield range(a, min(a + length, start + row))
@@ -151,7 +157,9 @@ class Sweep:
     def fingerprint(self) -> str:
         """The whole sweep as text: two sweeps are the same when these agree."""
         axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
-        return json.dumps({"scene": self.base, "axes": axes, "search": self.search}, sort_keys=True)
+        # sweeps that do not follow are what they were before one could
+        search = {k: v for k, v in self.search.items() if k != "follow" or v}
+        return json.dumps({"scene": self.base, "axes": axes, "search": search}, sort_keys=True)
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -329,6 +337,8 @@ def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
         return
     match = _PLACE.fullmatch(place)
     table = base.get(match[1], {}) if match else None
+    if place.startswith("creases.preload[") and isinstance(table, dict):  # none stated: zeros
+        table.setdefault("preload", [0.0] * len(table.get("stiffness", ())))
     if match is None or not isinstance(table, Mapping) or match[2] not in table:
         raise SweepError(
             f'{where}.set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]"'
@@ -369,6 +379,9 @@ def _search(stated: Any) -> dict[str, Any]:
         value = search[key]
         if isinstance(value, bool) or not isinstance(value, int) or value < least:
             raise SweepError(f"search.{key} = {value!r} must be a whole number, at least {least}")
-    if not isinstance(search["full"], bool):
-        raise SweepError(f"search.full = {search['full']!r} must be true or false")
+    for key in ("full", "follow"):
+        if not isinstance(search[key], bool):
+            raise SweepError(f"search.{key} = {search[key]!r} must be true or false")
+    if search["follow"] and search["mode"] != "grid":
+        raise SweepError("search.follow needs mode = 'grid': it follows states along the last axis")
     return search

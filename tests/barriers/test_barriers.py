@@ -20,9 +20,12 @@ from origami_nlp.kkt import StartStream, State, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
-from tests.computed_once import once, panel_result
+from tests.computed_once import barriers_with_handles, once, panel_result
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
+
+COARSE = 0.25
+"""Spacing of meshes [rad]: passes are polished, so that they are the same to 1e-9 J at 0.1 and at 0.3."""
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:
@@ -41,7 +44,10 @@ def saddle_scene():
 
 @pytest.fixture(scope="module")
 def saddle_barriers(saddle_scene):
-    return once("barriers-saddle", lambda: find_barriers(saddle_scene, panel_result(saddle_scene)))
+    return once(
+        "barriers-saddle",
+        lambda: find_barriers(saddle_scene, panel_result(saddle_scene), spacing=COARSE),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -52,14 +58,15 @@ def contact_barriers():
     wedge = (0, 1, 2, 3, 2, 1)
     springs = (tuple(v[k] for k in wedge) for v in (stiffness, rest))
     scene = Scene(Vertex(a), *springs, "D1", "full")
-    return once("barriers-contact", lambda: find_barriers(scene, find_minima(scene, max_starts=24)))
+    return once(
+        "barriers-contact",
+        lambda: find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE),
+    )
 
 
 @pytest.fixture(scope="module")
 def handle_barriers():
-    scene = examples.degree6("pi/3", 1)
-    result = panel_result(scene, full=True)
-    return once("barriers-handle", lambda: find_barriers(scene, result, True, spacing=0.18))
+    return barriers_with_handles()
 
 
 def grid_graph(values):
@@ -380,7 +387,7 @@ def test_other_vertices_work_as_well():
     a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
     rest = (-2.0, 1.0, 1.3, 0.7, 1.3, 1.0)
     scene = Scene(Vertex(a), (0.02, 0.03, 0.01, 0.05, 0.01, 0.03), rest, "D1", "full")
-    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=0.2)
+    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE)
     sides = side_of_flat(np.array([m.fold_angles for m in found.result.minima]))
     flat = found.result.model.energy(np.zeros(4))
     for p in found.passes:

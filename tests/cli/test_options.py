@@ -12,6 +12,8 @@ from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
     "--effort": "bench takes it with --search only",
+    "--fold": "the crease pattern of an example, states, or paths",
+    "--state": "load follows one, others leave the others out",
     "--contact": "of a FOLD file, or of an example",
     "--symmetry": "of a FOLD file, or of an example",
     "--workers": "sweep uses all processors by default",

@@ -82,14 +82,19 @@ def maps(degree, end, size=200):
     "degree, end, more, share",
     [
         (6, "contract", None, 0),
-        (8, "contract", None, 0),
-        (12, "contract", None, 0),
-        (6, "contact", None, 0),
-        (12, "contact", None, 0),
         (8, "contact", 20, 0.0453),
-        (10, "contract", 37, 0.0352),
-        (10, "contact", 37, 0.0453),
         (14, "contract", 142, 0.0143),
+        *(
+            pytest.param(*row, marks=pytest.mark.slow)
+            for row in (
+                (8, "contract", None, 0),
+                (12, "contract", None, 0),
+                (6, "contact", None, 0),
+                (12, "contact", None, 0),
+                (10, "contract", 37, 0.0352),
+                (10, "contact", 37, 0.0453),
+            )
+        ),
     ],
 )
 def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, share):

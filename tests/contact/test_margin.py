@@ -98,10 +98,16 @@ def random_scene(n: int, symmetry: str, seed: int) -> o.Scene:
 RANDOM = (
     (4, "none", 6),
     (5, "none", 2),
-    (6, "D1", 7),
     *(
         pytest.param(*one, marks=pytest.mark.slow)
-        for one in ((4, "none", 16), (5, "none", 3), (6, "none", 1), (6, "none", 2), (6, "D1", 3))
+        for one in (
+            (6, "D1", 7),
+            (4, "none", 16),
+            (5, "none", 3),
+            (6, "none", 1),
+            (6, "none", 2),
+            (6, "D1", 3),
+        )
     ),
 )
 """Degree, symmetry and seed of random scenes that have a pinned state."""
@@ -317,7 +323,9 @@ def test_a_loaded_scene_searched_from_scratch_agrees(name: str) -> None:
         assert (near.kind == "contact-pinned") == closed
 
 
-@pytest.mark.parametrize("name", ["creases on each other, stiff mountains", "axis, pi/6"])
+@pytest.mark.parametrize(
+    "name", thinned(["axis, pi/6", "creases on each other, stiff mountains"], 2)
+)
 def test_every_load_in_the_ball_is_borne(name: str) -> None:
     margin = margin_of(name)
     model, x = state_of(name)

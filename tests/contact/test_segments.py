@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.chart import trace_boundary
 from origami_nlp.contact.segments import SegmentReport, find_segments
 from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.kkt import State
@@ -18,7 +17,7 @@ from origami_nlp.numerics import FOLLOWED
 from origami_nlp.path import BoundaryCurve, HeldCurve, Point, advance, evaluate, follow_boundary
 from origami_nlp.programme import Contact, Model
 from origami_nlp.show import METASTABLE
-from tests.computed_once import panel_result, shared
+from tests.computed_once import PANELS, panel_boundary, panel_result, shared
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),
@@ -209,7 +208,7 @@ def test_boundaries_without_a_state_are_found_on_request() -> None:
     assert len(report.curves) > len(segments("facets").curves)
     assert () in report.states
     # the boundary of the chart, traced without energy, is covered once
-    traced = sum(line.length for line in trace_boundary(result.scene).lines)
+    traced = sum(line.length for line in panel_boundary(PANELS.index(result.scene)).lines)
     assert sum(curve.length for curve in report.curves) == pytest.approx(traced, abs=0.02)
     # every state of the scene with a contact and some motion left lies on one of them
     named = {s for states in report.states for s in states}

@@ -31,6 +31,8 @@ SHAPES = list({s.vertex: s for s in PANELS}.values())
 COARSE = 16
 """Size of meshes of the space: `test_space.py` finds the same topology at 11, 16, 65 and 128."""
 
+# Every day a vertex of degree 8: its points cost a third of those of degree 6, which has one variable more.
+
 
 @shared
 def points_of(number):
@@ -66,14 +68,14 @@ def test_the_morse_sum_is_the_euler_characteristic(scene):
     assert max(p.residual for p in found.points) < 1e-12
 
 
-@pytest.mark.parametrize("shape", thinned([2, 1, 3], 3))
+@pytest.mark.parametrize("shape", thinned([3, 1, 2], 3))
 def test_the_sum_is_the_same_for_every_energy(shape):
     """The space does not know the springs: any point lost or misjudged alone breaks this."""
     other = find_critical_points(random_energy(SHAPES[shape], np.random.default_rng(shape)))
     assert other.morse_sum == 1, other.to_dict()
 
 
-@pytest.mark.parametrize("scene", thinned([SOME[0], SOME[1]], 2), ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned([SOME[2], SOME[0], SOME[1]], 3), ids=lambda s: s.name)
 def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     """Index and multiplier sign against the count on the sampled link, on springs without symmetry of their own."""
     rng = np.random.default_rng(3)
@@ -81,7 +83,7 @@ def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     assert found.doubts == () and found.morse_sum == 1
 
 
-@pytest.mark.parametrize("scene", thinned([SHAPES[0], SHAPES[5]], 2), ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned([SHAPES[5], SHAPES[0]], 2), ids=lambda s: s.name)
 def test_springs_at_rest_in_the_flat_state(scene):
     """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
     size = Model(scene).size

@@ -18,9 +18,9 @@ import origami_nlp as o
 from origami_nlp.folding import fold_vertex
 from origami_nlp.minima.picture import MOST_DRAWN
 from origami_nlp.show import KINDS, draw_state, pose_state
-from tests.computed_once import PANELS, panel_result, shared
+from tests.computed_once import PANELS, panel_result, shared, thinned
 
-COARSE = 61  # cells of the landscape: the pictures are not looked at here
+COARSE = 21  # cells of the landscape: the pictures are not looked at here
 
 SCENES = {
     "degree 6, handles and a family": o.examples.degree6("pi/3", 1),
@@ -104,7 +104,7 @@ def test_figures_are_complete_and_tidy(results, name, tmp_path):
         assert m.kind in written
 
 
-@pytest.mark.parametrize("name", [n for n in SCENES if n != "no chart"])
+@pytest.mark.parametrize("name", thinned([n for n in SCENES if n != "no chart"], 2))
 def test_every_minimum_is_marked_whole(results, name):
     """A marker of its kind at its place, not clipped at the border."""
     result = results[name]
@@ -125,7 +125,7 @@ def test_every_minimum_is_marked_whole(results, name):
         assert 0 < x < width and 0 < y < height
 
 
-@pytest.mark.parametrize("count", [1, 5, 12])
+@pytest.mark.parametrize("count", thinned([12, 5, 1], 3))
 def test_many_minima_make_a_larger_figure(results, count):
     result = results["degree 6, handles and a family"]
     many = tuple(itertools.islice(itertools.cycle(result.minima), count))
@@ -249,7 +249,7 @@ def parse(html):
     return parser, " ".join(parser.text)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", thinned(list(SCENES), 2))
 def test_html(results, name):
     result = results[name]
     html = result._repr_html_()

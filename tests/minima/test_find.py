@@ -94,7 +94,7 @@ def test_a_flat_sheet_at_rest_stays_flat():
         Scene(Vertex(("pi/2",) * 4), (1.0,) * 4, (0,) * 4, "none"),
         Scene(Vertex(("pi/4",) * 8), (1.0,) * 8, (0,) * 8, "D2"),
     ):
-        best = find_minima(scene, max_starts=32).minima[0]
+        best = find_minima(scene, max_starts=16).minima[0]
         assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
         assert best.kind == "degenerate"  # closure loses rank at the flat state
         assert best.local_dimension == Model(scene).freedom
@@ -104,7 +104,7 @@ SLOW = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
-    "ratio", [1e-8, *(pytest.param(r, marks=SLOW) for r in (1e-6, 1e-4, 1e4)), 1e6]
+    "ratio", [1e-8, *(pytest.param(r, marks=SLOW) for r in (1e-6, 1e-4, 1e4, 1e6))]
 )
 @pytest.mark.parametrize("make", [examples.degree6, examples.degree8], ids=["6", "8"])
 def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):

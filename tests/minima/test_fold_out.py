@@ -23,7 +23,7 @@ from origami_nlp.folding import face_orders
 from origami_nlp.minima import write_fold, write_mesh
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
-from tests.computed_once import once
+from tests.computed_once import shared
 from tests.fold_files import disc, folded, in_space, miura
 
 RUN = CliRunner()
@@ -42,10 +42,14 @@ SCENES = {
 }
 
 
+@shared
+def searched(name):
+    return find_minima(SCENES[name], max_starts=60)
+
+
 @pytest.fixture(scope="module", params=SCENES, ids=str)
 def result(request):
-    scene = SCENES[request.param]
-    return once(f"fold-out-{request.param}", lambda: find_minima(scene, max_starts=60))
+    return searched(request.param)
 
 
 def test_states_survive_the_round_trip(result, tmp_path):
@@ -102,8 +106,9 @@ def test_frames_hold_the_states(result):
 
 def test_face_orders_of_shut_creases():
     """A valley shut onto facet i - 1 lies on its normal's side, a mountain on the other."""
-    for scene in (SCENES["shut"], SCENES["degree 6"]):
-        for m in find_minima(scene, max_starts=60).minima:
+    for name in ("shut", "degree 6"):
+        scene = SCENES[name]
+        for m in searched(name).minima:
             phi = np.array(m.fold_angles)
             from origami_nlp.folding import fold_vertex
 
@@ -138,7 +143,7 @@ def test_meshes(tmp_path, suffix):
     trimesh = pytest.importorskip(
         "trimesh", reason='trimesh is not installed: pip install "origami_nlp[mesh]"'
     )
-    result = find_minima(SCENES["degree 4"], max_starts=40)
+    result = searched("degree 4")
     target = tmp_path / f"states{suffix}"
     write_mesh(result, target)
     mesh = trimesh.load(target, force="mesh")

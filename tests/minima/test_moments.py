@@ -25,7 +25,7 @@ def draw(n, seed=0, equal=False):
 def test_every_minimum_is_a_zero_of_the_map(n):
     compared = 0
     for seed in range(3):
-        found = find_minima(draw(n, seed))
+        found = find_minima(draw(n, seed), effort="quick")
         chain = MomentMap(found.model)
         for minimum in found.minima:
             shot = chain.shoot(np.array([minimum.moment]) / found.model.scale)

@@ -11,6 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Solve, State, classify, polish
 from origami_nlp.minima import find_minima, trace
 from origami_nlp.programme import Model
+from tests.computed_once import thinned
 from tests.independent import rotations
 from tests.independent.admissible import admissible
 from tests.independent.scenes import SHAPES, build
@@ -132,7 +133,7 @@ def beside_flat(phi, reach=0.02):
     return np.abs(phi - PI * np.round(phi / PI)).max() < reach
 
 
-@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+@pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
 def test_every_dip_of_a_dense_scan_is_a_minimum_that_was_traced(contact):
     rng = np.random.default_rng(11)
     seen = 0
@@ -159,7 +160,7 @@ def test_every_dip_of_a_dense_scan_is_a_minimum_that_was_traced(contact):
     assert seen > 15
 
 
-@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+@pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
 @pytest.mark.parametrize("shape", ONE, ids=str)
 def test_nothing_that_starts_find_is_missing(shape, seed, contact):

@@ -49,7 +49,7 @@ def words(figure):
 def test_without_verdicts_no_word_says_stable(open_):
     assert count_words(open_.scene, open_.minima) == "4 symmetric minima"
     assert {verdict(SCENE, m) for m in open_.minima} == {"not asked"}
-    figure = o.draw_minima(open_, size=61)
+    figure = o.draw_minima(open_, size=21)
     told = [str(open_), open_.to_html(picture=False), *words(figure)]
     told.append(json.dumps(minima_to_fold(open_)))
     for text in told:
@@ -78,7 +78,7 @@ def test_verdicts_are_in_table_html_figure_and_fold(decided):
     assert title in html
     frames = minima_to_fold(decided)["file_frames"]
     frames = [frame for frame in frames if "origaminlp:path" not in frame]  # of descents
-    figure = o.draw_minima(decided, size=61)
+    figure = o.draw_minima(decided, size=21)
     assert any(title in t for t in words(figure))
     for number, (own, frame) in enumerate(zip(verdicts, frames, strict=True), start=1):
         assert frame["frame_title"].endswith(f" J, {own}")

@@ -11,6 +11,7 @@ from origami_nlp.pattern import examples
 from origami_nlp.programme import random_strata
 from origami_nlp.proof import Kind, Proof, Tree, prove
 from origami_nlp.proof.boxes import BEYOND, strata
+from tests.computed_once import shared
 
 BESIDE = 1e-9
 """A state in doubles closes to 1e-14; by how much [rad] it may lie outside a box that holds the exact one."""
@@ -62,9 +63,13 @@ class Replay:
                 return node, True
 
 
-def proof_of(scene) -> tuple[Model, Proof, Replay]:
-    model = Model(scene)
-    proof = prove(model, record=True)
+@shared
+def recorded(name: str) -> Proof:
+    return prove(Model(SCENES[name]), record=True)
+
+
+def proof_of(name: str) -> tuple[Model, Proof, Replay]:
+    model, proof = Model(SCENES[name]), recorded(name)
     return model, proof, Replay(proof.tree, model.size)
 
 
@@ -78,7 +83,7 @@ SCENES = {
 
 @pytest.mark.parametrize("name", SCENES)
 def test_no_closed_state_is_excluded_by_closure(name):
-    model, _, replay = proof_of(SCENES[name])
+    model, _, replay = proof_of(name)
     rng = np.random.default_rng(0)
     states = random_strata(model, rng, 400)
     pins = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
@@ -95,7 +100,7 @@ def test_no_closed_state_is_excluded_by_closure(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_critical_points_end_in_their_leaves(name):
-    model, proof, replay = proof_of(SCENES[name])
+    model, proof, replay = proof_of(name)
     for number, point in enumerate(proof.points):
         node, inside = replay.leaf(np.array(point.x), np.array(point.stratum), critical=True)
         assert inside and replay.tree.kind[node] == Kind.ROOT
@@ -110,7 +115,7 @@ def test_critical_points_end_in_their_leaves(name):
 
 def test_leaves_lie_where_they_say():
     """Boxes of leaves: roots within uniqueness, flat ones within the radius, clusters within their hulls."""
-    _, proof, replay = proof_of(SCENES["degree 5"])
+    _, proof, replay = proof_of("degree 5")
     tree, start = proof.tree, replay.start
     seen = dict.fromkeys((Kind.ROOT, Kind.FLAT), 0)
     for which, root in enumerate(replay.roots):

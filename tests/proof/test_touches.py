@@ -17,7 +17,7 @@ from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.touches import touch_strata, why_not, with_touches
 from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
-from tests.computed_once import thinned
+from tests.computed_once import panel_result, shared, thinned
 from tests.proof.test_chains import (
     WIDTHS,
     boxes,
@@ -55,9 +55,17 @@ TOUCHING = family_scene("full-contact", 11)
 PANELS = examples.panels()
 
 
-@pytest.fixture(scope="module")
+SCENES = {"touching": TOUCHING, "uneven": uneven(6)}
+
+
+@shared
+def proof_of(name):
+    return prove(Model(SCENES[name]))
+
+
+@pytest.fixture
 def touching():
-    return prove(Model(TOUCHING))
+    return proof_of("touching")
 
 
 @pytest.mark.parametrize("width", WIDTHS)
@@ -126,10 +134,10 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     assert seen >= 5
 
 
-@pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING], 2))
-def test_points_with_touches_hold_in_50_digits(scene):
+@pytest.mark.parametrize("name", thinned(["uneven", "touching"], 2))
+def test_points_with_touches_hold_in_50_digits(name):
     """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
-    proof = prove(Model(scene))
+    proof, scene = proof_of(name), SCENES[name]
     gaps = Model(scene).structure.gaps
     total = sum(map(mpf, scene.vertex.sector_angles))
     a = [mpf(v) * 2 * mp.pi / total for v in scene.vertex.sector_angles]
@@ -246,7 +254,7 @@ def test_signs_agree_with_the_test_of_single_states():
     assert min(seen.values()) > 10
 
 
-@pytest.mark.parametrize("number", [1, 5, 7, 11, 12, 16])
+@pytest.mark.parametrize("number", thinned([1, 5, 7, 11, 12, 16], 2))
 def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
     scene = PANELS[number]
     model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
@@ -267,33 +275,34 @@ def test_one_freedom_has_no_touches():
     assert len(proof.points) + proof.crossing == len(limits.points)
 
 
-def test_labels_turned_and_reflected(touching):
+@pytest.mark.parametrize(("turn", "way"), thinned([(2, -1), (2, 1), (0, -1)], 3))
+def test_labels_turned_and_reflected(touching, turn, way):
+    """Numbered from another crease, the other way round, and both: every day both."""
     n = TOUCHING.degree
-    order = [(i + 2) % n for i in range(n)]
-    mirror = [(-i) % n for i in range(n)]
+    perm = [(turn + way * i) % n for i in range(n)]
+    arcs = perm if way == 1 else [(i - 1) % n for i in perm]
     sectors = TOUCHING.vertex.sector_angles
-    for perm, arcs in ((order, order), (mirror, [(-i - 1) % n for i in range(n)])):
-        scene = replace(
-            TOUCHING,
-            vertex=Vertex(tuple(sectors[i] for i in arcs)),
-            stiffness=tuple(TOUCHING.stiffness[i] for i in perm),
-            rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
-        )
-        proof = prove(Model(scene))
-        x = np.array([p.x for p in proof.points])
-        y = np.array([p.x for p in touching.points])[:, perm]
-        assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
-        assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
+    scene = replace(
+        TOUCHING,
+        vertex=Vertex(tuple(sectors[i] for i in arcs)),
+        stiffness=tuple(TOUCHING.stiffness[i] for i in perm),
+        rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
+    )
+    proof = prove(Model(scene))
+    x = np.array([p.x for p in proof.points])
+    y = np.array([p.x for p in touching.points])[:, perm]
+    assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
+    assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
 
 
-@pytest.mark.parametrize("number", [2, 4, 8, 9, 11, 16])
+@pytest.mark.parametrize("number", thinned([4, 2, 9, 8, 16, 11], 2))
 def test_minima_of_panels(number):
     """Those of the search are proved, or at a state that is named as judged by its cone, or singular; no others."""
     scene = PANELS[number]
     model = Model(scene)
     proof = prove(model)
     assert not proof.undecided
-    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene).minima]
+    found = [model.reduce(np.array(m.fold_angles)) for m in panel_result(scene).minima]
     for p in proof.minima:
         assert min(np.abs(x - p.x).max() for x in found) < 1e-8
     for x in found:

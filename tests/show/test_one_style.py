@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.barriers import draw_barriers, find_barriers
+from origami_nlp.barriers import draw_barriers
 from origami_nlp.chart import admissible_region, landscape
 from origami_nlp.landscape import draw_landscape
 from origami_nlp.show import (
@@ -23,7 +23,7 @@ from origami_nlp.show import (
     label_marks,
     mark_minimum,
 )
-from tests.computed_once import PANELS, once, panel_boundary, panel_result
+from tests.computed_once import PANELS, barriers_with_handles, panel_boundary, panel_result
 
 TRACED = [o.examples.degree6("pi/4"), o.examples.degree6("pi/3"), o.examples.degree8("pi/12", 0.01)]
 """Of these panels other tests have the boundary."""
@@ -120,14 +120,8 @@ def test_labels_find_room(points):
     assert sorted(map(int, numbers)) == list(range(1, len(points) + 1))
 
 
-def handle_barriers():
-    scene = o.examples.degree6("pi/3", 1)
-    result = panel_result(scene, full=True)
-    return once("barriers-handle", lambda: find_barriers(scene, result, True, spacing=0.18))
-
-
 def test_merge_trees_are_drawn_once_each_and_explained():
-    found = handle_barriers()
+    found = barriers_with_handles()
     figure = draw_barriers(found, found, found)
     assert len([axes for axes in figure.axes if axes.lines]) == 1
     assert "and 2 more with this tree" in figure.axes[0].get_title()

@@ -1,0 +1,30 @@
+from .boundary import (
+    Boundaries as Boundaries,
+    EventCurve as EventCurve,
+    find_boundaries as find_boundaries,
+)
+from .branches import branches_of as branches_of, chains_of as chains_of
+from .family import (
+    Family as Family,
+    Over as Over,
+    family_of as family_of,
+    parse_over as parse_over,
+)
+from .figure import (
+    COLOURS as COLOURS,
+    MARKS as MARKS,
+    draw_atlas as draw_atlas,
+    draw_boundaries as draw_boundaries,
+)
+from .find import follow as follow, follow_family as follow_family
+from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
+from .judging import parts_of as parts_of
+from .plane import Plane as Plane
+from .records import (
+    Check as Check,
+    PathBranch as PathBranch,
+    PathEvent as PathEvent,
+    PathPoint as PathPoint,
+    StateAt as StateAt,
+)
+from .result import Atlas as Atlas

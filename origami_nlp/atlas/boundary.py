@@ -1,0 +1,283 @@
+"""The map of events over two parameters: curves between which the number and kind of states do not change."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.atlas.event_curve import EventPoint, EventTracer, follow_event
+from origami_nlp.atlas.family import Over, parse_nearby, parse_over
+from origami_nlp.atlas.find import follow_family
+from origami_nlp.atlas.plane import Plane
+from origami_nlp.atlas.records import Interval
+from origami_nlp.atlas.result import Atlas
+from origami_nlp.numerics import BESIDE, STATIONARY
+from origami_nlp.path import Hold, Node, Tally, Web
+from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.programme import Contact
+from origami_nlp.show import Piece, Table, Told, Words, to_plain
+
+SCHEMA = "origami-nlp/boundary/1"
+FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
+"""Events that are followed over two parameters."""
+MOST_LINES = 100
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """An event at one pair of parameters.
+
+    Attributes
+    ----------
+    t
+        Both parameters in their units.
+    fold_angles
+        All N [rad].
+    kkt, event
+        Residuals of the KKT system and of the event's own function.
+    """
+
+    t: tuple[float, float]
+    fold_angles: tuple[float, ...]
+    kkt: float
+    event: float
+
+
+@dataclass(frozen=True)
+class EventCurve:
+    """A curve of events.
+
+    Attributes
+    ----------
+    id
+        From 1.
+    type
+        Of the event from which it was followed.
+    contact
+        That closes or leaves, in words; "" for folds.
+    points
+        In order.
+    ends
+        Why it ends, first and last: ``range``, ``closed curve``, or what it meets.
+    """
+
+    id: int
+    type: str
+    contact: str
+    points: tuple[CurvePoint, ...]
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class CountedLine:
+    """What was followed over the first parameter at one value of the second.
+
+    Attributes
+    ----------
+    t
+        Value of the second parameter.
+    intervals
+        Number and kinds of minima over the first.
+    events
+        Values of the first at which events were located, and the number of the curve of each; 0 for one that is not
+        followed over two parameters.
+    """
+
+    t: float
+    intervals: tuple[Interval, ...]
+    events: tuple[tuple[float, int], ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Boundaries(Told):
+    """Curves of events over two parameters, and the counts between them.
+
+    Attributes
+    ----------
+    scene
+        The scene that the others differ from.
+    overs
+        Both parameters with their ranges.
+    curves
+        In order of their numbers.
+    lines
+        What was followed over the first parameter: each event there lies on a curve.
+    seconds
+        Of wall time.
+    """
+
+    scene: Scene
+    overs: tuple[Over, Over]
+    curves: tuple[EventCurve, ...]
+    lines: tuple[CountedLine, ...]
+    seconds: float
+
+    def told(self) -> Iterator[Piece]:
+        """Return the curves, and the counts along each line."""
+        a, b = self.overs
+        rows = []
+        for c in self.curves:
+            first, last = c.points[0].t, c.points[-1].t
+            ends = [f"({_shown(a, p[0])}, {_shown(b, p[1])})" for p in (first, last)]
+            rows.append(
+                (str(c.id), c.type, c.contact or "-", *ends, str(len(c.points)), ", ".join(c.ends))
+            )
+        heads = ("curve", "type", "contact", "from", "to", "points", "ends")
+        yield Table(
+            heads,
+            rows,
+            f"{len(self.curves)} curves of events over {a.name} and {b.name}",
+            "rlLllrL",
+        )
+        for line in self.lines:
+            counts = ", ".join(
+                f"{i.minima} ({_shown(a, i.t[0])} to {_shown(a, i.t[1])})" for i in line.intervals
+            )
+            yield Words(f"{b.name} = {_shown(b, line.t)}: minima {counts}")
+        yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain JSON data."""
+        parameters = [
+            {"name": o.name, "unit": o.unit, "from": o.low, "to": o.high, "scale": "log" if o.log else "linear"}
+            for o in self.overs
+        ]  # fmt: skip
+        return {
+            "schema": SCHEMA,
+            "scene": scene_to_dict(self.scene),
+            "parameters": parameters,
+            "curves": to_plain(self.curves),
+            "lines": to_plain(self.lines),
+            "seconds": self.seconds,
+        }
+
+
+def _shown(over: Over, t: float) -> str:
+    return f"{math.degrees(t):.5g} deg" if over.unit == "rad" else f"{t:.5g}"
+
+
+def find_boundaries(
+    scene: Scene,
+    event: str | Over,
+    over: str | Over,
+    *,
+    lines: int = 3,
+    seed: int = 0,
+    effort: str = "normal",
+) -> Boundaries:
+    """Follow the events over one parameter through a second one.
+
+    Parameters
+    ----------
+    scene
+        What is folded.
+    event
+        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
+        ``"ratio=1.79"``, for a range around it.
+    over
+        The second parameter and its range.
+    lines
+        Values of the second at which the first is followed: both ends, then between them.
+    seed, effort
+        Of the searches.
+
+    Returns
+    -------
+    Boundaries
+        Curves and counts.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameters, or an argument is not what it must be.
+    """
+    check_type("scene", scene, Scene)
+    check_whole("lines", lines, 1, MOST_LINES)
+    begin = time.perf_counter()
+    a = parse_nearby(event) if isinstance(event, str) else event
+    b = parse_over(over) if isinstance(over, str) else over
+    plane, tally = Plane(scene, (a, b)), Tally()
+    low, high = b.s_of(b.low), b.s_of(b.high)
+    curves: list[EventCurve] = []
+    counted = []
+    where = np.linspace(low, high, lines) if lines > 1 else [0.5 * (low + high)]
+    for u in map(float, where):
+        family = plane.family(b.t_of(u))
+        atlas = follow_family(
+            type(family)(a, family.scene_of), full_space=False, seed=seed, effort=effort
+        )
+        counted.append(_line(plane, atlas, u, curves, tally))
+    return Boundaries(scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin)
+
+
+def _line(
+    plane: Plane, atlas: Atlas, u: float, curves: list[EventCurve], tally: Tally
+) -> CountedLine:
+    """Follow the events of a line that lie on no curve yet."""
+    met: list[tuple[float, int]] = []
+    for number, node in enumerate(atlas.web.nodes):
+        if node.type not in FOLLOWED or not node.located:
+            continue
+        t = plane.overs[0].t_of(node.s)
+        tracer = EventTracer(plane, *_system(atlas.web, number, node), tally)
+        first = tracer.at(np.array([node.s, u]), np.array([1.0, 0.0]), node.point[:-1])
+        if first is None or abs(first.point[0] - node.s) > BESIDE:
+            met.append((t, 0))
+            continue
+        known = next((c.id for c in curves if _lies_on(tracer, c, first)), 0)
+        if not known:
+            points, ends = follow_event(tracer, first)
+            known = len(curves) + 1
+            contact = tracer.contact
+            words = (
+                ""
+                if contact is None
+                else first.frame.programme.words(contact, first.frame.state).text
+            )
+            found = tuple(
+                _point(plane, p) for p in points if max(p.kkt, abs(p.event)) <= STATIONARY
+            )
+            curves.append(EventCurve(known, node.type, words, found, ends))
+        met.append((t, known))
+    return CountedLine(plane.overs[1].t_of(u), atlas.intervals, tuple(sorted(met)))
+
+
+def _system(web: Web, number: int, node: Node) -> tuple[Hold, Contact | None]:
+    """Return what is held at an event without the contact that closes, and that contact."""
+    arc = next(arc for arc in web.arcs if number in (arc.start, arc.end))
+    hold = arc.frames[len(arc.frames) // 2].hold
+    if node.contact is None:
+        return hold, None
+    return Hold(tuple(c for c in hold.contacts if c != node.contact), hold.closure), node.contact
+
+
+def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint) -> bool:
+    """Tell whether an event is a point of a curve: the event at the same second parameter, from its nearest point."""
+    plane = tracer.plane
+    words = tracer.contact and first.frame.programme.words(tracer.contact, first.frame.state).text
+    if (words or "") != curve.contact:
+        return False
+    u = first.point[1]
+    at = [plane.overs[1].s_of(p.t[1]) - u for p in curve.points]
+    angles = first.frame.programme.expand(first.frame.state)
+    for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
+        if min(da, db) > plane.size[1] * BESIDE or max(da, db) < -plane.size[1] * BESIDE:
+            continue
+        share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
+        there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
+        s, t = (plane.overs[0].s_of(v.t[0]) for v in (p, q))
+        near = abs(s * (1 - share) + t * share - first.point[0]) / plane.size[0]
+        if max(float(np.abs(there - angles).max()), near) <= 0.05:
+            return True
+    return False
+
+
+def _point(plane: Plane, p: EventPoint) -> CurvePoint:
+    angles = p.frame.programme.expand(p.frame.state)
+    return CurvePoint(plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)

@@ -1,0 +1,224 @@
+"""Arcs of a web joined to branches, and its nodes made events."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from origami_nlp.atlas.family import Over
+from origami_nlp.atlas.judging import Part
+from origami_nlp.atlas.records import (
+    BranchEnd,
+    KindRange,
+    Multiplier,
+    PathBranch,
+    PathEvent,
+    PathPoint,
+    Residuals,
+)
+from origami_nlp.kkt import State
+from origami_nlp.path import Equilibrium, Node, Web
+
+QUIET = ("start", "range", "corner")
+"""Nodes at which nothing happens."""
+Chain = list[tuple[int, bool]]
+"""Arcs in order, each with whether it is run from its start to its end."""
+
+
+def chains_of(web: Web) -> list[Chain]:
+    """Join arcs at nodes where just two of them meet; others end there."""
+    meeting: dict[int, list[int]] = {}
+    for k, arc in enumerate(web.arcs):
+        meeting.setdefault(arc.start, []).append(k)
+        meeting.setdefault(arc.end, []).append(k)
+    left = set(range(len(web.arcs)))
+    out: list[Chain] = []
+
+    def walk(arc: int, node: int) -> Chain:
+        chain: Chain = []
+        while arc in left:
+            left.discard(arc)
+            forward = web.arcs[arc].start == node
+            chain.append((arc, forward))
+            node = web.arcs[arc].end if forward else web.arcs[arc].start
+            onward = [k for k in meeting[node] if k != arc]
+            if len(meeting[node]) != 2 or not onward:
+                break
+            arc = onward[0]
+        return chain
+
+    for node, arcs in sorted(meeting.items()):
+        if len(arcs) != 2:
+            out += [walk(k, node) for k in arcs if k in left]
+    for k in range(len(web.arcs)):
+        if k in left:
+            out.append(walk(k, web.arcs[k].start))
+    return out
+
+
+def branches_of(
+    web: Web,
+    over: Over,
+    chains: list[Chain],
+    parts: dict[int, list[Part]],
+    across: Callable[[Equilibrium], float],
+) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
+    """Return branches and events, with their numbers.
+
+    parts: of each arc, see `parts_of`.  across: eigenvalue across the symmetry.
+    """
+    meets: dict[int, set[int]] = {}
+    for number, chain in enumerate(chains, start=1):
+        for k, _ in chain:
+            meets.setdefault(web.arcs[k].start, set()).add(number)
+            meets.setdefault(web.arcs[k].end, set()).add(number)
+    shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
+    shown.sort(key=lambda k: web.nodes[k].s)
+    ids = {k: i for i, k in enumerate(shown, start=1)}
+    events = tuple(
+        _event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown
+    )
+    branches = tuple(
+        _branch(web, over, number, chain, parts, across, ids)
+        for number, chain in enumerate(chains, start=1)
+    )
+    return branches, events
+
+
+def _event(web: Web, number: int, node: Node, over: Over, meets: tuple[int, ...]) -> PathEvent:
+    programme = web.line.at(node.s)
+    return PathEvent(
+        number,
+        _type(web, node),
+        over.t_of(node.s),
+        tuple(programme.expand(node.point[:-1]).tolist()),
+        "" if node.contact is None else programme.words(node.contact, node.point[:-1]).text,
+        Residuals(node.residual, node.value),
+        node.located,
+        node.why,
+        meets,
+    )
+
+
+def _type(web: Web, node: Node) -> str:
+    """Return the type of an event, contacts as they close and leave while the parameter grows."""
+    if node.type == "refused":
+        return "singular"
+    if node.type not in ("closes", "leaves"):
+        return node.type
+    number = web.nodes.index(node)
+    for arc in web.arcs:
+        if number in (arc.start, arc.end) and node.contact in arc.frames[1].hold.contacts:
+            return "closes" if arc.high > node.s + (node.s - arc.low) else "leaves"
+    return node.type
+
+
+def _branch(
+    web: Web,
+    over: Over,
+    number: int,
+    chain: Chain,
+    parts: dict[int, list[Part]],
+    across: Callable[[Equilibrium], float],
+    ids: dict[int, int],
+) -> PathBranch:
+    points: list[PathPoint] = []
+    ranges: list[KindRange] = []
+    for k, forward in chain:
+        arc = web.arcs[k]
+        frames = arc.frames if forward else arc.frames[::-1]
+        last = len(frames) - 1
+        begin = len(points) - bool(points)  # arcs share the point at which they meet
+        unique = _unique(arc.frames[last // 2])
+        points += [point_of(f, over, across, unique) for f in frames[bool(points) :]]
+        for part in parts[k] if forward else reversed(parts[k]):
+            a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
+            t = over.t_of(frames[a].s), over.t_of(frames[b].s)
+            new = KindRange(t, part.kind, arc.index, part.certificate, (begin + a, begin + b))
+            ranges = _joined(ranges, new)
+    (a, forward), (b, onward) = chain[0], chain[-1]
+    first = web.arcs[a].start if forward else web.arcs[a].end
+    final = web.arcs[b].end if onward else web.arcs[b].start
+    ends = (_end(web, first, ids), _end(web, final, ids))
+    if first == final and len(chain) > 1:
+        ends = (BranchEnd("closed curve", None),) * 2
+    return PathBranch(number, tuple(ranges), tuple(points), ends)
+
+
+def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
+    """Add a range; one that goes on in the same kind and direction is made longer."""
+    if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
+        if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
+            whole = KindRange(
+                (old.t[0], new.t[1]),
+                old.kind,
+                old.index,
+                old.certificate,
+                (old.points[0], new.points[1]),
+            )
+            return [*ranges[:-1], whole]
+    return [*ranges, new]
+
+
+def _end(web: Web, node: int, ids: dict[int, int]) -> BranchEnd:
+    found = web.nodes[node]
+    why = found.type + (f": {found.why}" if found.why else "")
+    return BranchEnd(why, ids.get(node))
+
+
+def point_of(
+    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float], unique: bool
+) -> PathPoint:
+    """Return a state of a branch in the scene's units; unique: whether its multipliers are."""
+    p = frame.programme
+    forces = []
+    if frame.hold.contacts:
+        state = State(p, frame.state)
+        for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+            unit = p.scale / p.weight(contact)
+            low, high = (value, value) if unique else _spread(state, contact, value)
+            forces.append(
+                Multiplier(
+                    p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
+                )
+            )
+    eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
+    return PathPoint(
+        over.t_of(frame.s),
+        tuple((p.expand(frame.state) + 0.0).tolist()),
+        p.energy(frame.state),
+        tuple(forces),
+        eigenvalue,
+        across(frame),
+    )
+
+
+def _unique(frame: Equilibrium) -> bool:
+    """Tell whether the contacts that are closed at a state determine their multipliers."""
+    if not frame.hold.contacts:
+        return True
+    state = State(frame.programme, frame.state)
+    return all(state.on(piece).multiplier_set.unique for piece in state.pieces)
+
+
+def _spread(state: State, contact: object, value: float) -> tuple[float, float]:
+    """Return the smallest and largest multiplier of a contact over the set of them, scaled energy."""
+    for piece in state.pieces:
+        if contact in piece:
+            found = state.on(piece).multiplier_set
+            if not found.unique:
+                k = piece.index(contact)  # type: ignore[arg-type]
+                return float(found.lower[k]), float(found.upper[k])
+            break
+    return value, value
+
+
+def widest_gap(web: Web, taken: list[float]) -> float | None:
+    """Return the middle of the widest interval of s between events and checks; None where all are narrow."""
+    cuts = np.unique([web.low, web.high, *(n.s for n in web.nodes), *taken])
+    if len(cuts) < 2:
+        return None
+    k = int(np.diff(cuts).argmax())
+    return float(0.5 * (cuts[k] + cuts[k + 1]))

@@ -1,0 +1,270 @@
+"""Follow all minima of a few searches over a parameter: events located, counts between them, checks reported."""
+
+from __future__ import annotations
+
+import time
+from functools import cached_property
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from origami_nlp.arguments import check_flag, check_type, check_whole
+from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
+from origami_nlp.atlas.family import Family, Over, family_of, parse_over
+from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
+from origami_nlp.atlas.records import Check, Cost
+from origami_nlp.atlas.result import Atlas
+from origami_nlp.critical import find_critical_points
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, classify
+from origami_nlp.minima import MinimaResult, find_minima, full_scene
+from origami_nlp.numerics import SETTLED
+from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model
+from origami_nlp.space import find_space
+
+MOST_CHECKS = 100
+
+
+def follow(
+    scene: Scene,
+    over: str | Over,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full_space: bool = True,
+    morse: bool = False,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int = 100_000,
+) -> Atlas:
+    """Follow the minima of a scene over a parameter.
+
+    Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
+    middle, then the middle of the widest interval without event or check.  Every state that none of the branches
+    explains begins a new one.
+
+    Parameters
+    ----------
+    scene
+        What is folded.
+    over
+        The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_over`.
+    checks
+        Number of searches.
+    through_folds
+        Whether states are followed on through folds, where they are saddles until they turn again.
+    full_space
+        Whether events at which a symmetric state loses its stability without the symmetry are located.
+    morse
+        Whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+    effort, seed, max_starts
+        Of the searches.
+
+    Returns
+    -------
+    Atlas
+        Branches, events, counts and checks.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameter, or an argument is not what it must be.
+    """
+    check_type("scene", scene, Scene)
+    stated = parse_over(over) if isinstance(over, str) else over
+    check_type("over", stated, Over)
+    return follow_family(
+        family_of(scene, stated),
+        checks=checks,
+        through_folds=through_folds,
+        full_space=full_space,
+        morse=morse,
+        effort=effort,
+        seed=seed,
+        max_starts=max_starts,
+    )
+
+
+def follow_family(
+    family: Family,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full_space: bool = True,
+    morse: bool = False,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int = 100_000,
+    steps: Steps | None = None,
+) -> Atlas:
+    """Follow the minima of a family of scenes; arguments as for `follow`, steps: of the tracer."""
+    check_whole("checks", checks, 1, MOST_CHECKS)
+    for name, flag in (
+        ("through_folds", through_folds),
+        ("full_space", full_space),
+        ("morse", morse),
+    ):
+        check_flag(name, flag)
+    search = {"effort": effort, "seed": seed, "max_starts": max_starts}
+    survey = _Survey(family, through_folds, full_space, morse, search, steps)
+    ends = [family.over.low, family.over.high]
+    middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
+    for t in ([middle] if checks == 1 else [*ends, middle])[:checks]:
+        survey.check(t)
+    while len(survey.checks) < checks:
+        s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
+        if s is None:
+            break
+        survey.check(family.over.t_of(s))
+    return survey.atlas()
+
+
+class _Survey:
+    """Searches and what they start, until the atlas is made."""
+
+    def __init__(
+        self,
+        family: Family,
+        through_folds: bool,
+        full_space: bool,
+        morse: bool,
+        search: dict[str, object],
+        steps: Steps | None,
+    ) -> None:
+        self._begin = time.perf_counter()
+        self.family, self.over, self._morse, self._search = family, family.over, morse, search
+        self._full = full_space
+        low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
+        self._scene = family.scene(self.over.low)
+        self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
+        self._touching: Touching = {}
+        symmetric = not self._scene.group.is_trivial
+        functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
+        more = {} if steps is None else {"steps": steps}
+        self.web = Web(
+            family.line, low, high, through_folds=through_folds, functions=functions, **more
+        )
+        self.checks: list[Check] = []
+        self.alarms: list[str] = []
+        self._euler: dict[Vertex, int] = {}
+
+    @cached_property
+    def _full_line(self) -> ParameterLine | None:
+        if not self._full or self._scene.group.is_trivial:
+            return None
+        return Family(self.over, lambda t: full_scene(self.family.scene(t))).line
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
+        if self._full_line is None:
+            return float("nan")
+        if frame not in self._across:
+            self._across[frame] = breaking_eigenvalue(
+                frame, self._full_line, self._scene, self._touching
+            )
+        return self._across[frame]
+
+    def check(self, t: float) -> None:
+        """Search at t, follow what is new, and compare."""
+        begin = time.perf_counter()
+        scene = self.family.scene(t)
+        result = find_minima(scene, prove=False, **self._search)  # type: ignore[arg-type]
+        morse = self._identity(scene, result) if self._morse else ""
+        seconds = time.perf_counter() - begin
+        self._begin += seconds
+        model = Model(scene)
+        s = self.over.s_of(t)
+        new, met = 0, []
+        for minimum in result.minima:
+            x = model.reduce(np.array(minimum.fold_angles))
+            if _nearest(self._minima(s), x) > SETTLED:
+                if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
+                    )
+                    continue
+                new += self.web.add(x, s, "minimum")
+            met.append(x)
+        followed, missed = self._minima(s), 0
+        for frame in followed:
+            if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
+                what = classify(State(model, frame.state))
+                missed += what.verdict == "minimum"
+                if what.verdict != "minimum":
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
+                    )
+        self.checks.append(
+            Check(
+                t,
+                len(result.minima),
+                len(followed),
+                new,
+                missed,
+                result.search.expected_undiscovered,
+                result.search.starts,
+                seconds,
+                morse,
+            )
+        )
+
+    def _minima(self, s: float) -> list[Equilibrium]:
+        """Return the states of branches at s that may be minima, each once."""
+        out: list[Equilibrium] = []
+        for frame in (*(f for _, f in self.web.states_at(s)), *self.web.alone_at(s)):
+            if not frame.index and _nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def _identity(self, scene: Scene, result: MinimaResult) -> str:
+        """Say whether the critical points of a scene sum to the Euler characteristic of its states."""
+        try:
+            found = find_critical_points(scene, result)
+            known = self._euler.get(scene.vertex)
+            euler = find_space(scene).euler_characteristic if known is None else known
+        except OptionError as error:
+            return f"no Morse count: {error}"
+        self._euler[scene.vertex] = euler
+        verdict = found.verdict(euler)
+        agree = found.comparison is None or found.comparison.agree
+        if not verdict.closes or not agree:
+            self.alarms.append(f"{scene.label}: {verdict.text}")
+        return verdict.text
+
+    def atlas(self) -> Atlas:
+        """Judge what was followed, and pack it."""
+        web = self.web
+        chains = chains_of(web)
+        parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
+        branches, events = branches_of(web, self.over, chains, parts, self.across)
+        begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
+        for number, branch in enumerate(branches, start=1):
+            for r in branch.kind_ranges:
+                if not r.stable and r.kind != "saddle":
+                    self.alarms.append(
+                        f"branch {number}, {self.over.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+                    )
+        cost = Cost(
+            web.tally.steps,
+            web.tally.evaluations,
+            time.perf_counter() - self._begin,
+            sum(c.seconds for c in self.checks),
+        )
+        return Atlas(
+            self.family.scene_of(self.over.low),
+            self.over,
+            branches,
+            events,
+            tuple(self.checks),
+            tuple(dict.fromkeys(self.alarms)),
+            cost,
+            self.family,
+            web,
+            begun,
+        )
+
+
+def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=np.inf)

@@ -1,0 +1,112 @@
+"""Scenes over two parameters, and the lines of programmes across their plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.atlas.family import Family, Over, family_of, posed_alike
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import RESOLVED
+from origami_nlp.path import ParameterLine
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model, Parameters
+
+GRID = 7
+"""Scenes along each parameter that are posed before anything is followed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Scenes that differ from one in two parameters.
+
+    Attributes
+    ----------
+    scene
+        Where the other numbers come from.
+    overs
+        Both parameters with their ranges.
+    """
+
+    scene: Scene
+    overs: tuple[Over, Over]
+
+    def family(self, second: float) -> Family:
+        """Return the scenes over the first parameter at one value of the second."""
+        a, b = self.overs
+        return family_of(family_of(self.scene, b).scene_of(second), a)
+
+    @cached_property
+    def corner(self) -> np.ndarray:
+        """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
+        return np.array([over.s_of(over.low) for over in self.overs])
+
+    @cached_property
+    def size(self) -> np.ndarray:
+        """Lengths of both ranges, [2]."""
+        return np.array([over.s_of(over.high) for over in self.overs]) - self.corner
+
+    def values(self, point: np.ndarray) -> tuple[float, float]:
+        """Return both parameters in their units at a point [2] of the plane of s."""
+        a, b = (over.t_of(float(s)) for over, s in zip(self.overs, point, strict=True))
+        return a, b
+
+    @cached_property
+    def _posed(self) -> _Posed:
+        shares = np.linspace(0.0, 1.0, GRID)
+        flat = [self._model(self.corner + self.size * (a, b)) for a in shares for b in shares]
+        alike = posed_alike(flat, self.overs[0].name, [m.scene.label for m in flat])
+        posed = np.array([_numbers(m) for m in alike]).reshape(GRID, GRID, -1)
+        first = (posed[-1, 0] - posed[0, 0]) / self.size[0]
+        second = (posed[0, -1] - posed[0, 0]) / self.size[1]
+        i, j = (self.size[k] * shares for k in (0, 1))
+        flat_plane = posed[0, 0] + i[:, None, None] * first + j[None, :, None] * second
+        if np.abs(flat_plane - posed).max() > RESOLVED:
+            raise OptionError(
+                f"the scenes over {self.overs[0].name} and {self.overs[1].name} do not change smoothly"
+            )
+        whole = max(flat, key=lambda m: len(m.structure.gaps))
+        return _Posed(whole, posed[0, 0], np.array([first, second]))
+
+    def _model(self, point: np.ndarray) -> Model:
+        t, u = self.values(point)
+        return Model(self.family(u).scene(t))
+
+    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
+        """Return the programmes along a direction [2] from a point [2] of the plane of s."""
+        p = self._posed
+        m = p.whole.parameters
+        cut = np.cumsum([len(m.sectors), len(m.stiffness), len(m.rest)])
+        at = p.origin + (point - self.corner) @ p.slopes
+        sectors, k, rest, angles = np.split(at, cut)
+        d_sectors, d_k, d_rest, change = np.split(direction @ p.slopes, cut)
+        none = np.zeros(len(rest))
+        return ParameterLine(
+            p.whole,
+            Parameters(sectors, np.exp(k), rest, none),
+            Parameters(d_sectors, d_k, d_rest, none),
+            angles
+            if change.any() or (angles != p.whole.scene.vertex.sector_angles).any()
+            else None,
+            change,
+            weight,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Posed:
+    """whole: model with every contact.  origin: numbers of the lower corner.  slopes: their change with s, [2, .]."""
+
+    whole: Model
+    origin: np.ndarray
+    slopes: np.ndarray = field(repr=False)
+
+
+def _numbers(model: Model) -> np.ndarray:
+    """Return what is linear over the plane: sectors, logarithms of stiffness, rest angles, sectors of the vertex."""
+    p = model.parameters
+    return np.concatenate(
+        [p.sectors, np.log(p.stiffness), p.rest, model.scene.vertex.sector_angles]
+    )

@@ -1,0 +1,153 @@
+"""The figure of a load path: load over what it works on; minima solid, saddles dashed, snaps as arrows."""
+
+from __future__ import annotations
+
+import math
+import os
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from origami_nlp.arguments import check_type
+from origami_nlp.atlas import COLOURS, MARKS
+from origami_nlp.files import save_figure
+from origami_nlp.loading.result import LoadPath
+from origami_nlp.show import label_text
+
+OTHER, PATH, SNAP = "#cc79a7", "#222222", "#c1121f"
+
+
+def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw load against angle, and the energy of the states that are passed.
+
+    Parameters
+    ----------
+    path
+        Of `load_path`.
+    target
+        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Left the load over what it works on: the path in grey, snaps as red arrows, events with their numbers, which the
+        lines below name.  Right the energy without the load.
+
+    Raises
+    ------
+    OptionError
+        If `path` is none, or the file cannot be written.
+    """
+    check_type("path", path, LoadPath)
+    shown = _shown_events(path)
+    lines = [f"{e.id}  {e.type} {e.t:.9g}" + (f": {e.contact}" if e.contact else "") for e in shown]
+    lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
+    rows = math.ceil(len(lines) / 2)
+    tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
+    height = 4.6 + 0.17 * tall
+    figure = Figure(figsize=(9.6, height), dpi=110, facecolor="white")
+    bottom = (0.55 + 0.17 * tall) / height
+    left, right = (
+        figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
+        for x, w in ((0.085, 0.52), (0.70, 0.28))
+    )
+    title = f"{path.scene.label or f'degree {path.scene.degree}'}: {path.driver.name}, from state #{path.state}"
+    figure.suptitle(
+        "\n".join(textwrap.wrap(label_text(title), 95)), fontsize=11, y=1 - 0.12 / height
+    )
+    _curve(left, path, [e.id for e in shown])
+    _energy(right, path)
+    for k in range(2):
+        text = "\n".join(label_text(line) for line in lines[k::2])
+        figure.text(0.085 + 0.47 * k, (0.17 * tall + 0.06) / height, text, fontsize=7.5, va="top")
+    if target is not None:
+        save_figure(figure, target)
+    return figure
+
+
+def _range(path: LoadPath) -> tuple[float, float]:
+    """Loads that are shown: those of the path, but not far beyond its last event."""
+    loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
+    low, high = min(loads), max(loads)
+    events = [0.0, *(e.t for e in path.events if low <= e.t <= high)]
+    more = 0.3 * (max(events) - min(events)) or high - low
+    low, high = max(low, min(events) - more), min(high, max(events) + more)
+    room = 0.08 * (high - low) or 1.0
+    return low - room, high + room
+
+
+def _shown_events(path: LoadPath) -> list[Any]:
+    """Events at loads that are shown."""
+    low, high = _range(path)
+    return [e for e in path.events if low <= e.t <= high]
+
+
+def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
+    value = path.driver.conjugate(np.array(fold_angles))
+    return np.degrees(value) if path.driver.crease else value
+
+
+def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
+    for branch in path.branches:
+        t = np.array([p.t for p in branch.points])
+        x = _angles(path, [p.fold_angles for p in branch.points])
+        for r in branch.kind_ranges:
+            part = slice(r.points[0], r.points[1] + 1)
+            axes.plot(
+                x[part], t[part], color=COLOURS.get(r.kind, OTHER), lw=1.5 if r.stable else 1.1,
+                ls="-" if r.stable else (0, (4, 2)),
+            )  # fmt: skip
+    for leg in path.legs:
+        x, t = (
+            _angles(path, [p.fold_angles for p in leg.points]),
+            np.array([p.t for p in leg.points]),
+        )
+        axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
+    for snap in path.snaps:
+        a, b = _angles(path, [snap.before, snap.after])
+        axes.annotate(
+            "", (b, snap.t), (a, snap.t),
+            arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
+            zorder=4,
+        )  # fmt: skip
+    for event in path.events:
+        if event.id not in shown:
+            continue
+        at = float(_angles(path, event.fold_angles))
+        face = "white" if event.type == "leaves" else "black"
+        axes.plot(at, event.t, MARKS[event.type], color="black", ms=4.5, mfc=face, zorder=5)
+        axes.annotate(str(event.id), (at, event.t), (4, 4), textcoords="offset points", fontsize=8)
+    axes.set_ylim(*_range(path))
+    axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
+    where = path.driver.coordinate.replace("[rad]", "[deg]")
+    axes.set_xlabel(where)
+    axes.grid(True, lw=0.3, color="#dddddd")
+    axes.tick_params(labelsize=8)
+    kinds = dict.fromkeys(r.kind for b in path.branches for r in b.kind_ranges)
+    handles = [
+        Line2D([], [], color=COLOURS.get(k, OTHER), label=k, ls="--" if k == "saddle" else "-")
+        for k in kinds
+    ]
+    handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
+    if path.snaps:
+        handles.append(Line2D([], [], color=SNAP, label="snap"))
+    axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
+
+
+def _energy(axes: Any, path: LoadPath) -> None:
+    for leg in path.legs:
+        axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
+    energy = path.driver.unloaded.energy
+    for snap in path.snaps:
+        a, b = (float(energy(np.array(phi))) for phi in (snap.before, snap.after))
+        style = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 1, "shrinkB": 1}
+        axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=style)
+        axes.plot(snap.t, b, alpha=0.0)  # arrows alone do not widen the axes
+    axes.set_xlabel("load" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
+    axes.set_ylabel("energy without the load  [J]")
+    axes.grid(True, lw=0.3, color="#dddddd")
+    axes.tick_params(labelsize=8)
+    axes.set_xlim(*_range(path))

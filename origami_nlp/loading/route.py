@@ -1,0 +1,135 @@
+"""The way of a state through a web of equilibria while the load runs one way: as far as it stays a minimum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.kkt import Classification, follow
+from origami_nlp.numerics import SETTLED
+from origami_nlp.path import Equilibrium, Web
+
+OVER = (1e-5, 1e-4, 1e-3)
+"""How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
+rest at a certified minimum."""
+WALL = ("refused", "singular")
+"""Where nothing is known of what lies beyond."""
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Stable states that a load passes, one way.
+
+    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, ``breaks-symmetry``, or what
+    stopped it.
+    """
+
+    frames: tuple[Equilibrium, ...]
+    node: int
+    why: str
+
+
+def position(web: Web, x: np.ndarray, s: float) -> tuple[int, Equilibrium] | None:
+    """Return the arc that holds the stable state x at s, and the state there; None where none does."""
+    for k, frame in web.states_at(s):
+        if not frame.index and np.abs(frame.state - x).max() <= SETTLED:
+            return k, frame
+    return None
+
+
+def walk(
+    web: Web,
+    start: np.ndarray,
+    s: float,
+    toward: float,
+    end: float,
+    across: Callable[[Equilibrium], float] = lambda frame: math.nan,
+) -> Way | None:
+    """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
+
+    None where it is not in the web.  across: smallest eigenvalue across the symmetry; where it changes sign to below
+    zero the way ends.
+    """
+    arcs = [
+        k for k, f in web.states_at(s) if not f.index and np.abs(f.state - start).max() <= SETTLED
+    ]
+    ahead = [k for k in arcs if _far(web, k, toward) * toward > s * toward + SETTLED * abs(toward)]
+    if not ahead:
+        known = position(web, start, s)
+        if known is None:
+            return None
+        node = web.arcs[known[0]].end
+        near = min((web.arcs[known[0]].start, node), key=lambda k: abs(web.nodes[k].s - s))
+        return Way((known[1],), near, _why(web, near, end))
+    k = ahead[0]
+    here = web.arcs[k].at(s, web.tally)
+    frames = [] if here is None else [here]
+    while True:
+        arc = web.arcs[k]
+        forward = (arc.frames[-1].s - arc.frames[0].s) * toward > 0
+        run = arc.frames if forward else arc.frames[::-1]
+        last = frames[-1].s if frames else s
+        frames += [f for f in run if (f.s - last) * toward > 0]
+        node = arc.end if forward else arc.start
+        why = _why(web, node, end)
+        onward = [
+            j
+            for j, other in enumerate(web.arcs)
+            if j != k and node in (other.start, other.end) and not other.index
+            and (_far(web, j, toward) - web.nodes[node].s) * toward > 0
+        ]  # fmt: skip
+        if why == "range" or not onward:
+            return Way(tuple(frames), node, why)
+        k = onward[0]
+        beyond = web.arcs[k].frames
+        if why == "breaks-symmetry" and across(beyond[len(beyond) // 2]) < 0:
+            return Way(tuple(frames), node, why)
+
+
+def _far(web: Web, arc: int, toward: float) -> float:
+    """The end of an arc that lies farthest in a direction."""
+    return web.arcs[arc].high if toward > 0 else web.arcs[arc].low
+
+
+def _why(web: Web, node: int, end: float) -> str:
+    found = web.nodes[node]
+    if abs(found.s - end) <= SETTLED * (1 + abs(end)):
+        return "range"
+    if found.type in WALL:
+        return f"stopped: {found.why or 'closure or contacts lose rank'}"
+    return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"
+
+
+def let_go(web: Web, node: int, toward: float) -> tuple[np.ndarray, float, Classification] | None:
+    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate."""
+    point = web.nodes[node].point
+    span = max(abs(float(point[-1])), 1e-3 * (web.high - web.low))
+    for share in OVER:
+        s = float(point[-1]) + toward * share * span
+        try:
+            end = follow(web.line.at(s), point[:-1])
+        except ValueError:
+            continue
+        if end.what.verdict == "minimum" and np.abs(end.end - point[:-1]).max() > 10 * share:
+            return end.end, s, end.what
+    return None
+
+
+def restabilises(web: Web, node: int) -> int | None:
+    """Return the node at which the unstable states that begin at a snap become stable again."""
+    seen, todo = {node}, [node]
+    while todo:
+        here = todo.pop()
+        for arc in web.arcs:
+            if arc.index and here in (arc.start, arc.end):
+                other = arc.end if here == arc.start else arc.start
+                if other in seen:
+                    continue
+                if any(not a.index and other in (a.start, a.end) for a in web.arcs):
+                    return other
+                seen.add(other)
+                todo.append(other)
+    return None

@@ -1,0 +1,153 @@
+"""The modes of each minimum: eigenvectors of the reduced Hessian, with the energy until something touches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, Stratum
+from origami_nlp.minima import MinimaResult, Minimum, full_scene, mode_symmetry, permutations
+from origami_nlp.modes.geodesic import geodesic
+from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
+from origami_nlp.numerics import BALANCED
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Contact, Model
+
+
+def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
+    """Say how each minimum gives way: energy along each eigenvector of its reduced Hessian until something touches.
+
+    The Hessian is that of the Lagrangian in the space of all N fold angles, whatever symmetry the search kept, on the
+    directions that keep closure and loaded contacts.  Along each eigenvector the energy is that of the geodesic that
+    leaves the state that way, which keeps closure and these contacts exactly.  Under an imposed symmetry the Hessian
+    falls apart into a block of symmetric modes and one of those that break it; what is left between them is reported,
+    and is rounding.
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    state
+        Number (1-based) of the only minimum to look at.
+
+    Returns
+    -------
+    Modes
+        One entry a minimum; one without modes says why.
+
+    Raises
+    ------
+    OptionError
+        If `result` is no result, or there is no minimum of that number.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> found = o.find_modes(result, state=1)
+    >>> [mode.block for mode in found.states[0].modes]
+    ['symmetric', 'symmetric', 'breaking']
+    """
+    check_type("result", result, MinimaResult)
+    count = len(result.minima)
+    if state is not None:
+        if not count:
+            raise OptionError(f"state = {state}: no minimum was found")
+        check_whole("state", state, 1, count)
+    model = Model(full_scene(result.scene))
+    found = [
+        modes_of(model, result.scene, number, minimum)
+        for number, minimum in enumerate(result.minima, start=1)
+        if state in (None, number)
+    ]
+    return Modes(result, tuple(found))
+
+
+def modes_of(model: Model, scene: Scene, number: int, minimum: Minimum) -> StateModes:
+    """Return the modes of one minimum of `scene`, posed without symmetry in `model`."""
+    state = State(model, np.array(minimum.fold_angles))
+    held, why = _loaded(state)
+    if held is None:
+        return StateModes(number, minimum, (), (), 0.0, why)
+    names = tuple(model.name(c) for c in held.contacts)
+    z = held.tangent
+    if not z.shape[1]:
+        return StateModes(
+            number, minimum, names, (), 0.0, "no motion keeps the loaded contacts closed"
+        )
+    h = z.T @ held.hessian @ z
+    blocks, coupling = _blocks(z, h, scene)
+    modes = []
+    for name, basis in blocks:
+        values, vectors = np.linalg.eigh(basis.T @ h @ basis)
+        for value, vector in zip(values, (z @ basis @ vectors).T, strict=True):
+            d = vector * np.sign(vector[np.abs(vector).argmax()])
+            keeps = "" if scene.group.is_trivial else mode_symmetry(scene, d)
+            modes.append(Mode(float(value * model.scale), d, name, keeps, geodesic(held, d)))
+    return StateModes(number, minimum, names, tuple(modes), coupling * model.scale, "")
+
+
+def breaking_stiffness(state: State, scene: Scene) -> float:
+    """Return the smallest stiffness of a state against motions that break the symmetry of a scene.
+
+    Parameters
+    ----------
+    state
+        Of all N fold angles.
+    scene
+        Whose symmetry the state keeps.
+
+    Returns
+    -------
+    float
+        Smallest eigenvalue of the block that `find_modes` calls breaking [N m/rad]; inf where nothing breaks it and
+        keeps the loaded contacts closed, nan where the state has no one Hessian.
+    """
+    held, _ = _loaded(state)
+    if held is None:
+        return math.nan
+    z = held.tangent
+    h = z.T @ held.hessian @ z
+    for name, basis in _blocks(z, h, scene)[0] if z.shape[1] else ():
+        if name == BREAKING:
+            return float(np.linalg.eigvalsh(basis.T @ h @ basis)[0] * state.programme.scale)
+    return math.inf
+
+
+def _loaded(state: State) -> tuple[Stratum | None, str]:
+    """Return a state with its loaded contacts held, or None and why it has no one Hessian."""
+    if not state.regular:
+        return None, "closure loses rank here: states leave in no linear space of directions"
+    if len(state.pieces) > 1:
+        return None, "pieces of the feasible set meet here: each has a Hessian of its own"
+    piece = state.on(state.pieces[0])
+    mu = piece.multiplier_set
+    if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
+        return None, "no multipliers balance the torque"
+    if not mu.unique:
+        return None, "contact moments are not unique here, and the Hessian with them"
+    rows: list[Contact] = [
+        c for c, m in zip(piece.contacts, mu.smallest, strict=True) if m > BALANCED
+    ]
+    return state.on(rows), ""
+
+
+def _blocks(
+    z: np.ndarray, h: np.ndarray, scene: Scene
+) -> tuple[list[tuple[str, np.ndarray]], float]:
+    """Split the space of directions z [N, t] into named blocks [t, b], and say how much of h [t, t] is between them.
+
+    The mean over the group is the projector on symmetric directions: its eigenvalues on z are 0 and 1.
+    """
+    if scene.group.is_trivial:
+        return [("", np.eye(len(h)))], 0.0
+    average = np.mean([np.eye(len(z))[p] for _, p in permutations(scene)], axis=0)
+    share, vectors = np.linalg.eigh(z.T @ average @ z)
+    breaking, kept = vectors[:, share <= 0.5], vectors[:, share > 0.5]
+    between = np.abs(kept.T @ h @ breaking).max(initial=0.0)
+    mixed = np.minimum(np.abs(share), np.abs(share - 1)).max() * np.abs(h).max()
+    blocks = [("symmetric", kept), (BREAKING, breaking)]
+    return [(name, b) for name, b in blocks if b.shape[1]], float(max(between, mixed))

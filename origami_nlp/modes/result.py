@@ -1,0 +1,171 @@
+"""Modes of minima: numbers, words and plain data.
+
+JSON schema ``origami-nlp/modes/1``: angles in radians, energies and eigenvalues in the scene's units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.modes.geodesic import Geodesic
+from origami_nlp.pattern import scene_to_dict
+from origami_nlp.show import Piece, Table, Told, pick
+
+SCHEMA = "origami-nlp/modes/1"
+BREAKING = "breaking"
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenvector of the reduced Hessian, and the energy along it.
+
+    Attributes
+    ----------
+    eigenvalue
+        Second derivative of the energy per unit length in the space of all N fold angles [N m/rad].
+    direction
+        Unit change of the N fold angles, the largest entry positive, [N].
+    block
+        ``symmetric`` or ``breaking``; empty without an imposed symmetry.
+    keeps
+        Which elements of the symmetry it keeps, in words.
+    along
+        The geodesic that leaves the state that way: energy over distance, and what ends it.
+    """
+
+    eigenvalue: float
+    direction: np.ndarray
+    block: str
+    keeps: str
+    along: Geodesic
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        keys = ("eigenvalue", "direction", "block", "keeps", "s=along.s", "rise=along.rise")
+        ends = [pick(end, "s", "rise", "why", "opening") for end in self.along.ends]
+        return {**pick(self, *keys), "ends": ends}
+
+
+@dataclass(frozen=True)
+class StateModes:
+    """The modes of one minimum.
+
+    Attributes
+    ----------
+    number
+        Of the minimum (1-based).
+    minimum
+        The minimum.
+    held
+        Names of the loaded contacts, which stay closed.
+    modes
+        In order of eigenvalues, symmetric ones first.
+    coupling
+        Largest entry of the Hessian between symmetric and breaking directions [N m/rad]: rounding.
+    why
+        Why there are none; empty where there are.
+    """
+
+    number: int
+    minimum: Minimum
+    held: tuple[str, ...]
+    modes: tuple[Mode, ...]
+    coupling: float
+    why: str
+
+    def eigenvalues(self, block: str = "") -> tuple[float, ...]:
+        """Return those of one block, or all, rising [N m/rad].
+
+        Parameters
+        ----------
+        block
+            ``symmetric``, ``breaking``, or empty for all.
+        """
+        return tuple(sorted(m.eigenvalue for m in self.modes if block in ("", m.block)))
+
+
+@dataclass(frozen=True, repr=False)
+class Modes(Told):
+    """How the minima of a scene give way.
+
+    Attributes
+    ----------
+    result
+        All minima.
+    states
+        Modes of those that were looked at.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_modes(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), state=1)
+    >>> [round(value, 5) for value in found.states[0].eigenvalues("breaking")]
+    [0.25223]
+    """
+
+    result: MinimaResult
+    states: tuple[StateModes, ...]
+
+    PICTURE = "draw_modes"
+
+    def table(self) -> Table:
+        """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
+        rows = []
+        for state in self.states:
+            for k, mode in enumerate(state.modes, start=1):
+                low, high = mode.along.ends
+                rows.append(
+                    [
+                        f"#{state.number}.{k}",
+                        mode.block or "all",
+                        f"{mode.eigenvalue:.6g}",
+                        f"{low.s:.4g} .. {high.s:.4g}",
+                        f"{low.rise:.4g}, {high.rise:.4g}",
+                    ]
+                )
+        scene = self.result.scene
+        heads = ["mode", "block", "eigenvalue [N m/rad]", "to contact [rad]", "rise there [J]"]
+        title = (
+            f"{scene.label or scene.vertex!r}: energy along the modes of {len(self.states)} minima"
+        )
+        return Table(heads, rows, title, "llrrr")
+
+    def told(self) -> Iterator[Piece]:
+        """Return the table, and for each mode its direction and what ends it."""
+        yield self.table()
+        for state in self.states:
+            if state.held:
+                yield f"#{state.number} held closed: " + "; ".join(state.held)
+            if state.why:
+                yield f"#{state.number} has no modes: {state.why}"
+                continue
+            for k, mode in enumerate(state.modes, start=1):
+                d = " ".join(f"{v:6.3f}" for v in np.round(mode.direction, 3) + 0.0)
+                yield f"#{state.number}.{k} along {d}" + (f": {mode.keeps}" if mode.keeps else "")
+                low, high = mode.along.ends
+                yield f"   ends: backward {low.why}; forward {high.why}"
+            if any(m.block == BREAKING for m in state.modes):
+                yield (
+                    f"   between symmetric and breaking modes: {state.coupling:.1e} N m/rad (rounding)"
+                )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        return {
+            "schema": SCHEMA,
+            "scene": scene_to_dict(self.result.scene),
+            "states": [
+                {
+                    **pick(s, "state=number", "energy=minimum.energy", "kind=minimum.kind"),
+                    "fold_angles": list(s.minimum.fold_angles),
+                    **pick(s, "held", "coupling", "why"),
+                    "modes": [m.to_dict() for m in s.modes],
+                }
+                for s in self.states
+            ],
+        }

@@ -1,0 +1,231 @@
+"""Where equilibria go on from a state: one-sided conditions on contacts choose among the sets that may be held.
+
+At a state with closed contacts R and multipliers mu >= 0 of them, half-branches hold W, a subset of R that carries all
+of a solution mu.  Along one of them the multipliers of W stay >= 0 and the contacts of R outside W open.  Where
+multipliers are not unique every corner of their set has its W.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.kkt import State, classify
+from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK, STATIONARY
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
+from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.tracer import ALIGNED, advance
+from origami_nlp.programme import Contact
+
+MOST_SETS = 128
+"""Sets of held contacts that are tried at one state."""
+TRIALS = (1e-3, 1e-5)
+"""Steps after which a direction must still be an equilibrium: the second where an event follows soon."""
+PULLS = -STATIONARY
+"""A multiplier that is smaller, relative to the largest torque, pulls."""
+
+
+@dataclass(frozen=True, eq=False)
+class Half:
+    """One direction in which equilibria go on.
+
+    frame: the state with the tangent that leads there.  signed: whether the signs of the multipliers tell how far it
+    is one; where they are zero all along, or where nothing has to balance, only the verdict of `kkt.classify` does.
+    """
+
+    frame: Equilibrium
+    signed: bool
+
+    def is_like(self, other: Equilibrium, sign: float = 1.0) -> bool:
+        """Tell whether it leads the way that `other` does, or comes from there (sign -1)."""
+        return sign * float(self.frame.tangent @ other.tangent) > ALIGNED
+
+
+def half_branches(
+    line: ParameterLine, point: np.ndarray, tally: Tally, verdict: str = ""
+) -> list[Half]:
+    """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
+
+    verdict: what states are that no multipliers judge; none of those are followed where it is "".
+    """
+    state = State(line.at(float(point[-1])), point[:-1])
+    if state.refused:
+        return []
+    out: list[Half] = []
+    for piece in state.pieces:
+        for hold in _holds(state, piece):
+            for half in _along(line, point, hold, piece, tally):
+                _add(out, half)
+    if not out and verdict:
+        for piece in state.pieces[:1]:
+            everything = Hold(*_independent(state, piece))
+            for half in _frozen(line, point, everything, verdict, tally):
+                _add(out, half)
+    return out
+
+
+def _add(out: list[Half], new: Half) -> None:
+    """Add a half-branch; of two that are the same states, the one that holds more contacts."""
+    for k, old in enumerate(out):
+        if old.is_like(new.frame) and np.allclose(
+            old.frame.tangent, new.frame.tangent, atol=RANK, rtol=0
+        ):
+            if len(new.frame.hold.contacts) > len(old.frame.hold.contacts):
+                out[k] = new
+            return
+    out.append(new)
+
+
+def _independent(
+    state: State, rows: tuple[Contact, ...]
+) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
+    """Return contacts and rows of closure that are independent and span all of them; contacts first."""
+    held = state.on(rows)
+    basis = np.zeros((0, len(state.x)))
+    chosen: list[int] = []
+    m = len(state.jacobian)
+    for k in (*range(m, m + len(rows)), *range(m)):
+        row = held.jacobian[k]
+        left = row - basis.T @ (basis @ row)
+        if np.linalg.norm(left) > RANK * max(1.0, float(np.linalg.norm(row))):
+            basis = np.vstack([basis, left / np.linalg.norm(left)])
+            chosen.append(k)
+    contacts = tuple(rows[k - m] for k in chosen if k >= m)
+    return contacts, tuple(sorted(k for k in chosen if k < m))
+
+
+def _closure(state: State) -> tuple[int, ...]:
+    """Return rows of closure that are independent: all of them at a regular state."""
+    if state.regular:
+        return tuple(range(len(state.jacobian)))
+    return _independent(state, ())[1]
+
+
+def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
+    """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
+    held, closure = state.on(piece), _closure(state)
+    found = held.multiplier_set
+    size = 1.0 + float(np.abs(state.gradient).max())
+    if found.residual > BALANCED * size:
+        return
+    must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
+    optional = [k for k in range(len(piece)) if k not in must]
+    most = len(state.x) - len(closure)
+    sets = (
+        (*must, *some)
+        for count in range(min(len(optional), most - len(must)), -1, -1)
+        for some in itertools.combinations(optional, count)
+    )
+    for chosen in itertools.islice(sets, MOST_SETS):
+        jacobian = np.vstack([state.jacobian[list(closure)], held.slopes[list(chosen)]])
+        if np.linalg.svd(jacobian, compute_uv=False).min(initial=1.0) <= RANK:
+            continue
+        nu = np.linalg.lstsq(jacobian.T, state.gradient, rcond=DEPENDENT)[0]
+        left = np.abs(state.gradient - jacobian.T @ nu).max()
+        if left <= BALANCED * size and (nu[len(closure) :] >= -BALANCED * size).all():
+            yield Hold(tuple(piece[k] for k in chosen), closure)
+
+
+def _along(
+    line: ParameterLine,
+    point: np.ndarray,
+    hold: Hold,
+    piece: tuple[Contact, ...],
+    tally: Tally,
+) -> Iterator[Half]:
+    """Yield the directions in which the states that hold these contacts are equilibria."""
+    curve = EquilibriumCurve(line, hold, tally)
+    system = curve.system(point)
+    null = system.null
+    if null is None:
+        return
+    n = len(point) - 1
+    others = tuple(c for c in piece if c not in hold.contacts)
+    slopes, moved = opening_rates(curve, point, others)
+    weak = system.multipliers[len(hold.closure) :] <= BALANCED * system.size
+    for sign in (1.0, -1.0):
+        v = sign * null
+        force, opening = v[n : n + len(system.multipliers)], slopes @ v[:n] + moved * v[-1]
+        force = force[len(hold.closure) :][weak]
+        if (force < -INDEPENDENT * system.size).any() or (opening < -INDEPENDENT).any():
+            continue
+        along = np.append(v[:n], v[-1])
+        frame = Equilibrium(point, along, system)
+        signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
+        half = Half(frame, signed)
+        if goes_on(curve, half):
+            yield half
+
+
+def opening_rates(
+    curve: EquilibriumCurve, point: np.ndarray, contacts: tuple[Contact, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how openings change with the state, [r, n] in the metric, and with w s, [r]."""
+    p = curve.line.at(float(point[-1]))
+    slopes = p.local(point[:-1]).openings(contacts)[1] / p.root
+    none = np.zeros(p.equation_count + len(contacts))
+    moved = p.drift(point[:-1], none, contacts, curve.line.slope(float(point[-1])))[1]
+    return slopes, moved[p.equation_count :] / curve.line.weight
+
+
+def _frozen(
+    line: ParameterLine, point: np.ndarray, hold: Hold, verdict: str, tally: Tally
+) -> Iterator[Half]:
+    """Yield the directions in which a state that nothing moves keeps its verdict."""
+    curve = EquilibriumCurve(line, hold, tally)
+    system = curve.system(point)
+    n = len(point) - 1
+    if system.null is None or len(system.values) < n:
+        return
+    along = np.append(system.null[:n], system.null[-1])
+    for sign in (1.0, -1.0):
+        frame = Equilibrium(point, sign * along, system)
+        if goes_on(curve, Half(frame, False)):
+            yield Half(frame, False)
+
+
+def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
+    """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
+    n = len(frame.state)
+    whole = np.vstack([frame.system.matrix, np.zeros(frame.system.matrix.shape[1])])
+    whole[-1, :n], whole[-1, -1] = frame.tangent[:-1], frame.tangent[-1]
+    v = np.linalg.svd(whole)[2][-1]
+    across = np.append(v[:n], v[-1])
+    across = across / np.linalg.norm(across)
+    both = (Half(replace(frame, tangent=sign * across), True) for sign in (1.0, -1.0))
+    return [half for half in both if goes_on(curve, half)]
+
+
+def goes_on(curve: EquilibriumCurve, half: Half) -> bool:
+    """Tell whether a short step in this direction ends at an equilibrium."""
+    for h in TRIALS:
+        moved = advance(curve, half.frame, h)
+        if moved is not None and is_equilibrium(moved[0]):
+            return half.signed or judged(moved[0]) == judged(half.frame)
+    return False
+
+
+def is_equilibrium(frame: Equilibrium) -> bool:
+    """Tell whether a point is admissible and all its contacts push."""
+    pulls = (frame.forces < PULLS * frame.system.size).any()
+    return not pulls and not frame.programme.refuses(frame.state) and closes(frame)
+
+
+def closes(frame: Equilibrium) -> bool:
+    """Tell whether closure holds in the rows that are not kept."""
+    if len(frame.hold.closure) == frame.programme.equation_count:
+        return True
+    return bool(np.abs(frame.programme.closure(frame.state)[0]).max() <= INDEPENDENT)
+
+
+def judged(frame: Equilibrium) -> str:
+    """Return the verdict of `kkt.classify`."""
+    return classify(State(frame.programme, frame.state)).verdict
+
+
+def turned(half: Half) -> Half:
+    """Return the same state, seen the other way."""
+    return replace(half, frame=replace(half.frame, tangent=-half.frame.tangent))

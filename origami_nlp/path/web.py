@@ -1,0 +1,392 @@
+"""Equilibria over a parameter as a web: nodes (events and ends) and arcs between them.
+
+From a state every half-branch is followed; where a contact event ends it, one-sided conditions say how it goes on.
+Inner events (folds, branchings) cut arcs too, so that along an arc the parameter runs one way, the contacts held and
+the number of unstable directions stay the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
+from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
+from origami_nlp.path.halves import (
+    Half,
+    branching_halves,
+    half_branches,
+    is_equilibrium,
+    judged,
+    turned,
+)
+from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.tracer import CLOSED_CURVE, End, Steps, trace_ahead
+from origami_nlp.programme import Contact
+
+STEPS = Steps(first=1e-3, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
+"""Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
+MOST_STEPS, MOST_ARCS = 2000, 400
+"""Of one arc, and arcs of one web: a path that needs more is stopped by name."""
+START, RANGE, EVENT = "start", "range", "event"
+
+
+@dataclass(eq=False)
+class Node:
+    """A state at which arcs end.
+
+    type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
+    ``start`` (of a state given), ``range`` (an end of what is followed) or ``corner`` (the contacts held change, the
+    states do not turn) where nothing happens.
+    point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
+    system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.
+    halves: in which directions equilibria go on.  used: those that were followed, or come from there.
+    """
+
+    type: str
+    point: np.ndarray
+    contact: Contact | None = None
+    value: float = 0.0
+    residual: float = 0.0
+    located: bool = True
+    why: str = ""
+    halves: list[Half] = field(default_factory=list)
+    used: list[int] = field(default_factory=list)
+
+    @property
+    def s(self) -> float:
+        """Where on the line."""
+        return float(self.point[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """Equilibria between two nodes, in the order in which they were followed.
+
+    frames: at least two, ends included.  start, end: positions of the nodes.  signed: see `halves.Half`.
+    """
+
+    frames: tuple[Equilibrium, ...]
+    start: int
+    end: int
+    signed: bool
+
+    @property
+    def low(self) -> float:
+        """Smallest s."""
+        return min(self.frames[0].s, self.frames[-1].s)
+
+    @property
+    def high(self) -> float:
+        """Largest s."""
+        return max(self.frames[0].s, self.frames[-1].s)
+
+    @property
+    def index(self) -> int:
+        """Number of directions in which the energy falls."""
+        return self.frames[len(self.frames) // 2].index
+
+    def at(self, s: float, tally: Tally) -> Equilibrium | None:
+        """Return its state at s, by Newton; None outside."""
+        if not self.low - SETTLED <= s <= self.high + SETTLED:
+            return None
+        values = np.array([frame.s for frame in self.frames])
+        forward = values[-1] >= values[0]
+        k = int(np.searchsorted(values if forward else -values, s if forward else -s))
+        a, b = self.frames[max(k - 1, 0)], self.frames[min(k, len(values) - 1)]
+        share = 0.0 if a.s == b.s else (s - a.s) / (b.s - a.s)
+        middle = self.frames[len(self.frames) // 2]
+        curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
+        return curve.at(a.x + share * (b.x - a.x), s, middle.tangent)
+
+
+Functions = Callable[[Equilibrium], float]
+
+
+class Web:
+    """Followed equilibria over the range [low, high] of s.
+
+    Parameters
+    ----------
+    line
+        The parameters.
+    low, high
+        The range of s.
+    steps
+        Of the tracer.
+    through_folds
+        Whether unstable states beyond a fold are followed.
+    functions
+        Further functions of a state whose zeros are events, by type.
+
+    Attributes
+    ----------
+    nodes, arcs
+        In the order in which they were found.
+    tally
+        What it cost.
+    """
+
+    def __init__(
+        self,
+        line: ParameterLine,
+        low: float,
+        high: float,
+        *,
+        steps: Steps = STEPS,
+        through_folds: bool = True,
+        functions: Sequence[tuple[str, Functions]] = (),
+    ) -> None:
+        self.line, self.low, self.high = line, low, high
+        self.steps = replace(steps, most=MOST_STEPS)
+        self.through_folds, self.functions = through_folds, tuple(functions)
+        self.nodes: list[Node] = []
+        self.arcs: list[Arc] = []
+        self.tally = Tally()
+        self.root = np.append(line.programme.root, line.weight)
+
+    def states_at(self, s: float) -> list[tuple[int, Equilibrium]]:
+        """Return the states of all arcs at s, with the positions of the arcs."""
+        found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
+        return [(k, frame) for k, frame in found if frame is not None]
+
+    def alone_at(self, s: float) -> list[Equilibrium]:
+        """Return the states that were given at s and from which no equilibrium goes on."""
+        ended = {k for arc in self.arcs for k in (arc.start, arc.end)}
+        return [
+            node.halves[0].frame
+            for k, node in enumerate(self.nodes)
+            if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
+        ]
+
+    def add(self, x: np.ndarray, s: float, verdict: str = "") -> bool:
+        """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
+        none.
+
+        verdict: of a state that no multipliers judge, see `half_branches`.
+        """
+        point = np.append(x, s)
+        before = len(self.arcs)
+        node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
+        self.nodes.append(node)
+        ends = {1.0: self.high, -1.0: self.low}
+        inside = [
+            k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
+        ]
+        if len(inside) < len(node.halves):
+            node.type = RANGE
+        node.used += [k for k in range(len(node.halves)) if k not in inside]
+        if not inside:
+            node.type, node.why = (
+                "singular",
+                "no equilibrium goes on from there: a state of this value alone",
+            )
+        todo = [(len(self.nodes) - 1, k) for k in inside]
+        while todo and len(self.arcs) - before < MOST_ARCS:
+            number, k = todo.pop()
+            if k not in self.nodes[number].used:
+                self.nodes[number].used.append(k)
+                todo += self._follow(number, self.nodes[number].halves[k])
+        if todo:
+            self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
+        return bool(inside)
+
+    def _follow(self, start: int, half: Half) -> list[tuple[int, int]]:
+        """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
+        curve = EquilibriumCurve(self.line, half.frame.hold, self.tally)
+        frames, stop = self._trace(curve, half)
+        self.tally.steps += len(frames)
+        begun, here = [half.frame], start
+        todo: list[tuple[int, int]] = []
+        for frame in frames:
+            for event in self._between(curve, begun[-1], frame, here):
+                number, known = self._node(event)
+                begun.append(event.frame)
+                self._arc(begun, here, number, half.signed)
+                if known:
+                    self._arrive(number, event.frame)
+                    return todo
+                begun, here = [event.frame], number
+                if event.type == "branching":
+                    self.nodes[number].halves = branching_halves(curve, event.frame)
+                    todo += [(number, k) for k in range(len(self.nodes[number].halves))]
+                if event.type == "fold" and not self.through_folds:
+                    self.nodes[number].why = "not followed through folds"
+                    return todo
+            begun.append(frame)
+        if len(begun) < 2:
+            return todo
+        if stop.type == START:  # once around
+            self._arc(begun, here, start, half.signed)
+            self._arrive(start, begun[-1])
+            return todo
+        number, _ = self._node(stop)
+        self._arc(begun, here, number, half.signed)
+        return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
+
+    def _between(
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
+    ) -> list[Found]:
+        """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
+        length = float(a.tangent @ (self.root * (b.x - a.x)))
+        found = []
+        for node in self.nodes:
+            h = float(a.tangent @ (self.root * (node.point - a.x)))
+            if node.type == START and 0 < h < length:
+                frame = curve.beside(a, h)
+                if frame is not None and _near(self.root, frame.x, node.point):
+                    found.append(Found(START, replace(frame, x=node.point), None, 0.0, True))
+        found += folds_and_branchings(curve, a, b, self.functions)
+        node = self.nodes[here]
+        near = BESIDE if node.type == "branching" else SETTLED
+        found = [e for e in found if not _near(self.root, e.frame.x, node.point, near)]
+        return sorted(found, key=lambda e: float(a.tangent @ (self.root * (e.frame.x - a.x))))
+
+    def _arrive(self, number: int, frame: Equilibrium) -> None:
+        """Note that a node was reached: what leads back from there is known."""
+        node = self.nodes[number]
+        node.used += [k for k, h in enumerate(node.halves) if h.is_like(frame, -1.0)]
+
+    def _trace(self, curve: EquilibriumCurve, half: Half) -> tuple[list[Equilibrium], Found]:
+        """Return the frames after a state, the last of them the event that ends them, and that event."""
+        stop: list[Found] = []
+        verdict = "" if half.signed else judged(half.frame)
+
+        def before(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                inside = self.low <= f.s <= self.high
+                if not inside or not is_equilibrium(f) or (verdict and judged(f) != verdict):
+                    return k
+            return len(frames)
+
+        def meet(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            frame, event = self._first(curve, a, b, verdict)
+            stop.append(event)
+            return frame
+
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+        frames, _, why = trace_ahead(curve, half.frame, steps, [End(before, EVENT, meet)])
+        if stop:
+            return frames, stop[-1]
+        last = frames[-1] if frames else half.frame
+        if why == CLOSED_CURVE:
+            return frames, Found(START, last, None, 0.0, True)
+        return frames, Found("singular", last, None, np.nan, False, why)
+
+    def _first(
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
+    ) -> tuple[Equilibrium, Found]:
+        """Return the first event between a, which is followed, and b, which is not."""
+        end = self.low if b.s < self.low else self.high if b.s > self.high else None
+        if end is not None:
+            share = (end - a.s) / (b.s - a.s)
+            beyond = curve.at(a.x + share * (b.x - a.x), end, a.tangent)
+            if beyond is None:
+                return a, Found("singular", a, None, np.nan, False, "no state at the end")
+            b = beyond
+        if not is_equilibrium(b):
+            frame, event = first_contact_event(curve, a, b)
+            assert event is not None
+            return frame, event
+        if verdict and judged(b) != verdict:
+            return _change_of_verdict(curve, a, b, verdict)
+        return b, Found(RANGE, b, None, 0.0, True)
+
+    def _node(self, event: Found) -> tuple[int, bool]:
+        """Return the node of an event, and whether it was there before."""
+        point = event.frame.x
+        for k, node in enumerate(self.nodes):
+            if (node.type == START) != (event.type == START) or event.type == RANGE:
+                continue
+            # a branching is known to the root of rounding only along its branches
+            crude = node.type == event.type == "branching"
+            if _near(self.root, node.point, point, BESIDE if crude else SETTLED):
+                return k, True
+        node = Node(
+            event.type,
+            point,
+            event.contact,
+            event.value,
+            event.frame.system.residual,
+            event.located,
+            event.why,
+        )
+        self.nodes.append(node)
+        return len(self.nodes) - 1, False
+
+    def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
+        self.arcs.append(Arc(tuple(frames), start, end, signed))
+
+    def _go_on(self, number: int, half: Half, stop: Found) -> list[tuple[int, int]]:
+        """Find how equilibria go on from the node at which a half-branch ends."""
+        node = self.nodes[number]
+        if stop.beyond is not None:
+            return self._go_on_beyond(node, number, half, stop.beyond)
+        if stop.type not in ("closes", "leaves"):
+            return []
+        if not node.halves:
+            node.halves = half_branches(self.line, node.point, self.tally)
+        back = turned(half)
+        came = [
+            k
+            for k, h in enumerate(node.halves)
+            if h.is_like(back.frame)
+            and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
+        ]
+        node.used += came
+        onward = [k for k in range(len(node.halves)) if k not in came]
+        ahead = [node.halves[k].frame.ahead for k in onward]
+        same = [
+            k
+            for k in onward
+            if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
+        ]
+        if len(onward) == 1 and same and stop.type == "leaves":
+            node.type = "corner"  # another contact of a dependent set takes over
+        elif not onward:
+            node.why = node.why or "no equilibrium goes on from there"
+        elif all(v * back.frame.ahead > 0 for v in ahead):
+            node.type = "nonsmooth-fold"
+        if node.type == "nonsmooth-fold" and not self.through_folds:
+            node.why = "not followed through folds"
+            return []
+        return [(number, k) for k in onward if k not in node.used]
+
+    def _go_on_beyond(
+        self, node: Node, number: int, half: Half, beyond: Equilibrium
+    ) -> list[tuple[int, int]]:
+        """Go on from a point on the other side of a singular state, with the contacts that carry there."""
+        found = half_branches(self.line, beyond.x, self.tally)
+        onward = [h for h in found if h.is_like(half.frame)]
+        known = any(
+            np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)
+        )
+        node.halves += [] if known else onward
+        if not onward:
+            node.why += "; no equilibrium was found beyond"
+        return [(number, k) for k in range(len(node.halves)) if k not in node.used]
+
+
+def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray, apart: float = SETTLED) -> bool:
+    return float(np.abs(root * (a - b)).max()) <= apart
+
+
+def _change_of_verdict(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
+) -> tuple[Equilibrium, Found]:
+    """Bisect on the verdict of states that no multiplier judges."""
+    root = curve.root
+    low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
+    while high - low > STATIONARY:
+        middle = 0.5 * (low + high)
+        frame = curve.beside(a, middle)
+        if frame is not None and judged(frame) == verdict:
+            low, good = middle, frame
+        else:
+            high = middle
+    why = f"{verdict} before, {other} beyond: by bisection on the verdict"
+    return good, Found("singular", good, None, np.nan, False, why)

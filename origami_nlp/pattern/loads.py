@@ -1,0 +1,348 @@
+"""Dead loads: forces that keep size and direction while facets move, seen from one facet that is held.
+
+The load moves with its point; the energy is U - sum f . p.  A moment vector that keeps its direction has no energy
+(round a closed loop of rotations its work is not zero), and is refused: two opposite forces make a couple that has one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import SceneError
+from origami_nlp.numerics import quaternion as quat
+from origami_nlp.pattern.angles import format_angle, parse_angle
+
+LARGEST_FORCE = 1e100
+"""Force [N], torque [N m] and distance [m], in any unit: products of them must not overflow."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """One load: a force at a point of a facet or on a crease, or a torque on a crease.
+
+    Attributes
+    ----------
+    force
+        (x, y, z) [N], in the frame of the facet that is held (`Scene.held_facet`): x along its first crease, which has
+        the facet's number, z its normal on the side from which creases are numbered counter-clockwise.
+    facet
+        Number (1-based) of the facet that carries the point; facet i lies between creases i and i + 1.
+    point
+        Distance from the vertex [m], and angle from the facet's first crease [rad].
+    crease
+        Number (1-based) of the crease that carries the force, in place of facet and point, or the torque.
+    distance
+        Of the point on the crease from the vertex [m].
+    torque
+        On the crease, towards valley > 0 [N m]: the same as preload.
+
+    Examples
+    --------
+    >>> from origami_nlp import Load
+    >>> Load(crease=3, distance=0.2, force=(0, 0, -1)).words
+    'force (0, 0, -1) N at crease 3, 0.2 m from the vertex'
+    """
+
+    force: tuple[float, float, float] | None = None
+    facet: int | None = None
+    point: tuple[float, float] | None = None
+    crease: int | None = None
+    distance: float | None = None
+    torque: float | None = None
+
+    def __post_init__(self) -> None:
+        given = {f.name for f in fields(self) if getattr(self, f.name) is not None}
+        if given not in (
+            {"crease", "torque"},
+            {"crease", "distance", "force"},
+            {"facet", "point", "force"},
+        ):
+            raise SceneError(
+                f"a load with {', '.join(sorted(given)) or 'nothing'} is none of: crease and torque; crease, distance "
+                "and force; facet, point = [distance, angle] and force"
+            )
+        if self.torque is not None:
+            object.__setattr__(self, "torque", _number("torque", self.torque))
+            return
+        force = _entries("force", self.force, 3)
+        object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
+        if self.point is not None:
+            far, angle = _entries("point", self.point, 2)
+            at = _number("point", far), parse_angle(angle, "the angle of point")
+            object.__setattr__(self, "point", at)
+        else:
+            object.__setattr__(self, "distance", _number("distance", self.distance))
+        if self.place[0] <= 0:
+            raise SceneError(f"distance = {self.place[0]:g} from the vertex must be above 0 [m]")
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Distance from the vertex [m], and angle from the first crease of its facet [rad]."""
+        return self.point if self.point is not None else (self.distance or 0.0, 0.0)
+
+    @property
+    def number(self) -> int:
+        """Of its crease, or facet (1-based)."""
+        return self.crease or self.facet or 0
+
+    @property
+    def words(self) -> str:
+        """What it is."""
+        if self.torque is not None:
+            return f"torque {self.torque:g} N m on crease {self.crease}"
+        assert self.force is not None
+        far, angle = self.place
+        head = f"force ({', '.join(f'{v:g}' for v in self.force)}) N at "
+        if self.crease is not None:
+            return f"{head}crease {self.crease}, {far:g} m from the vertex"
+        return f"{head}facet {self.facet}, {far:g} m from the vertex, {format_angle(angle)} from crease {self.facet}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as a table of a scene file."""
+        named = ((f.name, getattr(self, f.name)) for f in fields(self))
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in named if v is not None}
+
+
+def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ...]:
+    """Read loads, or tables that state them, of a vertex.
+
+    Raises
+    ------
+    SceneError
+        If one is no load, or its crease, facet or point is not there.
+    """
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Sequence):
+        raise SceneError(f"loads = {shown(values)} must be a list of loads")
+    out = []
+    for i, value in enumerate(values, start=1):
+        if isinstance(value, Mapping):
+            if "moment" in value:
+                raise SceneError(
+                    f"loads[{i}]: a moment vector that keeps its direction while the facet turns has no energy; give "
+                    "two opposite forces, or a torque on a crease"
+                )
+            known = [f.name for f in fields(Load)]
+            for key in value:
+                if key not in known:
+                    raise SceneError(
+                        f"loads[{i}]: unknown key {key!r}; a load takes {', '.join(known)}"
+                    )
+            value = Load(**value)
+        if not isinstance(value, Load):
+            raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
+        what = "facet" if value.facet is not None else "crease"
+        n = len(sector_angles)
+        if (
+            isinstance(value.number, bool)
+            or not isinstance(value.number, int)
+            or not 1 <= value.number <= n
+        ):
+            raise SceneError(
+                f"loads[{i}]: {what} = {shown(value.number)} must be a number from 1 to {n}"
+            )
+        if value.facet is not None and not 0 <= value.place[1] <= sector_angles[value.facet - 1]:
+            raise SceneError(
+                f"loads[{i}]: the angle {format_angle(value.place[1])} of its point is not within facet {value.facet}, "
+                f"0 to {format_angle(sector_angles[value.facet - 1])}"
+            )
+        out.append(value)
+    return tuple(out)
+
+
+def _entries(name: str, value: object, count: int) -> list[Any]:
+    if (
+        isinstance(value, str | bytes)
+        or not isinstance(value, Sequence | np.ndarray)
+        or len(value) != count
+    ):
+        raise SceneError(f"{name} = {shown(value)} of a load must be a list of {count} numbers")
+    return list(value)
+
+
+def _number(name: str, value: object) -> float:
+    good = np.isscalar(value) and not isinstance(value, bool | np.bool_ | str | bytes | complex)
+    if not good or not abs(float(value)) <= LARGEST_FORCE:  # type: ignore[arg-type]
+        raise SceneError(f"{name} = {shown(value)} of a load must be a number")
+    return float(value)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, eq=False)
+class DeadLoads:
+    """Forces at points of facets, and their energy at states of all N fold angles.
+
+    Attributes
+    ----------
+    held
+        Facet that is held, 0-based.
+    facets
+        Facets of the points, 0-based, [L].
+    points
+        In the plane of the facet, x along its first crease, [L, 2] [m].
+    forces
+        In the frame of the held facet, [L, 3] [N], or over the scale of a programme.
+    """
+
+    held: int
+    facets: tuple[int, ...]
+    points: np.ndarray
+    forces: np.ndarray
+
+    @property
+    def vector(self) -> np.ndarray:
+        """Points and forces in the order in which compiled functions take them, shape [5 L]."""
+        return np.hstack([self.points, self.forces]).ravel()
+
+    def moved(self, change: DeadLoads, s: float) -> DeadLoads:
+        """Return these loads with s times the points and forces of `change` added."""
+        points, forces = self.points + s * change.points, self.forces + s * change.forces
+        return DeadLoads(self.held, self.facets, points, forces)
+
+    def divided(self, by: float) -> DeadLoads:
+        """Return points and forces over a number; inf leaves nothing of them."""
+        return DeadLoads(self.held, self.facets, self.points / by, self.forces / by)
+
+    def times(self, factor: float) -> DeadLoads:
+        """Return the same loads with `factor` times the forces."""
+        return DeadLoads(self.held, self.facets, self.points, factor * self.forces)
+
+    def chain(self, facet: int, count: int) -> list[int]:
+        """Creases (0-based) from the held facet on to another one of `count`, in counter-clockwise order."""
+        return [(self.held + 1 + i) % count for i in range((facet - self.held) % count)]
+
+    def positions(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return where the points are in the frame of the held facet, [..., L, 3] [m], at states [..., N]."""
+        return np.stack([p for _, p in self._followed(sectors, x)], axis=-2)
+
+    def energy(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return - sum f . p at states [..., N], shape [...]."""
+        return -np.einsum("...lc,lc->...", self.positions(sectors, x), self.forces)
+
+    def energy_change(self, sectors: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the energy at y less that at x [..., N], without cancellation, shape [...]."""
+        total = np.zeros(x.shape[:-1])
+        for facet, point, force in zip(self.facets, self.points, self.forces, strict=True):
+            axes, flat, turns = _flat(self, facet, sectors, point)
+            # one crease after the other goes from x to y, the last first; what lies beyond is at y by then
+            beyond, before = [flat], [quat.IDENTITY]
+            for c, axis in zip(reversed(turns), reversed(axes), strict=True):
+                beyond.append(quat.rotate(_fold(y[..., c], axis), beyond[-1]))
+            for c, axis in zip(turns, axes, strict=True):
+                before.append(quat.multiply(before[-1], _fold(x[..., c], axis)))
+            for i, (c, axis) in enumerate(zip(turns, axes, strict=True)):
+                middle = quat.rotate(
+                    _fold(0.5 * (x[..., c] + y[..., c]), axis), beyond[len(turns) - 1 - i]
+                )
+                step = quat.rotate(before[i], quat.cross(axis, middle))
+                total = total - 2 * np.sin(0.5 * (y[..., c] - x[..., c])) * quat.dot(step, force)
+        return total
+
+    def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the gradient of the energy, [..., N]: -f . (a x p), a the axis of a crease between."""
+        out = np.zeros_like(x)
+        for axes, p, turns, force in self._levers(sectors, x):
+            for a, c in zip(axes, turns, strict=True):
+                out[..., c] -= np.cross(a, p) @ force
+        return out
+
+    def hessian(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the Hessian of the energy, [..., N, N]: -f . (a x (b x p)), a nearer to the held facet than b."""
+        n = x.shape[-1]
+        out = np.zeros((*x.shape[:-1], n, n))
+        for axes, p, turns, force in self._levers(sectors, x):
+            pulls = [np.cross(force, a) for a in axes]
+            arms = [np.cross(a, p) for a in axes]
+            for i, c in enumerate(turns):
+                for j in range(i, len(turns)):
+                    d = turns[j]
+                    value = (pulls[i] * arms[j]).sum(axis=-1)
+                    out[..., c, d] -= value
+                    if c != d:
+                        out[..., d, c] -= value
+        return out
+
+    def _followed(
+        self, sectors: np.ndarray, x: np.ndarray
+    ) -> list[tuple[list[np.ndarray], np.ndarray]]:
+        """Return for each load the folded axes of the creases between, [..., 3] each, and its point."""
+        lead = x.shape[:-1]
+        out = []
+        for facet, point in zip(self.facets, self.points, strict=True):
+            axes, flat, turns = _flat(self, facet, sectors, point)
+            folded, p = followed(
+                axes, flat, [_fold(x[..., c], a) for c, a in zip(turns, axes, strict=True)]
+            )
+            out.append(([_vectors(a, lead) for a in folded], _vectors(p, lead)))
+        return out
+
+    def _levers(self, sectors: np.ndarray, x: np.ndarray) -> list[tuple[Any, ...]]:
+        count = x.shape[-1]
+        return [
+            (axes, p, self.chain(facet, count), force)
+            for (axes, p), facet, force in zip(
+                self._followed(sectors, x), self.facets, self.forces, strict=True
+            )
+        ]
+
+
+def followed(axes: list[Any], flat: Any, folds: list[Any]) -> tuple[list[Any], Any]:
+    """Fold creases one after the other: where the axes and a point beyond all of them go, over any scalars."""
+    q: Any = quat.IDENTITY
+    out = []
+    for axis, turn in zip(axes, folds, strict=True):
+        out.append(quat.rotate(q, axis))
+        q = quat.multiply(q, turn)
+    return out, quat.rotate(q, flat)
+
+
+def flat_points(
+    chain: list[int], sectors: Any, held: int, point: Any, cos: Any, sin: Any
+) -> tuple[list[Any], Any]:
+    """Axes of the creases of a chain, and a point of the facet beyond them, on the flat sheet, over any scalars.
+
+    In the frame of the held facet: x along its first crease.
+    """
+    azimuth: Any = 0.0
+    axes, before = [], held
+    for crease in chain:
+        azimuth = azimuth + sectors[before]
+        axes.append((cos(azimuth), sin(azimuth), 0.0))
+        before = crease
+    c, s = (cos(azimuth), sin(azimuth)) if chain else (1.0, 0.0)
+    return axes, (c * point[0] - s * point[1], s * point[0] + c * point[1], 0.0)
+
+
+def _flat(
+    loads: DeadLoads, facet: int, sectors: np.ndarray, point: np.ndarray
+) -> tuple[list[Any], Any, list[int]]:
+    chain = loads.chain(facet, len(sectors))
+    return *flat_points(chain, sectors, loads.held, point, math.cos, math.sin), chain
+
+
+def _fold(angle: np.ndarray, axis: Any) -> Any:
+    return quat.fold(np.cos(0.5 * angle), np.sin(0.5 * angle), axis)
+
+
+def _vectors(v: Any, lead: tuple[int, ...]) -> np.ndarray:
+    return np.stack([np.broadcast_to(np.asarray(c, dtype=float), lead) for c in v], axis=-1)
+
+
+def dead_loads(loads: Sequence[Load], held_facet: int | None) -> DeadLoads | None:
+    """Return the forces among loads; None where there are none."""
+    forces = [load for load in loads if load.force is not None]
+    if not forces or held_facet is None:
+        return None
+    points = [
+        (far * math.cos(angle), far * math.sin(angle)) for far, angle in (f.place for f in forces)
+    ]
+    return DeadLoads(
+        held_facet - 1,
+        tuple(load.number - 1 for load in forces),
+        np.array(points),
+        np.array([load.force for load in forces]),
+    )

@@ -1,0 +1,194 @@
+"""A conic programme: linear rows, second-order cones and linear matrix inequalities, solved by Clarabel.
+
+    maximise c . v   subject to   rows v = 0,   slack = a v + b in a cone (>= 0, second order, or semidefinite).
+
+Its dual y proves a bound that plain arithmetic can check: `Answer.check`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.errors import OptionError
+
+EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
+
+
+def smatrix(v: np.ndarray) -> np.ndarray:
+    """Return the symmetric matrix of the vector [q (q + 1) / 2] that `svector` made."""
+    q = round((math.sqrt(8 * len(v) + 1) - 1) / 2)
+    out = np.zeros((q, q))
+    j, i = np.tril_indices(q)  # columns of the upper triangle, one after the other
+    out[i, j] = out[j, i] = np.where(i == j, v, v / math.sqrt(2))
+    return out
+
+
+def svector(m: np.ndarray) -> np.ndarray:
+    """Return the upper triangle of symmetric matrices [..., q, q], column by column, with <a, b> = tr(A B)."""
+    j, i = np.tril_indices(m.shape[-1])
+    return np.where(i == j, m[..., i, j], m[..., i, j] * math.sqrt(2))
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of one cone: slack = a v + b lies in it.
+
+    Attributes
+    ----------
+    cone
+        ``"="`` (slack = 0), ``">="``, ``"|.|<="`` (the first entry bounds the norm of the others) or ``"psd"``.
+    a
+        Shape [r, V].
+    b
+        Shape [r].
+    words
+        What the rows say, for people: all of them, or one for each.
+    """
+
+    cone: str
+    a: np.ndarray
+    b: np.ndarray
+    words: str | tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the solver found, and the dual that proves it.
+
+    Attributes
+    ----------
+    status
+        Of Clarabel: ``"Solved"``, ``"PrimalInfeasible"``, ...
+    v
+        The point, shape [V]; where the rows contradict each other of no use.
+    duals
+        y of each of the programme's `rows`, in their cones' duals.
+    bound
+        Where solved: no point has a larger objective than this, up to `residual`.
+    residual
+        Largest entry of c + sum A' y (solved), or of sum A' y over |b . y| (infeasible).
+    iterations
+        Of the interior point method.
+    """
+
+    status: str
+    v: np.ndarray
+    duals: tuple[np.ndarray, ...]
+    bound: float
+    residual: float
+    iterations: int
+
+    @property
+    def solved(self) -> bool:
+        """Whether the point is an optimum to the solver's full accuracy."""
+        return self.status == "Solved"
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether the dual proves that the rows contradict each other."""
+        return self.status == "PrimalInfeasible"
+
+
+@dataclass
+class Programme:
+    """A conic programme that grows row by row.
+
+    Parameters
+    ----------
+    size
+        Number V of unknowns; `more` adds some.
+    """
+
+    size: int
+    rows: list[Rows] = field(default_factory=list)
+
+    def more(self, count: int) -> slice:
+        """Add unknowns and return where they are."""
+        where = slice(self.size, self.size + count)
+        self.size += count
+        return where
+
+    def add(self, cone: str, a: Any, b: Any, words: str | tuple[str, ...]) -> None:
+        """Add rows a v + b in a cone; a may have fewer columns than there will be unknowns."""
+        a, b = np.atleast_2d(np.asarray(a, float)), np.atleast_1d(np.asarray(b, float))
+        if len(b):
+            self.rows.append(Rows(cone, a, b, words))
+
+    def matrix(self, rows: Rows) -> np.ndarray:
+        """Return a of some rows with a column for each unknown, [r, V]."""
+        return np.pad(rows.a, ((0, 0), (0, self.size - rows.a.shape[1])))
+
+    def maximise(self, c: np.ndarray) -> Answer:
+        """Solve for the largest c . v.
+
+        Parameters
+        ----------
+        c
+            Shape [V].
+
+        Returns
+        -------
+        Answer
+            With the dual of each block of rows.
+
+        Raises
+        ------
+        OptionError
+            If Clarabel is not installed.
+        """
+        clarabel = solver()
+        cones = {
+            EQUAL: clarabel.ZeroConeT,
+            POSITIVE: clarabel.NonnegativeConeT,
+            BALL: clarabel.SecondOrderConeT,
+            DEFINITE: lambda r: clarabel.PSDTriangleConeT(round((math.sqrt(8 * r + 1) - 1) / 2)),
+        }
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.max_threads = 1
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+        a = sparse.csc_matrix(np.vstack([-self.matrix(r) for r in self.rows]))
+        b = np.concatenate([r.b for r in self.rows])
+        kinds = [cones[r.cone](len(r.b)) for r in self.rows]
+        c = np.pad(c, (0, self.size - len(c)))
+        none = sparse.csc_matrix((self.size, self.size))
+        found = clarabel.DefaultSolver(none, -c, a, b, kinds, settings).solve()
+        z = np.array(found.z)
+        ends = np.cumsum([len(r.b) for r in self.rows])
+        duals = tuple(np.split(z, ends[:-1]))
+        status = str(found.status)
+        pull = self._pull(duals)
+        work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
+        if status == "PrimalInfeasible":
+            residual = float(np.abs(pull).max() / max(abs(work), 1e-300))
+        else:
+            residual = float(np.abs(c + pull).max())
+        return Answer(status, np.array(found.x), duals, work, residual, int(found.iterations))
+
+    def _pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:
+        return sum(
+            (self.matrix(r).T @ y for r, y in zip(self.rows, duals, strict=True)),
+            np.zeros(self.size),
+        )
+
+
+def solver() -> Any:
+    """Return the module of the solver.
+
+    Raises
+    ------
+    OptionError
+        If it is not installed.
+    """
+    try:
+        import clarabel
+    except ImportError:
+        raise OptionError(
+            "design needs the solver Clarabel: pip install 'origami_nlp[design]'"
+        ) from None
+    return clarabel

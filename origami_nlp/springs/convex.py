@@ -1,0 +1,385 @@
+"""The springs that hold given states with the largest margin, or the proof that there are none.
+
+Everything is divided by the mean stiffness, which is an unknown of its own (its inverse, `Springs.scale`), so that
+bounds and energies in the scene's units stay linear.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State
+from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
+from origami_nlp.pattern import Scene
+from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, Rows
+from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.springs.targets import Targets
+
+PROVED = 1e-6
+"""Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
+LEAST_MARGIN = 0.01
+"""Of a design that makes barriers largest: at 0 its wells would be none."""
+LARGEST_MARGIN = 10.0
+"""Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
+MOST_CHOICES = 64
+"""Choices of states that touch without moment."""
+MOST_PIECES = 16
+"""Smooth pieces of the feasible set at one state, each with conditions of its own."""
+
+
+class Posed:
+    """The convex programme of a question.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    touching
+        Which states are to hold still without moments in their contacts, by number from 0.
+    more
+        Further rows over the springs and the margin, see `Springs`.
+    heights
+        Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
+    elastic
+        Let states be out of balance at this price, for a search for better ones.
+    """
+
+    def __init__(
+        self,
+        targets: Targets,
+        touching: frozenset[int] = frozenset(),
+        more: Sequence[Rows] = (),
+        heights: Sequence[np.ndarray] = (),
+        elastic: float = 0.0,
+    ) -> None:
+        self.targets, self.touching = targets, touching
+        self.every_refuted = False
+        kinds = int(targets.kinds.max()) + 1
+        self.places = Springs.of(kinds)
+        self.programme = Programme(self.places.size)
+        self.count = np.bincount(targets.kinds, minlength=kinds)
+        self.balances: list[tuple[int, Balance, slice]] = []
+        self._bounds(kinds)
+        for i, placed in enumerate(targets.placed):
+            self._hold(i, placed.state, placed.target.margin, placed.target.name)
+        self._energies()
+        for rows in more:
+            self.programme.add(rows.cone, rows.a, rows.b, rows.words)
+        self.aim = np.zeros(self.programme.size)
+        self.aim[self.places.margin] = 1.0
+        if heights:
+            self._lift(heights)
+        if elastic:
+            self._soften(elastic)
+
+    def _lift(self, heights: Sequence[np.ndarray]) -> None:
+        """Make the smallest height the aim."""
+        p = self.programme
+        least = p.more(1).start
+        for row in heights:
+            up = np.zeros(p.size)
+            up[: len(row)], up[least] = row, -1.0
+            p.add(POSITIVE, up, 0.0, "the smallest barrier")
+        floor = np.zeros(p.size)
+        floor[self.places.margin] = 1.0
+        p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
+        self.aim = np.zeros(p.size)
+        self.aim[least] = 1.0
+
+    def _soften(self, price: float) -> None:
+        """Replace the balance of states by a price on what is left."""
+        p = self.programme
+        rows = [r for r in p.rows if isinstance(r.words, str) and r.words.endswith(" balances")]
+        p.rows = [r for r in p.rows if not any(r is other for other in rows)]
+        aim = [self.aim]
+        for r in rows:
+            left = p.more(len(r.b))
+            for sign in (1.0, -1.0):
+                a = sign * p.matrix(r)
+                a[np.arange(len(r.b)), np.arange(left.start, left.stop)] = 1.0
+                p.add(POSITIVE, a, sign * r.b, r.words)
+            aim.append(np.full(len(r.b), -price))
+        self.aim = np.concatenate(
+            [np.pad(self.aim, (0, p.size - len(self.aim) - sum(map(len, aim[1:])))), *aim[1:]]
+        )
+
+    def _bounds(self, kinds: int) -> None:
+        p, v, t = self.programme, self.places, self.targets
+        eye, none = np.eye(kinds), np.zeros((kinds, kinds))
+        column = np.ones((kinds, 1))
+        mean = np.zeros(v.size)
+        mean[v.stiffness] = self.count
+        p.add(EQUAL, mean, -float(self.count.sum()), "the mean stiffness is 1")
+        cap = np.zeros(v.size)
+        cap[v.margin] = -1.0
+        p.add(POSITIVE, cap, LARGEST_MARGIN, "the margin has a cap")
+        low, high = t.stiffness
+        creases = [np.flatnonzero(t.kinds == k) + 1 for k in range(kinds)]
+        names = ["crease " + ", ".join(map(str, c)) for c in creases]
+        p.add(
+            POSITIVE,
+            np.hstack([eye, none, -low * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: stiffness at least {low:g} N m/rad" for n in names),
+        )
+        p.add(
+            POSITIVE,
+            np.hstack([-eye, none, high * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: stiffness at most {high:g} N m/rad" for n in names),
+        )
+        (least, most), extra = t.rest, 0.0
+        if not isinstance(t.preload, bool):
+            extra = t.preload
+        p.add(
+            POSITIVE,
+            np.hstack([-least * eye, eye, extra * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: rest angle at least {math.degrees(least):g} deg" for n in names),
+        )
+        p.add(
+            POSITIVE,
+            np.hstack([most * eye, -eye, extra * column]),
+            np.zeros(kinds),
+            tuple(f"{n}: rest angle at most {math.degrees(most):g} deg" for n in names),
+        )
+
+    def _hold(self, i: int, state: State, share: float, name: str) -> None:
+        t = self.targets
+        there = (
+            state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
+        )
+        kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
+        pieces = balances(there, kind, i not in self.touching)
+        if len(pieces) > MOST_PIECES:
+            raise OptionError(
+                f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
+                f"{MOST_PIECES} are the most"
+            )
+        for piece in pieces:
+            where = piece.pose(self.programme, self.places, share, name)
+            self.balances.append((i, piece, where))
+
+    def energy(self, name: str) -> np.ndarray:
+        """Row of the energy of a state less that of the flat state over the mean stiffness."""
+        t = self.targets
+        i = [s.name for s in t.states].index(name)
+        model = t.model
+        kind = np.rint(model.reduce(t.kinds.astype(float))).astype(int)
+        return energy_row(model, t.placed[i].state.x, kind, self.places)
+
+    def _energies(self) -> None:
+        p, v, t = self.programme, self.places, self.targets
+        for gap in t.energies:
+            row = self.energy(gap.upper) - self.energy(gap.lower)
+            words = f"energy of {gap.upper} above {gap.lower}"
+            scale = np.zeros(v.size)
+            scale[v.scale] = 1.0
+            if gap.least == gap.most:
+                p.add(EQUAL, row - gap.least * scale, 0.0, f"{words} is {gap.least:g} J")
+                continue
+            if math.isfinite(gap.least):
+                p.add(POSITIVE, row - gap.least * scale, 0.0, f"{words} at least {gap.least:g} J")
+            if math.isfinite(gap.most):
+                p.add(POSITIVE, gap.most * scale - row, 0.0, f"{words} at most {gap.most:g} J")
+        for name, most in t.highest.items():
+            self._highest(name, most)
+
+    def _highest(self, name: str, most: float) -> None:
+        """Bound sum (k x - tau)^2 / (2 k) by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
+        p, v, t = self.programme, self.places, self.targets
+        i = [s.name for s in t.states].index(name)
+        x = t.placed[i].state.x
+        u = p.more(len(x))
+        for j in range(len(x)):
+            a = np.zeros((3, p.size))
+            k, tau, w = v.stiffness.start + j, v.torque.start + j, u.start + j
+            a[0, [k, w]] = 1.0, 1.0
+            a[1, [k, w]] = 1.0, -1.0
+            a[2, [k, tau]] = 2 * x[j], -2.0
+            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {j + 1}")
+        row = np.zeros(p.size)
+        row[v.scale] = 2 * most
+        row[u] = -self.count
+        p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
+
+    @cached_property
+    def answer(self) -> Answer:
+        """The optimum, or the proof that there is no point."""
+        return self.programme.maximise(self.aim)
+
+    @property
+    def margin(self) -> float:
+        """Largest margin t; -inf where the rows contradict each other."""
+        if self.answer.infeasible:
+            return -math.inf
+        return float(self.answer.v[self.places.margin]) if self.answer.solved else math.nan
+
+    @property
+    def feasible(self) -> bool:
+        """Whether springs hold the states with a margin that is more than rounding."""
+        return self.margin > DESIGN_MARGIN
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it is proved that no springs hold the states so, with a margin that is more than rounding.
+
+        Not where a state is singular (flat, or flat-folded with creases that lose rank): there the conditions prove a
+        minimum, but a minimum need not fulfil them.
+        """
+        if any(balance.lost.shape[1] for _, balance, _ in self.balances):
+            return False
+        a = self.answer
+        proved = a.infeasible or (a.solved and self.margin <= DESIGN_MARGIN)
+        return proved and a.residual <= PROVED
+
+
+def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndarray] = ()) -> Posed:
+    """Pose and solve a question, with contacts pressed, or else touching without moment.
+
+    A fold limit at a rest angle of +-pi carries no moment: such a state can hold still only by the stiffness of all
+    its directions.  Each choice of touching states is a convex programme; the first that is feasible, fewest touching,
+    is returned, else the one of largest margin.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    more, heights
+        See `Posed`.
+
+    Returns
+    -------
+    Posed
+        Solved; where not feasible, `every_refuted` tells whether all choices were refuted.
+    """
+    having = [
+        i
+        for i, p in enumerate(targets.placed)
+        if p.state.contacts.base or p.state.contacts.branches
+    ]
+    best = None
+    choices = itertools.chain.from_iterable(
+        itertools.combinations(having, k) for k in range(len(having) + 1)
+    )
+    refuted = 2 ** len(having) <= MOST_CHOICES
+    for touching in itertools.islice(choices, MOST_CHOICES):
+        posed = Posed(targets, frozenset(touching), more, heights)
+        if posed.feasible:
+            return posed
+        refuted = refuted and posed.refuted
+        if best is None or posed.margin > best.margin:
+            best = posed
+    assert best is not None
+    best.every_refuted = refuted
+    return best
+
+
+@dataclass(frozen=True)
+class Found:
+    """Springs in the scene's units.
+
+    Attributes
+    ----------
+    stiffness, torque
+        Of each kind of crease [N m/rad], [N m].
+    margin
+        Smallest stiffness along a free motion of a state, and smallest moment [per rad] of a contact, over the mean
+        stiffness and over the share of that state.
+    """
+
+    stiffness: np.ndarray
+    torque: np.ndarray
+    margin: float
+
+
+def springs_of(posed: Posed) -> Found:
+    """Turn the optimum into springs that fulfil every equation to rounding.
+
+    Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
+
+    Parameters
+    ----------
+    posed
+        A feasible programme.
+
+    Returns
+    -------
+    Found
+        The springs.
+    """
+    v, places = posed.answer.v.copy(), posed.places
+    k, tau = v[places.stiffness], v[places.torque]
+    kinds = len(k)
+    equal = [posed.programme.matrix(r) for r in posed.programme.rows if r.cone == EQUAL]
+    right = [-r.b for r in posed.programme.rows if r.cone == EQUAL]
+    pinned = []
+    if not posed.targets.preload or posed.targets.preload is True:
+        for j in range(kinds):
+            for bound in posed.targets.rest:
+                if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
+                    row = np.zeros(posed.programme.size)
+                    row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
+                    pinned.append(row)
+    a = np.vstack([*equal, *pinned])
+    b = np.concatenate([*right, np.zeros(len(pinned))])
+    for _ in range(3):
+        v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+    scale = _scale(posed, v)
+    return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+
+
+def _scale(posed: Posed, v: np.ndarray) -> float:
+    """Return 1 / mean stiffness: what energies ask for, or the middle of what the bounds leave."""
+    t = posed.targets
+    absolute = t.highest or not isinstance(t.preload, bool)
+    absolute = absolute or any(
+        (math.isfinite(e) and e != 0.0)
+        for g in (*t.energies, *t.barriers)
+        for e in (g.least, g.most)
+    )
+    if absolute:
+        return float(v[posed.places.scale])
+    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    return math.sqrt(float(k.max()) / high * float(k.min()) / low)
+
+
+def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
+    """Return the scene with these springs.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    found
+        The springs.
+    name
+        Of the scene.
+
+    Returns
+    -------
+    Scene
+        With a preload where no rest angle within [-pi, pi] gives the torque.
+    """
+    k = found.stiffness[targets.kinds]
+    tau = found.torque[targets.kinds]
+    rest = np.clip(tau / k, -math.pi, math.pi)
+    wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
+    more = {"preload": tuple(np.where(wound, tau - k * rest, 0.0))} if wound.any() else {}
+    return Scene(
+        targets.vertex,
+        tuple(k),
+        tuple(rest),
+        symmetry=targets.symmetry,
+        contact=targets.contact,
+        mirror=targets.mirror,
+        name=name,
+        **more,
+    )

@@ -1,0 +1,193 @@
+"""What a state asks of the springs that are to hold it: linear equations, and one matrix that must be positive.
+
+At fixed fold angles x the KKT conditions are linear in the stiffness k and the torque tau = k phi0 + preload of each
+crease, the moments mu of its closed contacts and the forces w of closure equations that are dependent there:
+
+    Z_J' (root (k x - tau) - A' mu) = 0,    mu >= m t,
+    Z' (diag k - sum lam_i C_i - sum mu_j G_j) Z >= m t 1,    lam = (J')^+ (root (k x - tau) - A' mu) + W w.
+
+J is the Jacobian of closure, A the gradients of the openings of the closed contacts, C and G their Hessians, all in the
+metric of all fold angles; Z_J spans the kernel of J, Z that of J and A, W the left kernel of J.  A state that closes
+regularly has no w; flat and flat-folded states do, and any w that makes the matrix positive proves a minimum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.kkt import State, Stratum
+from origami_nlp.numerics import INDEPENDENT, RANK
+from origami_nlp.programme import Model
+from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
+
+
+@dataclass(frozen=True)
+class Springs:
+    """Where the springs are among the unknowns of a programme.
+
+    Attributes
+    ----------
+    stiffness, torque
+        Of each kind of crease (creases that the symmetry makes equal are one kind), n each.
+    scale
+        Of 1 / mean stiffness [rad/(N m)].
+    margin
+        Of t.
+    """
+
+    stiffness: slice
+    torque: slice
+    scale: int
+    margin: int
+
+    @classmethod
+    def of(cls, kinds: int) -> Springs:
+        """Return the places of n kinds of creases: k, tau, scale, t."""
+        return cls(slice(0, kinds), slice(kinds, 2 * kinds), 2 * kinds, 2 * kinds + 1)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns that belong to the springs."""
+        return self.margin + 1
+
+
+class Balance:
+    """The conditions of one state on one smooth piece of the feasible set.
+
+    Parameters
+    ----------
+    stratum
+        The state with the contacts of the piece held.
+    kind
+        Which kind of crease each variable of its model is, shape [n].
+    """
+
+    def __init__(self, stratum: Stratum, kind: np.ndarray) -> None:
+        self.stratum, self.kind = stratum, kind
+        state = stratum.state
+        model, self.root = state.programme, state.programme.root
+        j, self.kernel = state.jacobian, state.kernel
+        u, values, vt = np.linalg.svd(j)
+        rank = int((values > RANK).sum())
+        self.lost = u[:, rank:]
+        self.to_closure = u[:, :rank] @ (vt[:rank] / values[:rank, None])
+        self.tangent = stratum.tangent
+        unit = np.outer(self.root, self.root)
+        m, r = len(j), len(stratum.contacts)
+        self.curvatures = np.array(
+            [
+                -model.lagrangian_hessian(state.x, e, stratum.contacts, 0.0) / unit
+                for e in np.eye(m + r)
+            ]
+        ).reshape(m + r, len(state.x), len(state.x))
+
+    @property
+    def free(self) -> int:
+        """Number of unknowns of its own: moments, then forces w."""
+        return len(self.stratum.contacts) + self.lost.shape[1]
+
+    def gradient(self, places: Springs, columns: int) -> np.ndarray:
+        """Gradient of the energy in the metric, linear in the unknowns, [n, columns]."""
+        x, n = self.stratum.state.x, len(self.kind)
+        out = np.zeros((n, columns))
+        rows = np.arange(n)
+        out[rows, places.stiffness.start + self.kind] = self.root * x
+        out[rows, places.torque.start + self.kind] = -self.root
+        return out
+
+    def pose(self, programme: Programme, places: Springs, share: float, name: str) -> slice:
+        """Add the conditions to a programme.
+
+        Parameters
+        ----------
+        programme
+            It gets unknowns and rows.
+        places
+            Of the springs.
+        share
+            m: the margin of this state is m t.
+        name
+            Of the state, for the words.
+
+        Returns
+        -------
+        slice
+            Where moments and forces w are.
+        """
+        own = programme.more(self.free)
+        r = len(self.stratum.contacts)
+        moments, forces = (
+            slice(own.start, own.start + r),
+            slice(own.start + r, own.stop),
+        )
+        balance = self.gradient(places, programme.size)
+        balance[:, moments] -= self.stratum.slopes.T
+        rows = _independent(self.kernel.T @ balance)
+        programme.add(EQUAL, rows, np.zeros(len(rows)), f"{name} balances")
+        model, x = self.stratum.state.programme, self.stratum.state.x
+        if r:
+            push = np.zeros((r, programme.size))
+            push[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
+            push[:, places.margin] = -share
+            words = tuple(
+                f"{name} presses on {model.words(c, x).text}" for c in self.stratum.contacts
+            )
+            programme.add(POSITIVE, push, np.zeros(r), words)
+        z = self.tangent
+        if z.shape[1]:
+            of_closure = self.to_closure @ balance  # lam = J'^+ (grad - A' mu) + W w, [m, V]
+            of_closure[:, forces] += self.lost
+            lam = of_closure
+            pull = np.zeros((r, programme.size))
+            pull[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
+            along = np.einsum("pi,kpq,qj->kij", z, self.curvatures, z)
+            matrix = -np.einsum("kv,kij->vij", np.vstack([lam, pull]), along)
+            for v, kind in enumerate(self.kind):
+                matrix[places.stiffness.start + kind] += np.outer(z[v], z[v])
+            matrix[places.margin] -= share * np.eye(z.shape[1])
+            packed = svector(matrix).T
+            programme.add(DEFINITE, packed, np.zeros(len(packed)), f"{name} is stiff")
+        return own
+
+
+def _independent(rows: np.ndarray) -> np.ndarray:
+    """Return orthogonal rows of the same span: symmetric states balance in most directions of themselves."""
+    _, values, vt = np.linalg.svd(rows, full_matrices=False)
+    rank = int((values > INDEPENDENT).sum())
+    return values[:rank, None] * vt[:rank]
+
+
+def balances(state: State, kind: np.ndarray, pressed: bool = True) -> list[Balance]:
+    """Return the conditions of a state, one for each smooth piece of the feasible set that meets there.
+
+    Parameters
+    ----------
+    state
+        The state.
+    kind
+        Which kind of crease each variable of its model is, shape [n].
+    pressed
+        Whether its contacts carry moments; otherwise it is to hold still without them, touching.
+    """
+    pieces = state.pieces if pressed else [()]
+    return [Balance(Stratum(state, tuple(piece)), kind) for piece in pieces]
+
+
+def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:
+    """Return the row whose product with the unknowns is the energy of x less that of phi = 0, [places.size]."""
+    out = np.zeros(places.size)
+    np.add.at(out, places.stiffness.start + kind, 0.5 * model.multiplicity * x**2)
+    np.add.at(out, places.torque.start + kind, -model.multiplicity * x)
+    return out
+
+
+def slope_row(
+    model: Model, x: np.ndarray, step: np.ndarray, kind: np.ndarray, places: Springs
+) -> np.ndarray:
+    """Return the row whose product with the unknowns is the slope of the energy at x along a step [n]."""
+    out = np.zeros(places.size)
+    np.add.at(out, places.stiffness.start + kind, model.multiplicity * x * step)
+    np.add.at(out, places.torque.start + kind, -model.multiplicity * step)
+    return out

@@ -1,0 +1,237 @@
+"""From a question to springs that were checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_callback, check_whole, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.minima import find_minima
+from origami_nlp.programme import Model
+from origami_nlp.springs.checking import check
+from origami_nlp.springs.conic import Rows
+from origami_nlp.springs.convex import Posed, scene_of, solve, springs_of
+from origami_nlp.springs.extras import cuts
+from origami_nlp.springs.reasons import why_not
+from origami_nlp.springs.result import Design
+from origami_nlp.springs.targets import Targets
+from origami_nlp.springs.targets_file import Ask
+from origami_nlp.springs.ways import Passes
+
+Progress = Callable[[str], None]
+TOPS = 6
+"""Rounds in which tops between samples become samples."""
+SHARES = (0.5, 2.0)
+"""Factors by which the share of the margin of one state is changed where the tolerance is made largest."""
+IMPROVEMENTS = 2
+"""Rounds over the states then."""
+
+
+def design(
+    targets: Targets,
+    ask: Ask | None = None,
+    *,
+    name: str | None = None,
+    seed: int = 0,
+    effort: str = "normal",
+    progress: Progress | None = None,
+) -> Design:
+    """Find the springs that hold given states with the largest margin, or prove that there are none.
+
+    At fixed states the conditions are convex in stiffness and torque (`equilibrium`), so that the answer is the best
+    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    ask
+        What is asked beyond its states: see `Ask`.
+    name
+        Of the scene.
+    seed, effort
+        Of the search that checks the answer, as of `find_minima`; `seed` also of the directions of tolerances.
+    progress
+        Called with a line before each stage.
+
+    Returns
+    -------
+    Design
+        With the scene and its check, or with the reason.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, a target does not close or is not admissible, or Clarabel is missing.
+
+    Examples
+    --------
+    >>> import math, origami_nlp as o
+    >>> vertex = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
+    >>> result = o.find_minima(o.Scene(vertex, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2)))
+    >>> wanted = o.springs.Target("folded", result.minima[0].fold_angles)
+    >>> answer = o.design(o.springs.Targets(vertex, (wanted,)))
+    >>> answer.verified, answer.margin > 0
+    (True, True)
+    """
+    if not isinstance(targets, Targets):
+        raise OptionError(f"targets = {shown(targets)} must be Targets (read_targets reads a file)")
+    ask = Ask() if ask is None else ask
+    if not isinstance(ask, Ask):
+        raise OptionError(f"ask = {shown(ask)} must be an Ask")
+    check_whole("seed", seed, 0)
+    check_callback("progress", progress)
+    if ask.maximise == "barrier" and not targets.barriers:
+        raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
+    if ask.maximise == "barrier" and targets.model.freedom != 1:
+        raise OptionError(
+            f"[ask] maximise = 'barrier' needs one freedom; the vertex has {targets.model.freedom}"
+        )
+    say = progress or (lambda _: None)
+    work = _Work(targets, ask, name, seed, effort, say)
+    say("springs for the states")
+    posed = work.solved(targets)
+    if not posed.feasible:
+        return _none(targets, posed, work)
+    best = work.made(posed)
+    if ask.extra_states == "forbid":
+        best = work.without_extras(best)
+    if ask.maximise == "tolerance":
+        best = work.most_tolerant(best)
+    return best
+
+
+class _Work:
+    """A question on its way."""
+
+    def __init__(
+        self, targets: Targets, ask: Ask, name: str | None, seed: int, effort: str, say: Progress
+    ) -> None:
+        self.targets, self.ask, self.name = targets, ask, name
+        self.seed, self.effort, self.say = seed, effort, say
+        self.more: tuple[Rows, ...] = ()
+        one = bool(targets.barriers) and targets.model.freedom == 1
+        self.passes = Passes(targets) if one else None
+
+    def solved(self, targets: Targets, more: tuple[Rows, ...] = ()) -> Posed:
+        """Solve, with the best choice of passes where barriers are asked for."""
+        more = (*self.more, *more)
+        if self.passes is None:
+            return solve(targets, more)
+        best = self._best(targets, more)
+        for _ in range(TOPS):
+            if not best.feasible or not self.passes.see(Model(scene_of(targets, springs_of(best)))):
+                break
+            best = self._best(targets, more)
+        return best
+
+    def _best(self, targets: Targets, more: tuple[Rows, ...]) -> Posed:
+        """Return the best of all choices of passes."""
+        assert self.passes is not None
+        lift = self.ask.maximise == "barrier"
+        choices = self.passes.choices(lift)
+        best: Posed | None = None
+        for choice in choices:
+            rows, heights = self.passes.rows(choice)
+            posed = solve(targets, (*more, *rows), heights if lift else ())
+            if best is None or _value(posed) > _value(best):
+                best = posed
+        assert best is not None
+        if any(p is not None for choice in choices for p in choice.values()):
+            best.every_refuted = False  # other places of the passes were not tried
+        return best
+
+    def made(self, posed: Posed) -> Design:
+        """Make the scene of an optimum, and check it."""
+        scene = scene_of(self.targets, springs_of(posed), self.name)
+        self.say("minima of the scene")
+        full = self.targets.full_space and not self.targets.blank.group.is_trivial
+        minima = find_minima(scene, seed=self.seed, effort=self.effort, full=full)
+        ways = {} if self.passes is None else self.passes.ways
+        return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)
+
+    def without_extras(self, best: Design) -> Design:
+        """Cut minima away that nobody asked for, a few rounds."""
+        for number in range(self.ask.rounds):
+            if not best.extra_minima:
+                break
+            self.say(f"round {number + 1}: {len(best.extra_minima)} minima that nobody asked for")
+            posed = self._cut(best)
+            if posed is None:
+                break
+            best = replace(self.made(posed), rounds=number + 1)
+        return best
+
+    def _cut(self, best: Design) -> Posed | None:
+        """Solve with the best cut for each of them; None where no springs are left."""
+        posed = None
+        for _, _, phi in best.extra_minima:
+            options = cuts(self.targets, np.array(phi))
+            solved = [(self.solved(self.targets, rows), rows) for rows in options]
+            solved = [s for s in solved if s[0].feasible]
+            if not solved:
+                continue
+            posed, rows = max(solved, key=lambda s: _value(s[0]))
+            self.more = (*self.more, *rows)
+        return posed
+
+    def most_tolerant(self, best: Design) -> Design:
+        """Change how the margin is shared among the states as long as the tolerance grows."""
+        self.say("tolerance of springs")
+        shares = np.ones(len(self.targets.states))
+        if len(shares) < 2:
+            return best
+        for _ in range(IMPROVEMENTS):
+            for i in range(len(shares)):
+                for factor in SHARES:
+                    tried = shares.copy()
+                    tried[i] *= factor
+                    states = tuple(
+                        replace(t, margin=t.margin * float(f))
+                        for t, f in zip(self.targets.states, tried, strict=True)
+                    )
+                    posed = self.solved(replace(self.targets, states=states))
+                    if not posed.feasible:
+                        continue
+                    found = self.made(posed)
+                    if _tolerance(found) > _tolerance(best):
+                        best, shares = found, tried
+        return best
+
+
+def _tolerance(found: Design) -> float:
+    if not found.verified or found.tolerance is None:
+        return -math.inf
+    return found.tolerance.percent
+
+
+def _value(posed: Posed) -> float:
+    """Return what was maximised; -inf without springs."""
+    return float(posed.aim @ posed.answer.v) if posed.feasible else -math.inf
+
+
+def _none(targets: Targets, posed: Posed, work: _Work) -> Design:
+
+    def tried(other: Targets) -> bool:
+        again = _Work(other, work.ask, None, work.seed, work.effort, work.say)
+        return again.solved(other).feasible
+
+    reason = why_not(posed, tried)
+    a = posed.answer
+    return Design(
+        targets=targets,
+        margin=posed.margin,
+        scene=None,
+        states=(),
+        extra_minima=(),
+        reason=reason,
+        failed=(),
+        minima=None,
+        iterations=a.iterations,
+        residual=a.residual,
+        refuted=posed.every_refuted,
+    )

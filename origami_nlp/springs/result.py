@@ -1,0 +1,258 @@
+"""What a design returns, how it tells itself, and its JSON, schema ``origami-nlp/design/1``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.springs.reasons import Reason
+from origami_nlp.springs.robustness import Tolerance
+from origami_nlp.springs.targets import Targets
+
+SCHEMA = "origami-nlp/design/1"
+
+
+@dataclass(frozen=True)
+class HeldState:
+    """One target of a design, and what was found there.
+
+    Attributes
+    ----------
+    name
+        As asked.
+    target
+        Fold angles asked for [rad], [N].
+    fold_angles
+        Those of the state that the springs were made for: closed to rounding, [N].
+    moved
+        Largest difference of the two [rad].
+    found
+        Distance of the minimum that the search found from `fold_angles` [rad]; inf where it found none.
+    energy
+        Elastic energy [J].
+    kind
+        Of the minimum; None where the state is none.
+    certificate
+        What proves it, or why it is no minimum.
+    full_space
+        Verdict where the symmetry may break: ``"stable"``, ``"unstable"``, ``"undecided"``; None where not asked.
+    """
+
+    name: str
+    target: tuple[float, ...]
+    fold_angles: tuple[float, ...]
+    moved: float
+    found: float
+    energy: float
+    kind: str | None
+    certificate: str
+    full_space: str | None
+
+
+@dataclass(frozen=True)
+class HeldBarrier:
+    """A barrier of a design, as measured.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    rise
+        Highest energy on the way less that of `start` [J]; nan where not known.
+    fold_angles
+        Where it is highest, [N].
+    why
+        What is wrong with it; "" where it is as asked.
+    """
+
+    start: str
+    end: str
+    rise: float
+    fold_angles: tuple[float, ...]
+    why: str
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Told):
+    """Springs for given states, checked by the main job; or the reason why there are none.
+
+    Attributes
+    ----------
+    targets
+        The question.
+    margin
+        Smallest stiffness along a free motion of a state, and smallest moment of a pressed contact [per rad], both over
+        the mean stiffness; the largest that any springs have.  At most 0, or -inf, where there are none.
+    scene
+        With the springs; None where there are none.
+    states
+        Each target, as found in the scene.
+    extra_minima
+        Minima of the scene that nobody asked for: energy [J], kind, fold angles.
+    reason
+        Why there are no springs; None where there are.
+    failed
+        What the check of the scene found wrong, in words; empty for a verified design.
+    minima
+        The whole search for the minima of the scene.
+    iterations
+        Of the conic solver.
+    residual
+        Of its dual: the margin is the largest to about this.
+    barriers
+        Those that were asked for, as measured.
+    tolerance
+        How far the springs may be off, where it was asked for.
+    refuted
+        Where there is no scene: whether it is proved that no springs do what was asked.
+    rounds
+        Of cuts that forbade minima.
+    """
+
+    PICTURE = "draw_design"
+
+    targets: Targets
+    margin: float
+    scene: Scene | None
+    states: tuple[HeldState, ...]
+    extra_minima: tuple[tuple[float, str, tuple[float, ...]], ...]
+    reason: Reason | None
+    failed: tuple[str, ...]
+    minima: MinimaResult | None
+    iterations: int
+    residual: float
+    barriers: tuple[HeldBarrier, ...] = ()
+    tolerance: Tolerance | None = None
+    refuted: bool = False
+    rounds: int = 0
+
+    @property
+    def feasible(self) -> bool:
+        """Whether springs with a positive margin exist."""
+        return self.scene is not None
+
+    @property
+    def verified(self) -> bool:
+        """Whether the main job found and certified every state."""
+        return self.feasible and not self.failed
+
+    def told(self) -> Iterator[Piece]:
+        """Say what was designed and what the check found."""
+        if self.scene is None:
+            assert self.reason is not None
+            yield Words(f"No design: {self.reason.text}")
+            if not self.refuted:
+                yield Words(
+                    "this proves nothing: see what of the question the programme leaves open"
+                )
+            for change in self.reason.changes:
+                yield Words(f"what would help, alone: {change}")
+            return
+        n = len(self.states)
+        what = "verified" if self.verified else "NOT verified"
+        yield Words(
+            f"Design for {n} state{'s' * (n > 1)}: margin {self.margin:.4g}, {what} "
+            f"(conic solver: {self.iterations} iterations, residual {self.residual:.0e})"
+        )
+        yield self.table()
+        yield self.springs()
+        for b in self.barriers:
+            yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.12g} J")
+        if self.tolerance is not None:
+            yield from self._tolerance(self.tolerance)
+        for words in self.failed:
+            yield Words(f"not verified: {words}")
+        if self.extra_minima:
+            yield Words(f"{len(self.extra_minima)} minima that were not asked for:")
+            for energy, kind, phi in self.extra_minima:
+                angles = "  ".join(f"{math.degrees(a):.3f}" for a in phi)
+                yield Words(f"  {energy:.6g} J  {kind}: {angles} deg")
+        else:
+            yield Words("no other minimum was found")
+        if self.minima is not None and self.minima.completeness is not None:
+            yield Words(next(self.minima.completeness.lines()))
+
+    @staticmethod
+    def _tolerance(found: Tolerance) -> Iterator[Piece]:
+        for loss in found.losses:
+            how = (
+                "kept that far"
+                if loss.event == "kept"
+                else f"along the worst direction found, then: {loss.event}"
+            )
+            yield Words(
+                f"{loss.state} stands until every stiffness and rest angle is off by "
+                f"{loss.percent:.4g} % ({how})"
+            )
+        if found.trials:
+            yield Words(
+                f"random springs within {found.percent:.4g} %: all states stand in {found.kept} of {found.trials}"
+            )
+
+    def table(self) -> Table:
+        """The states, one a row."""
+        heads = ("state", "energy [J]", "kind", "full space", "moved [deg]", "found within [rad]")
+        rows = [
+            (
+                s.name,
+                f"{s.energy:.9g}",
+                s.kind or "no minimum",
+                s.full_space or "-",
+                f"{math.degrees(s.moved):.2g}",
+                f"{s.found:.0e}",
+            )
+            for s in self.states
+        ]
+        return _table(heads, rows, "States")
+
+    def springs(self) -> Table:
+        """The springs, one crease a row."""
+        assert self.scene is not None
+        preload = getattr(self.scene, "preload", None) or (0.0,) * self.scene.degree
+        wound = any(preload)
+        heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
+        rows = [
+            (str(i), f"{k:.6g}", f"{math.degrees(r):.4f}") + (f"{p:.6g}",) * wound
+            for i, (k, r, p) in enumerate(
+                zip(self.scene.stiffness, self.scene.rest_angles, preload, strict=True), start=1
+            )
+        ]
+        return _table(heads, rows, "Springs")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as JSON data, schema ``origami-nlp/design/1``.
+
+        Returns
+        -------
+        dict
+            Angles in radians, energies in the scene's units.
+        """
+        return {
+            "schema": SCHEMA,
+            "feasible": self.feasible,
+            "verified": self.verified,
+            "margin": to_plain(self.margin),
+            "scene": scene_to_dict(self.scene) if self.scene else None,
+            "states": [to_plain(s) for s in self.states],
+            "extra_minima": [
+                {"energy": e, "kind": k, "fold_angles": list(p)} for e, k, p in self.extra_minima
+            ],
+            "reason": to_plain(self.reason) if self.reason else None,
+            "barriers": [to_plain(b) for b in self.barriers],
+            "tolerance": to_plain(self.tolerance) if self.tolerance else None,
+            "refuted": self.refuted,
+            "failed": list(self.failed),
+            "iterations": self.iterations,
+            "residual": to_plain(self.residual),
+        }
+
+
+def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]], title: str) -> Table:
+    from origami_nlp.show import rows_table
+
+    return rows_table(heads, rows, title)

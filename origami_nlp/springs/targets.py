@@ -1,0 +1,299 @@
+"""What a design is asked for: a vertex, states it shall hold, and what its springs may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, check_number, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import CLOSES, DESIGN_SNAP
+from origami_nlp.pattern import Contact, Scene, Vertex
+from origami_nlp.programme import Model
+
+TURNS = 4 * math.pi
+"""Largest rest angle of a wound spring [rad]: two turns."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A state that the springs shall hold.
+
+    Attributes
+    ----------
+    name
+        For tables and for `EnergyGap`.
+    fold_angles
+        All N of them [rad]; moved onto closure, and onto contacts that they nearly close.
+    margin
+        Share of the margin of the whole design that this state must have: twice as stiff for 2.
+    tolerance
+        How far each fold angle may be moved where `move_targets` is asked for [rad].
+    """
+
+    name: str
+    fold_angles: tuple[float, ...]
+    margin: float = 1.0
+    tolerance: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise OptionError(f"states[].name = {shown(self.name)} must be text")
+        margin = check_number(f"state {self.name!r}: margin", self.margin, 0.0)
+        if margin == 0.0:
+            raise OptionError(f"state {self.name!r}: margin = 0 must be positive")
+        check_number(f"state {self.name!r}: tolerance", self.tolerance, 0.0, math.pi)
+
+
+@dataclass(frozen=True)
+class EnergyGap:
+    """How much higher the energy of one state shall be than that of another [J].
+
+    Attributes
+    ----------
+    upper, lower
+        Names of states.
+    least, most
+        Bounds of U(upper) - U(lower); equal for an exact difference.
+    """
+
+    upper: str
+    lower: str
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True)
+class BarrierAsk:
+    """How much energy it shall take to leave one state for another [J].
+
+    With one freedom the springs are made for it; with two they are checked for it.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    least, most
+        Bounds of the highest energy on the way less that of `start`; equal for an exact barrier.
+    """
+
+    start: str
+    end: str
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True)
+class Targets:
+    """A question: which springs hold these states?
+
+    Parameters
+    ----------
+    vertex
+        The crease pattern.
+    states
+        The states wanted.
+    symmetry, contact, mirror
+        As of a `Scene`; without springs, ``"auto"`` is the largest group of the geometry.
+    stiffness
+        Bounds of each crease [N m/rad], both positive.
+    rest_angles
+        Bounds of each rest angle [rad], within [-pi, pi] (the default); with ``preload=True`` of wound springs, by
+        default two turns either way.
+    preload
+        Whether springs may be wound beyond [-pi, pi], or the largest torque beyond what a rest angle gives [N m].
+    energies
+        Differences of energy that are asked for.
+    barriers
+        Barriers between two states that are asked for.
+    highest
+        Largest energy of states by name [J]; no preload then.
+    full_space
+        Hold the states also where motions break the symmetry.
+    """
+
+    vertex: Vertex
+    states: tuple[Target, ...]
+    symmetry: str = "none"
+    contact: Contact = "full"
+    mirror: int | None = None
+    stiffness: tuple[float, float] = (0.005, 0.5)
+    rest_angles: tuple[float, float] | None = None
+    preload: float | bool = False
+    energies: tuple[EnergyGap, ...] = ()
+    barriers: tuple[BarrierAsk, ...] = ()
+    highest: dict[str, float] = field(default_factory=dict)
+    full_space: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "states", tuple(self.states))
+        object.__setattr__(self, "energies", tuple(self.energies))
+        object.__setattr__(self, "barriers", tuple(self.barriers))
+        names = [t.name for t in self.states]
+        if not names:
+            raise OptionError("states is empty: give at least one [[states]] with fold_angles_deg")
+        for name in names:
+            if names.count(name) > 1:
+                raise OptionError(f"two states are called {name!r}: give each a name of its own")
+        for gap in self.energies:
+            for name in (gap.upper, gap.lower):
+                self._known(name, "energy")
+            if not gap.least <= gap.most or math.isnan(gap.least) or math.isnan(gap.most):
+                raise OptionError(
+                    f"energy of {gap.upper!r} above {gap.lower!r}: [{gap.least:g}, {gap.most:g}] "
+                    "must be [least, most]"
+                )
+        for ask in self.barriers:
+            for name in (ask.start, ask.end):
+                self._known(name, "barrier")
+            if ask.start == ask.end or not 0.0 <= ask.least <= ask.most or ask.least == math.inf:
+                raise OptionError(
+                    f"barrier from {ask.start!r} to {ask.end!r}: [{ask.least:g}, {ask.most:g}] "
+                    "must be 0 <= least <= most, between two states"
+                )
+        for name in self.highest:
+            self._known(name, "highest energy")
+        low, high = _pair("stiffness", self.stiffness)
+        if not 0 < low <= high:
+            raise OptionError(
+                f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]"
+            )
+        if self.rest_angles is not None:
+            low, high = _pair("rest_angles", self.rest_angles)
+            most = TURNS if self.preload is True else math.pi
+            if not -most - 1e-12 <= low <= high <= most + 1e-12:
+                raise OptionError(
+                    f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
+                    + (
+                        ""
+                        if self.preload is True
+                        else "; preload = true lets springs be wound beyond"
+                    )
+                )
+        if not isinstance(self.preload, bool):
+            check_number("preload", self.preload, 0.0)
+
+    def _known(self, name: str, what: str) -> None:
+        known = [t.name for t in self.states]
+        if name not in known:
+            raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """Bounds of each rest angle [rad]."""
+        if self.rest_angles is not None:
+            return self.rest_angles
+        most = TURNS if self.preload is True else math.pi
+        return -most, most
+
+    @cached_property
+    def blank(self) -> Scene:
+        """The scene with equal springs, for its geometry."""
+        n = self.vertex.degree
+        return Scene(
+            self.vertex,
+            (1.0,) * n,
+            (0.0,) * n,
+            symmetry=self.symmetry,
+            contact=self.contact,
+            mirror=self.mirror,
+        )
+
+    @cached_property
+    def model(self) -> Model:
+        """The programme with the symmetry, of equal springs."""
+        return Model(self.blank)
+
+    @cached_property
+    def free(self) -> Model:
+        """The programme in which the states must stand: without the symmetry where that is asked for."""
+        if not self.full_space or self.blank.group.is_trivial:
+            return self.model
+        return Model(replace(self.blank, symmetry="none", mirror=None))
+
+    @cached_property
+    def kinds(self) -> np.ndarray:
+        """Which kind of crease each crease is, equal where the symmetry asks for equal springs, shape [N]."""
+        own = self.model
+        return np.rint(own.expand(np.arange(own.size, dtype=float))).astype(int)
+
+    @cached_property
+    def placed(self) -> tuple[Placed, ...]:
+        """The states where they close: exact fold angles of every target."""
+        return tuple(place(self.model, t) for t in self.states)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A target moved onto closure and onto the contacts that it nearly closes.
+
+    Attributes
+    ----------
+    target
+        As asked.
+    state
+        Exact to rounding, in the programme with the symmetry.
+    moved
+        Largest change of a fold angle [rad].
+    """
+
+    target: Target
+    state: State
+    moved: float
+
+
+def place(model: Model, target: Target) -> Placed:
+    """Move a target onto closure.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    target
+        With N fold angles.
+
+    Returns
+    -------
+    Placed
+        The state nearest by, with contacts that the target closes to 1e-4 rad held closed.
+
+    Raises
+    ------
+    OptionError
+        If it keeps not the symmetry, does not close nearby, or is not admissible.
+    """
+    who = f"state {target.name!r}"
+    phi = check_angles(f"{who}: fold_angles", target.fold_angles, model.scene.degree, one=True)
+    x = model.reduce(phi)
+    broken = float(np.abs(model.expand(x) - phi).max())
+    if broken > DESIGN_SNAP:
+        raise OptionError(
+            f"{who}: fold angles break the symmetry {model.symmetry} by {math.degrees(broken):.3g} deg: "
+            "write [model] symmetry = 'none'"
+        )
+    x = np.clip(x, -model.bound, model.bound)
+    near, residual = project(model, x)
+    contacts = State(model, near, DESIGN_SNAP).pieces[0] if residual <= CLOSES else ()
+    if contacts:
+        held, left = project(model, near, contacts)
+        if left <= CLOSES and np.abs(held - near).max() <= 2 * DESIGN_SNAP:
+            near, residual = held, left
+    if residual > CLOSES:
+        raise OptionError(
+            f"{who}: no closed state nearby (closure {residual:.1e}): check the fold angles"
+        )
+    state = State(model, near)
+    if state.refused:
+        raise OptionError(f"{who} is not admissible: {state.refused}")
+    return Placed(target, state, float(np.abs(model.expand(near) - phi).max()))
+
+
+def _pair(name: str, value: Sequence[float]) -> tuple[float, float]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise OptionError(f"{name} = {shown(value)} must be two numbers [least, most]")
+    return check_number(f"{name}[1]", value[0]), check_number(f"{name}[2]", value[1])

@@ -1,0 +1,231 @@
+"""States over a parameter: branches against searches, events, counts, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.atlas import Family, draw_atlas, family_of, follow, follow_family, parse_over
+from origami_nlp.atlas.fold_out import atlas_to_fold
+from origami_nlp.bench import random_vertex
+from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.minima import judge_in_full_space
+
+TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
+
+
+def generic(seed, degree):
+    return random_vertex(np.random.default_rng(seed), degree, "full")
+
+
+@pytest.fixture(scope="module")
+def atlas():
+    return follow(o.examples.degree6("5*pi/12"), "ratio=0.1:100")
+
+
+def minima(states):
+    return [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
+
+
+def compare(atlas, t, **search):
+    """Assert that branches and a search have the same minima at t; a search may miss what is certified."""
+    found = o.find_minima(atlas.family.scene(t), prove=False, **search)
+    branches = minima(atlas.at(t))
+    for m in found.minima:
+        apart = [np.abs(np.array(m.fold_angles) - b).max() for b in branches]
+        assert min(apart, default=9.0) < 1e-6, (t, np.degrees(m.fold_angles), m.kind)
+    return len(branches) - len(found.minima)
+
+
+def test_the_third_state_of_5_pi_12_is_born_without_an_eigenvalue(atlas):
+    birth, closes = atlas.events
+    assert (birth.type, closes.type) == ("nonsmooth-fold", "closes")
+    assert birth.t == pytest.approx(1.788720163, abs=1e-9)
+    at_birth = [p for b in atlas.branches for p in b.points if p.t == birth.t]
+    assert at_birth and all(abs(p.eigenvalue) > 1e-3 for p in at_birth)
+    assert [i.minima for i in atlas.intervals] == [2, 3, 3]
+    for share, count in ((0.99, 2), (1.01, 3)):
+        assert len(minima(atlas.at(birth.t * share))) == count
+        assert compare(atlas, birth.t * share) >= 0
+    assert not atlas.alarms
+
+
+def test_a_minimum_that_sweeps_missed_is_there(atlas):
+    angles = (31.08, -94.12, -94.12, 31.08, -94.12, -94.12)
+    assert min(np.abs(np.degrees(b) - angles).max() for b in minima(atlas.at(1.8055))) < 0.01
+
+
+def test_states_at_a_value_are_polished_and_judged(atlas):
+    for t in (0.1, 1.0, 17.3, 100.0):
+        for state in atlas.at(t):
+            assert state.closure_residual < 1e-12 and state.kkt_residual < 1e-11
+            assert state.verdict in ("minimum", "saddle")
+            energy = atlas.family.scene(t).energy(state.fold_angles)
+            assert state.energy == pytest.approx(energy, rel=1e-12)
+    pinned = next(s for s in atlas.at(2.0) if s.kind == "contact-pinned")
+    assert pinned.stays == (atlas.events[0].t, 100.0)
+    with pytest.raises(OptionError, match="outside"):
+        atlas.at(101.0)
+
+
+def test_every_event_is_located_in_its_own_function(atlas):
+    for e in atlas.events:
+        assert e.type in TYPES and e.located
+        assert e.residuals.kkt < 1e-11 and abs(e.residuals.event) < 1e-11
+
+
+def test_plain_data_have_the_stated_keys(atlas):
+    data = json.loads(json.dumps(atlas.to_dict(), allow_nan=False))
+    assert data["parameter"] == {
+        "name": "ratio", "unit": "", "from": 0.1, "to": 100.0, "scale": "log",
+    }  # fmt: skip
+    branch = data["branches"][0]
+    assert {"id", "kind_ranges", "points", "ends"} <= set(branch)
+    keys = {"t", "fold_angles", "energy", "multipliers", "eigenvalue", "full_space_eigenvalue"}
+    assert keys <= set(branch["points"][0])
+    assert all({"why", "event"} <= set(e) for e in branch["ends"])
+    event = {"id", "type", "t", "fold_angles", "contact", "residuals", "branches"}
+    assert all(event <= set(e) and {"kkt", "event"} <= set(e["residuals"]) for e in data["events"])
+    check = {"t", "states", "new_branches", "expected_undiscovered"}
+    assert len(data["checks"]) == 3 and all(check <= set(c) for c in data["checks"])
+    moments = [m for b in data["branches"] for p in b["points"] for m in p["multipliers"]]
+    assert moments and all({"contact", "value", "range"} <= set(m) for m in moments)
+
+
+def test_a_picture_frames_and_words(atlas, tmp_path):
+    draw_atlas(atlas, tmp_path / "atlas.png")
+    assert (tmp_path / "atlas.png").stat().st_size > 10_000
+    frames = atlas_to_fold(atlas)["file_frames"]
+    assert len(frames) == sum(len(b.points) for b in atlas.branches)
+    assert "nonsmooth-fold" in str(atlas) and "isolated branches" in str(atlas)
+    assert "3 branches, 2 events" in repr(atlas)
+
+
+def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
+    """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
+    atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full_space=False)
+    (event,) = [e for e in atlas.events if e.type == "closes"]
+    assert math.degrees(event.t) == pytest.approx(50.34254652, abs=1e-8)
+    alone = [e for e in atlas.events if e.type == "singular"]
+    assert len(alone) == 2 and all(e.t == math.pi / 3 for e in alone)  # handles, at pi/3 only
+    assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
+
+
+def test_a_curve_through_the_flat_state_is_named_there():
+    atlas = follow(generic(1, 5), "creases.rest_angles[1]=-1:pi", checks=2)
+    (event,) = [e for e in atlas.events if e.type == "singular"]
+    assert not event.located and "lose rank" in event.note
+    assert np.abs(event.fold_angles).max() < 0.02
+    assert not [e for e in atlas.events if not e.located and e is not event]
+
+
+def test_a_symmetry_that_is_lost_is_located():
+    """On one side of the event the state is stable in the full space, on the other it is not."""
+    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-2.2:-1.8", checks=2)
+    event = next(e for e in atlas.events if e.type == "breaks-symmetry")
+    assert event.located
+    verdicts = []
+    for t in (event.t - 0.02, event.t + 0.02):
+        near = min(
+            atlas.at(t), key=lambda s: np.abs(np.subtract(s.fold_angles, event.fold_angles)).max()
+        )
+        assert near.verdict == "minimum"
+        verdicts.append(judge_in_full_space(atlas.family.scene(t), np.array(near.fold_angles)))
+    assert [v.verdict == "stable" for v in verdicts].count(True) == 1
+    for v in verdicts:
+        assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
+
+
+def test_a_pitchfork_is_passed_and_its_branches_are_followed():
+    """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
+    atlas = follow(
+        o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full_space=False
+    )
+    (event,) = [e for e in atlas.events if e.type == "branching"]
+    assert len(event.branches) == 4
+    before = minima(atlas.at(event.t - 0.05))
+    pair = [b for b in before if abs(b[0] - b[2]) > 0.1]
+    assert len(pair) == 2 and pair[0] == pytest.approx(np.roll(pair[1], 2), abs=1e-9)
+    assert compare(atlas, event.t - 0.05) == compare(atlas, event.t + 0.05) == 0
+
+
+def test_families_that_jump_are_refused():
+    over = parse_over("alpha=50deg:70deg")
+    with pytest.raises(OptionError, match="two families"):
+        follow_family(Family(over, lambda t: o.examples.degree6(t, 1.0)))
+
+
+@pytest.mark.parametrize(
+    "text", ["ratio", "ratio=1", "ratio=2:1", "ratio=-1:1", "creases.stiffness[1]=0:1"]
+)
+def test_ranges_that_are_none_are_refused(text):
+    with pytest.raises(OptionError):
+        parse_over(text)
+    with pytest.raises(AngleError):
+        parse_over("alpha=x:1")
+
+
+@pytest.mark.parametrize("name", ["colour", "creases.rest_angles[7]", "creases.stiffness[0]"])
+def test_parameters_that_a_scene_has_not_are_refused(name):
+    with pytest.raises(OptionError, match="no parameter"):
+        family_of(o.examples.degree6("pi/4"), parse_over(f"{name}=0.1:1"))
+
+
+def test_lines_are_the_scenes_of_a_family():
+    for text in ("ratio=0.1:10", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
+                 "creases.rest_angles[2]+creases.rest_angles[1]=-1:1", "vertex.sector_angles[1]=0.7:0.8"):  # fmt: skip
+        over = parse_over(text)
+        family = family_of(o.examples.degree6("pi/4", 2.0), over)
+        for share in (0.0, 0.3, 1.0):
+            s = (1 - share) * over.s_of(over.low) + share * over.s_of(over.high)
+            model, programme = o.Model(family.scene(over.t_of(s))), family.line.at(s)
+            p, q, unit = model.parameters, programme.parameters, model.scale / programme.scale
+            assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
+            assert np.append(p.sectors, p.rest) == pytest.approx(
+                np.append(q.sectors, q.rest), abs=1e-13
+            )
+            at = np.array(family.scene(over.t_of(s)).vertex.sector_angles)
+            assert programme.scene.vertex.sector_angles == pytest.approx(at, abs=1e-13)
+
+
+CASES = {
+    "pi/4": (lambda: o.examples.degree6("pi/4"), "ratio=0.01:100"),
+    "pi/3": (lambda: o.examples.degree6("pi/3"), "ratio=0.01:100"),
+    "5pi/12": (lambda: o.examples.degree6("5*pi/12"), "ratio=0.01:100"),
+    "alpha below": (lambda: o.examples.degree6("pi/4"), "alpha=30deg:60deg"),
+    "alpha above": (lambda: o.examples.degree6("5*pi/12"), "alpha=60.001deg:89.99deg"),
+    "degree 4": (lambda: generic(3, 4), "creases.rest_angles[1]=-pi:pi"),
+    "degree 5": (lambda: generic(1, 5), "creases.rest_angles[1]=-pi:pi"),
+    "degree 8 ratio": (lambda: o.examples.degree8("pi/6"), "ratio=0.01:100"),
+    "degree 8 alpha": (lambda: o.examples.degree8("pi/6"), "alpha=5deg:85deg"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_branches_are_what_thorough_searches_find_at_forty_points(name):
+    make, text = CASES[name]
+    atlas = follow(make(), text, checks=4)
+    over = atlas.over
+    for s in np.linspace(over.s_of(over.low), over.s_of(over.high), 40):
+        assert compare(atlas, over.t_of(float(s)), effort="thorough") >= 0
+    for e in atlas.events:
+        assert e.located or e.note
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30))
+def test_the_number_of_minima_changes_only_at_events(seed):
+    atlas = follow(generic(100 + seed, 4 + seed % 3), "creases.rest_angles[1]=-pi:pi", checks=4)
+    for interval in atlas.intervals:
+        a, b = interval.t
+        if b - a < 1e-3:
+            continue
+        for share in (0.2, 0.8):
+            extra = compare(atlas, a + share * (b - a))
+            assert extra >= 0
+            assert len(minima(atlas.at(a + share * (b - a)))) == interval.minima

@@ -1,0 +1,85 @@
+"""Curves of events over two parameters: each point is an event over one, and counts change across them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.atlas import Plane, draw_boundaries, find_boundaries, follow_family
+from origami_nlp.errors import OptionError
+
+
+@pytest.fixture(scope="module")
+def contact():
+    """Where the contact of pi/3 begins to carry, over the ratio and alpha."""
+    return find_boundaries(o.examples.degree6("pi/4"), "ratio=0.2:3", "alpha=50deg:pi/3")
+
+
+def test_a_contact_curve_passes_what_is_known_of_both_parameters(contact):
+    (curve,) = contact.curves
+    ratio, alpha = np.array([p.t for p in curve.points]).T
+    a = math.acos(1 / 3)  # at pi/3 in closed form
+    assert alpha[-1] == math.pi / 3
+    assert ratio[-1] == pytest.approx((math.pi - 2 * a) / (math.pi - a), rel=1e-12)
+    # r_k = 1 at 50.34254652 deg: by the points around it, whose curve is smooth
+    near = np.argsort(np.abs(np.log(ratio)))[:5]
+    fit = np.polyfit(np.log(ratio[near]), np.degrees(alpha[near]), 4)
+    assert fit[-1] == pytest.approx(50.34254652, abs=1e-5)
+    assert all(max(p.kkt, abs(p.event)) < 1e-11 for p in curve.points)
+
+
+def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
+    (curve,) = contact.curves
+    point = curve.points[len(curve.points) // 2]
+    plane = Plane(contact.scene, contact.overs)
+    atlas = follow_family(plane.family(point.t[1]), checks=2, full_space=False)
+    assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
+
+
+def test_every_event_of_a_line_lies_on_a_curve(contact):
+    for line in contact.lines:
+        assert line.events and all(number for _, number in line.events)
+
+
+def test_data_and_a_picture(contact, tmp_path):
+    data = json.loads(json.dumps(contact.to_dict(), allow_nan=False))
+    assert [p["name"] for p in data["parameters"]] == ["ratio", "alpha"]
+    assert {"id", "type", "contact", "points", "ends"} <= set(data["curves"][0])
+    draw_boundaries(contact, tmp_path / "map.png")
+    assert (tmp_path / "map.png").stat().st_size > 10_000
+    assert "1 curves" in repr(contact)
+
+
+def test_scenes_without_a_plane_are_refused():
+    with pytest.raises(OptionError):
+        find_boundaries(o.examples.degree6("pi/4"), "ratio=0.5:2", "colour=1:2")
+
+
+@pytest.mark.slow
+def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
+    found = find_boundaries(
+        o.examples.degree6("5*pi/12"), "ratio=0.1:100", "alpha=61deg:70deg", lines=2
+    )
+    (fold,) = [c for c in found.curves if c.type == "fold"]
+    assert fold.ends == ("range", "range")
+    alpha = np.degrees([p.t[1] for p in fold.points])
+    assert alpha.max() == pytest.approx(65.0496, abs=2e-3) and alpha[-1] < 62
+    plane = Plane(found.scene, found.overs)
+    for point in fold.points[3:-3:6]:
+        r, a = point.t
+        counts = []
+        for shift in (-0.3, 0.3):
+            scene = plane.family(a + math.radians(shift)).scene(r)
+            near = [
+                m
+                for m in o.find_minima(scene, prove=False, effort="thorough").minima
+                if np.abs(np.subtract(m.fold_angles, point.fold_angles)).max() < 0.8
+            ]
+            counts.append(len(near))
+        assert counts[0] == counts[1] + 1
+    for line in found.lines:
+        assert all(number for _, number in line.events)

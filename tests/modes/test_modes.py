@@ -1,0 +1,101 @@
+"""Modes of minima: eigenvalues, symmetry blocks, and the energy along geodesics to the first contact."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from origami_nlp import Model, State, draw, examples, find_minima, find_modes, format_scene
+from origami_nlp.errors import OptionError
+from origami_nlp.minima import full_scene, hessian_spectra
+from origami_nlp.modes import geodesic
+from tests.command_line import run
+from tests.independent.rotations import fold
+
+SCENE = examples.degree6("5*pi/12", ratio=1)
+RESULT = find_minima(SCENE, max_starts=32, prove=False)
+MODES = find_modes(RESULT)
+
+
+def test_blocks_are_those_of_the_full_spectrum_and_do_not_couple():
+    model = Model(full_scene(SCENE))
+    for state in MODES.states:
+        full, breaking = hessian_spectra(State(model, state.minimum.fold_angles), SCENE)
+        assert state.eigenvalues() == pytest.approx(full, rel=1e-12)
+        assert state.eigenvalues("breaking") == pytest.approx(breaking, rel=1e-12)
+        assert len(state.eigenvalues("symmetric")) == 2 and not state.held
+        assert state.coupling < 1e-15
+        for mode in state.modes:
+            d = mode.direction
+            mirrored = d[(-np.arange(6)) % 6]
+            sign = 1 if mode.block == "symmetric" else -1
+            assert np.abs(mirrored - sign * d).max() < 1e-12
+
+
+def test_the_energy_starts_as_the_eigenvalue_says_and_every_point_closes():
+    for mode in (m for s in MODES.states for m in s.modes):
+        g, at = mode.along, int(np.flatnonzero(mode.along.s == 0)[0])
+        h = g.s[at + 1]
+        second = (g.rise[at + 1] + g.rise[at - 1] - 2 * g.rise[at]) / h**2
+        assert second == pytest.approx(mode.eigenvalue, rel=2e-3)
+        _, turn = fold(np.array(SCENE.vertex.sector_angles), g.states)
+        assert np.abs(turn - np.eye(3)).max() < 1e-12
+        energy = SCENE.energy(g.states)
+        assert np.abs(energy - energy[at] - g.rise).max() < 1e-15
+
+
+def test_ends_touch_and_go_no_further():
+    model = Model(full_scene(SCENE))
+    for mode in (m for s in MODES.states for m in s.modes):
+        for k, end in ((0, mode.along.ends[0]), (-1, mode.along.ends[1])):
+            assert end.contacts and end.opening <= 1e-8
+            beyond = mode.along.states[k] + 1e-6 * np.sign(mode.along.states[k])
+            assert (np.abs(beyond) > np.pi).any() or model.refuses(beyond)
+            assert all(not model.refuses(x) for x in mode.along.states[1:-1:20])
+
+
+def test_a_mode_that_breaks_the_mirror_is_the_same_both_ways():
+    for mode in (m for s in MODES.states for m in s.modes if m.block == "breaking"):
+        low, high = mode.along.ends
+        assert -low.s == pytest.approx(high.s, rel=1e-10)
+        assert low.rise == pytest.approx(high.rise, rel=1e-10)
+
+
+def test_distances_converge_with_the_square_of_the_step():
+    model = Model(full_scene(SCENE))
+    held = State(model, RESULT.minima[1].fold_angles).on()
+    direction = MODES.states[1].modes[-1].direction
+    s = [geodesic(held, direction, 0.02 * q).ends[1].s for q in (4, 2, 1)]
+    assert (s[0] - s[1]) / (s[1] - s[2]) == pytest.approx(4, rel=0.2)
+    assert abs(s[1] - s[2]) < 2e-5
+
+
+def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
+    pinned = find_minima(
+        replace(SCENE, preload=(-0.138, 0, 0, 0, 0, 0)), max_starts=32, prove=False
+    )
+    found = find_modes(pinned, state=1).states[0]
+    assert found.minimum.kind == "contact-pinned" and found.modes
+    assert all("phi = -pi" in name for name in found.held)
+    for mode in found.modes:
+        assert np.abs(mode.along.states[:, (2, 4)] + np.pi).max() == 0
+        assert not {c.index for end in mode.along.ends for c in end.contacts if c.is_limit} & {2, 4}
+    singular = find_modes(find_minima(examples.degree6("pi/3"), max_starts=16, prove=False))
+    assert all(s.why and not s.modes for s in singular.states)
+    with pytest.raises(OptionError, match="1 to 3"):
+        find_modes(pinned, state=4)
+
+
+def test_the_command_writes_numbers_and_a_figure(tmp_path):
+    scene, figure = tmp_path / "scene.toml", tmp_path / "modes.png"
+    scene.write_text(format_scene(SCENE))
+    code, out, err = run("modes", scene, "--state", "2", "--max-starts", "16", "--json", "-")
+    assert code == 0, err
+    data = json.loads(out)
+    (state,) = data["states"]
+    assert data["schema"] == "origami-nlp/modes/1" and state["state"] == 2
+    values = [m["eigenvalue"] for m in state["modes"] if m["block"] == "symmetric"]
+    assert values == pytest.approx(MODES.states[1].eigenvalues("symmetric"), rel=1e-9)
+    assert len(draw(MODES, figure).axes) == 4 and figure.stat().st_size > 10_000
+    assert "held closed" not in str(MODES) and "#2.3" in str(MODES)
