@@ -1,8 +1,8 @@
 """Loop closure of a pattern in closed form, with first and second derivatives, sparse.
 
 Facets move rigidly from their reference state.  A walk crosses crease i with direction b_i through the point p_i,
-turning by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the quaternions
-(cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no
+turning by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the
+quaternions (cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no
 translation either.  With c_i the axis where the turns before it have brought it, and o_i a point on it,
 
     dq/dphi_i = 1/2 c_i q,                      d2q/dphi_i dphi_j = 1/4 c_i c_j q           (i <= j in the walk),
