@@ -1,7 +1,7 @@
 """Ways out of the flat state of a pattern whose vertices have degree four or less: its tangent cone, enumerated.
 
 To first order the fold angles round a flat vertex obey sum phi_i b_i = 0, to second order also
-sum_(i<j) phi_i phi_j (b_i x b_j) = 0 [Waitukaitis and van Hecke 2016]: for degree four that leaves two lines, its modes.
+sum_(i<j) phi_i phi_j (b_i x b_j) = 0: for degree four that leaves two lines, its modes.
 A way out of the flat state folds every vertex along one of its modes (or not at all), which is linear once modes are
 chosen: all choices are gone through, and those with nothing left are cut off early.
 """

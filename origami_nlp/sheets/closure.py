@@ -1,9 +1,9 @@
 """Loop closure of a pattern in closed form, with first and second derivatives, sparse.
 
-Facets move rigidly from their reference state.  A walk crosses crease i with direction b_i through the point p_i, turning
-by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the quaternions
-(cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no translation
-either.  With c_i the axis where the turns before it have brought it, and o_i a point on it,
+Facets move rigidly from their reference state.  A walk crosses crease i with direction b_i through the point p_i,
+turning by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the
+quaternions (cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no
+translation either.  With c_i the axis where the turns before it have brought it, and o_i a point on it,
 
     dq/dphi_i = 1/2 c_i q,                      d2q/dphi_i dphi_j = 1/4 c_i c_j q           (i <= j in the walk),
     dt/dphi_i = c_i x (t - o_i),                d2t/dphi_i dphi_j = c_i x (c_j x (t - o_j)).
@@ -25,16 +25,29 @@ MOST_DENSE = 60
 """Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
 
 
+UNITS = np.array(
+    [
+        [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1], [0, 0, -1, 0]],
+        [[0, 0, -1, 0], [0, 0, 0, -1], [1, 0, 0, 0], [0, 1, 0, 0]],
+        [[0, 0, 0, -1], [0, 0, 1, 0], [0, -1, 0, 0], [1, 0, 0, 0]],
+    ],
+    float,
+)
+"""Matrices of q -> q i, q -> q j, q -> q k on quaternions, the real part first."""
 Matrix: TypeAlias = np.ndarray | sparse.csr_array
 
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Loops of the same length d: creases [K, d], axes and points of the reference state [K, d, 3], first rows [K]."""
+    """Loops of the same length d: creases [K, d], axes and points of the reference state [K, d, 3], first rows [K].
+
+    `products` are the matrices q -> q (0, axis), [K, d, 4, 4].
+    """
 
     creases: np.ndarray
     signs: np.ndarray
     axes: np.ndarray
+    products: np.ndarray
     points: np.ndarray | None
     rows: np.ndarray
 
@@ -84,26 +97,32 @@ class Closure:
         # a turn from left to right about d is one from right to left about -d: the sign goes into the axis
         axes = signs[..., None] * p.directions[creases]
         points = p.corners[p.ends[creases, 0]] if hole else None
-        return _Group(creases, signs, axes, points, np.array([row for row, _ in members], int))
+        return _Group(
+            creases,
+            signs,
+            axes,
+            np.einsum("kdi,iab->kdab", axes, UNITS),
+            points,
+            np.array([row for row, _ in members], int),
+        )
 
     def _turn(self, g: _Group, phi: np.ndarray) -> _Turned:
         half = 0.5 * (phi - self.pattern.reference)[g.creases]
-        w, v = np.cos(half), np.sin(half)[..., None] * g.axes
+        # q f = (w + A) q with the quaternion f = (w, v), A linear in v
+        folds = np.cos(half)[..., None, None] * np.eye(4)
+        folds += np.sin(half)[..., None, None] * g.products
         count, d = g.creases.shape
-        q0, qv = np.ones(count), np.zeros((count, 3))
-        t = np.zeros((count, 3)) if g.points is not None else None
-        c, o = np.empty((count, d, 3)), (np.empty((count, d, 3)) if t is not None else None)
+        q = np.empty((count, d + 1, 4))
+        q[:, 0] = 1.0, 0.0, 0.0, 0.0
         for i in range(d):
-            c[:, i] = _rotate(q0, qv, g.axes[:, i])
-            if t is not None and o is not None and g.points is not None:
-                o[:, i] = t + _rotate(q0, qv, g.points[:, i])
-            q0, qv = (
-                q0 * w[:, i] - np.einsum("ki,ki->k", qv, v[:, i]),
-                q0[:, None] * v[:, i] + w[:, i, None] * qv + cross(qv, v[:, i]),
-            )
-            if t is not None and o is not None and g.points is not None:
-                t = o[:, i] - _rotate(q0, qv, g.points[:, i])
-        return _Turned(np.column_stack([q0, qv]), c, t, o)
+            q[:, i + 1] = (folds[:, i] @ q[:, i, :, None])[..., 0]
+        c = _rotate(q[:, :-1], g.axes)
+        if g.points is None:
+            return _Turned(q[:, -1], c, None, None)
+        before, after = _rotate(q[:, :-1], g.points), _rotate(q[:, 1:], g.points)
+        t = np.zeros((count, d + 1, 3))
+        np.cumsum(before - after, axis=1, out=t[:, 1:])
+        return _Turned(q[:, -1], c, t[:, -1], t[:, :-1] + before)
 
     def turned(self, phi: np.ndarray) -> list[_Turned]:
         """Turn along every loop at a state [n]; what values and derivatives are made of."""
@@ -194,7 +213,7 @@ class Closure:
         return self._matrix(data, self._pairs, self.pattern.creases)
 
 
-def _rotate(q0: np.ndarray, qv: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Rotate vectors [K, 3] by quaternions (q0 [K], qv [K, 3])."""
-    t = 2 * cross(qv, v)
-    return v + q0[:, None] * t + cross(qv, t)
+def _rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Rotate vectors [..., 3] by unit quaternions [..., 4]."""
+    t = 2 * cross(q[..., 1:], v)
+    return v + q[..., :1] * t + cross(q[..., 1:], t)

@@ -1,7 +1,7 @@
 """A pattern with one freedom left, traced: every state on its curve, and every state of it that can hold still.
 
-The curve is followed by its unit tangent, the kernel of the Jacobian; where rows lose more rank (at a flat or flat-folded
-state, branches cross) the walk goes straight on, so that each branch is followed through the crossing.
+The curve is followed by its unit tangent, the kernel of the Jacobian; where rows lose more rank (at a flat or
+flat-folded state, branches cross) the walk goes straight on, so that each branch is followed through the crossing.
 """
 
 from __future__ import annotations

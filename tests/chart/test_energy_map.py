@@ -8,6 +8,7 @@ from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
 from origami_nlp.chart import chart_of, landscape, wedge_elevation
+from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.kkt import StartStream
@@ -269,3 +270,11 @@ def test_bad_size(size):
 def test_place_wants_all_fold_angles():
     with pytest.raises(o.OrigamiError, match="all 6"):
         landscape(o.examples.degree6(), 8).place([0.0, 0.1])
+
+
+def test_colours_go_on_beyond_the_edge_and_not_inside():
+    branch = landscape(o.examples.degree6("pi/4", 1.0), SIZE).branches[0]
+    known = np.isfinite(branch.energy)
+    filled = fill_outwards(branch, 2)
+    assert (filled[known] == branch.energy[known]).all()
+    assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0

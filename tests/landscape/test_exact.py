@@ -1,4 +1,4 @@
-"""Exact landscapes: metastable stretches of their boundaries, and colours up to the edge."""
+"""Exact landscapes: metastable stretches of their boundaries, and what the pointer shows."""
 
 from __future__ import annotations
 
@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.chart import (
-    Boundary,
-    with_energy,
-)
-from origami_nlp.chart.axes import fill_outwards
+from origami_nlp.chart import Boundary, with_energy
 from origami_nlp.contact import find_segments
 from origami_nlp.landscape import find_landscape
 from origami_nlp.landscape.exact import metastable_stretches
@@ -38,17 +34,6 @@ def test_metastable_stretches_are_those_of_the_segments():
     curve = with_energy(result.model, line)
     slope = np.gradient(curve.energy, curve.s)
     assert np.abs(slope - curve.slope)[5:-5].max() < 2e-3 * np.abs(curve.slope).max()
-
-
-def test_colours_go_on_beyond_the_edge_and_not_inside():
-    scene = SCENES["pi/4"]
-    panel = find_landscape(o.find_minima(scene, max_starts=1), 61, boundary=boundary("pi/4"))
-    branch = panel.chart.branches[0]
-    known = np.isfinite(branch.energy)
-    filled = fill_outwards(branch, 2)
-    assert (filled[known] == branch.energy[known]).all()
-    assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
-    assert panel.counts == (len(panel.result.minima), None, None)
 
 
 def test_map_under_the_pointer_has_the_exact_lines():

@@ -82,7 +82,14 @@ def _triangles(corners: np.ndarray) -> np.ndarray:
 def test_crossings_against_a_collision_library(states):
     """States of six patterns: the same pairs as FCL, but for those that only touch."""
     fcl = pytest.importorskip("fcl")
-    patterns = [miura(3, 3), miura(4, 4), strip(2, 4, 4), metasheet(3)[0], metasheet(4)[0], strip(5)]
+    patterns = [
+        miura(3, 3),
+        miura(4, 4),
+        strip(2, 4, 4),
+        metasheet(3)[0],
+        metasheet(4)[0],
+        strip(5),
+    ]
     rng, crossed = np.random.default_rng(0), 0
     for k in range(states):
         pattern = patterns[k % 6]
@@ -93,7 +100,9 @@ def test_crossings_against_a_collision_library(states):
             phi = rng.uniform(-2, 2, pattern.creases)  # poses along the tree: facets all the same
         ours = set(crossings.find(phi))
         x = crossings.placed(phi)
-        shared = {frozenset(p) for p in zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)}
+        shared = {
+            frozenset(p) for p in zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)
+        }
         bodies = []
         for corners in x:
             # shrunk a little: facets that share a corner do not collide there
@@ -111,7 +120,9 @@ def test_crossings_against_a_collision_library(states):
                 if fcl.collide(bodies[i], bodies[j], fcl.CollisionRequest(), fcl.CollisionResult()):
                     theirs.add((i, j))
         assert all(_depth(x[i], x[j]) < 1e-8 for i, j in theirs - ours)  # they touch
-        assert all(_depth(x[i], x[j]) < 1e-4 for i, j in ours - theirs)  # shallow: shrinking parts them
+        assert all(
+            _depth(x[i], x[j]) < 1e-4 for i, j in ours - theirs
+        )  # shallow: shrinking parts them
         crossed += len(theirs)
     assert crossed > states // 2
 

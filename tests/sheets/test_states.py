@@ -113,7 +113,13 @@ def test_a_metasheet_has_the_states_of_its_vertex_less_those_that_cross(size):
     )
     for s in result.minima:
         assert np.ptp(s.fold_angles[classes == 2]) < 1e-9
-        assert min(np.abs(s.fold_angles[list(loop.creases)] - m.fold_angles).max() for m in vertex.minima) < 1e-7
+        assert (
+            min(
+                np.abs(s.fold_angles[list(loop.creases)] - m.fold_angles).max()
+                for m in vertex.minima
+            )
+            < 1e-7
+        )
     paper = find_states(pattern, starts=0)
     assert len(paper.minima) + len(paper.crossing) == len(result.minima) or size > 3
     assert {len(s.crossings) for s in paper.crossing} == ({5} if size == 3 else {7, 21})
@@ -131,7 +137,7 @@ def test_closed_on_the_other_sheet_is_no_state():
 
 
 def test_touching_facets_hold_a_state():
-    """Rest state beyond a contact: the state is where the facets touch, the force is the slope of the energy over the gap."""
+    """Rest state beyond a contact: the facets touch, with the slope of the energy over the gap as force."""
     pattern, classes = metasheet(3)
     sheet = Sheet(pattern)
     line = max(
@@ -208,7 +214,9 @@ def test_the_flat_state():
     # rest angles that closure balances at the flat state: a combination of its equations there
     j = sheet.closure.jacobian(np.zeros(12))
     rest = j.T @ np.random.default_rng(0).normal(size=j.shape[0])
-    held = judge(Sheet(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max()))), np.zeros(12))
+    held = judge(
+        Sheet(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max()))), np.zeros(12)
+    )
     assert held.verdict == "minimum"
     lower = Sheet(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max())))
     rng = np.random.default_rng(1)
@@ -231,7 +239,12 @@ def _wheel(sectors):
 
 @pytest.mark.parametrize(
     ("sectors", "seed"),
-    [((80, 95, 85, 100), 0), ((80, 95, 85, 100), 1), ((60, 80, 110, 110), 2), ((70, 75, 65, 80, 70), 3)],
+    [
+        ((80, 95, 85, 100), 0),
+        ((80, 95, 85, 100), 1),
+        ((60, 80, 110, 110), 2),
+        ((70, 75, 65, 80, 70), 3),
+    ],
 )
 def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
     angles = tuple(np.deg2rad(sectors).tolist())
@@ -240,7 +253,13 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
     pattern = _wheel(angles).with_springs(list(k), list(rest))
     assert list(pattern.vertices[0].creases) == list(range(len(angles)))
     vertex = find_minima(
-        Scene(Vertex(angles), symmetry="C1", contact="fold-limits", stiffness=list(k), rest_angles=list(rest)),
+        Scene(
+            Vertex(angles),
+            symmetry="C1",
+            contact="fold-limits",
+            stiffness=list(k),
+            rest_angles=list(rest),
+        ),
     )
     sheet = find_states(pattern, starts=60, contact=False)
     assert len(sheet.minima) == len(vertex.minima)

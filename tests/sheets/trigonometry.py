@@ -1,4 +1,4 @@
-"""Strips of two vertices of degree four by spherical trigonometry: no quaternions, no Jacobians, no code of the package."""
+"""Strips of two vertices of degree four by spherical trigonometry: no quaternions, no code of the package."""
 
 import math
 from itertools import product
@@ -77,9 +77,7 @@ def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
     def energy(fold: float, darts: tuple[bool, bool]) -> float:
         phi = state(fold, darts)
         return (
-            math.inf
-            if phi is None
-            else float(0.5 * pattern.stiffness @ (phi - pattern.rest) ** 2)
+            math.inf if phi is None else float(0.5 * pattern.stiffness @ (phi - pattern.rest) ** 2)
         )
 
     grid = np.linspace(-math.pi, math.pi, 2 * (samples // 2))  # even: not through 0
@@ -95,7 +93,9 @@ def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
             low, high = grid[i - 1], grid[i + 1]
             for _ in range(100):  # thirds
                 one, other = low + (high - low) / 3, high - (high - low) / 3
-                low, high = (low, other) if energy(one, darts) < energy(other, darts) else (one, high)
+                low, high = (
+                    (low, other) if energy(one, darts) < energy(other, darts) else (one, high)
+                )
             phi = state(0.5 * (low + high), darts)
             if np.abs(phi).max() < math.pi - 1e-4:
                 found.append((energy(0.5 * (low + high), darts), phi))
