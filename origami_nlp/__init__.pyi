@@ -46,7 +46,9 @@ from .results import (
 from .sheets import (
     Motion as Motion,
     Overview as Overview,
+    SheetResult as SheetResult,
     find_motion as find_motion,
+    find_states as find_states,
     overview as overview,
 )
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
