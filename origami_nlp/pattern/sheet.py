@@ -78,6 +78,13 @@ class Pattern:
         Title.
     notes
         What was found odd, and what was made of it.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(stiffness=0.01, rest=1.2)
+    >>> sheet.assignment, round(float(sheet.energy(sheet.rest)), 12)
+    ('VMVVMMV', 0.0)
     """
 
     corners: np.ndarray

@@ -62,6 +62,13 @@ class Overview(Told):
         What that state was reached from.
     crossed
         Number of pairs of facets that cross in it.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> seen = o.overview(o.examples.pattern("metasheet", 3, 3))
+    >>> seen.closure_rows, seen.rank_folded, seen.freedoms
+    (12, 11, 1)
     """
 
     PICTURE = "draw_overview"
