@@ -353,7 +353,7 @@ class _Loops:
             if len(ring) == many[v]:
                 crossed = [c for side in ring if (c := self.crossing(*side)) is not None]
                 if crossed:
-                    found.append(Loop(*zip(*crossed, strict=True), v))  # type: ignore[call-arg]
+                    found.append(Loop(*zip(*crossed, strict=True), v))  # type: ignore[call-arg,arg-type]
         return tuple(found)
 
     def holes(self, corners: np.ndarray) -> tuple[Loop, ...]:
@@ -373,7 +373,7 @@ class _Loops:
                     side = self.following[side[::-1]]
             borders.append((length, crossed))
         inner = sorted(borders, key=lambda b: b[0])[:-1]
-        return tuple(Loop(*zip(*crossed, strict=True), -1) for _, crossed in inner if crossed)  # type: ignore[call-arg]
+        return tuple(Loop(*zip(*crossed, strict=True), -1) for _, crossed in inner if crossed)  # type: ignore[call-arg,arg-type]
 
 
 def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:

@@ -139,6 +139,11 @@ class SheetResult(Told):
             yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
         for s in self.undecided:
             yield f"energy {s.energy:.6g}: {s.certificate}"
+        if any(s.freedoms > 1 or not self.search.curves for s in self.crossing):
+            yield (
+                "not decided: states that facets in contact hold, where more than one freedom is left or curves are "
+                "not traced: crossing is tested there, contact is not solved"
+            )
         yield from self.search.words()
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
 
