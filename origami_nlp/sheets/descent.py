@@ -80,9 +80,8 @@ def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
         while radius > 1e-14:
             trial = _capped(d, radius)
             new, closes = _retract(sheet, phi + trial, held)
-            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * float(
-                np.linalg.norm(trial) / max(np.linalg.norm(d), 1e-300)
-            )
+            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
+            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * share
             tiny = np.abs(trial).max() < 1e-7 and sheet.energy(new) <= energy + 1e-14 * (1 + energy)
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
                 phi, energy, moved = new, sheet.energy(new), True

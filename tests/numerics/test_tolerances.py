@@ -56,7 +56,7 @@ BESIDE_THE_TABLE = {
     "pattern/drawn.GRID": "corners of drawn facets that are one vertex",
     "pattern/scene.(SMALLEST, LARGEST)": "range of a stiffness, in any unit",
     "proof/": "unit roundoff, the accuracy of sines that is trusted, widths to which boxes are bisected",
-    "sheets/crossings.DEEP": "facets that touch, over the size of a sheet: rounding of poses along walks of some 100 creases",
+    "sheets/crossings.DEEP": "facets that touch, over a sheet's size: rounding along walks of 100 creases",
     "sheets/curve.SHORTEST": "step",
     "sheets/descent.AT_LIMIT": "rounding of a fold angle that is set to pi",
     "sheets/descent.STILL": "torque left in states that are judged afterwards",
