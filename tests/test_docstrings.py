@@ -191,9 +191,20 @@ reveal_type(o.cone.count(8, ratio=1.0, elevation=0.5).branches)
 """
 
 
+OTHERS = "numpy scipy matplotlib sympy casadi pandas rich typer click mpmath shapely flint plotly IPython"
+CONFIG = f"""
+[mypy]
+[mypy-{",".join(f"{name}.*" for name in OTHERS.split())}]
+follow_imports = skip
+follow_imports_for_stubs = True
+"""
+"""Packages of others are not read: half the time, and the types that are asked for are our own."""
+
+
 def check_types(folder: Path, config, script: str) -> tuple[int, str]:
     """Run mypy on a script that lies outside; it reads the package because of its `py.typed`."""
     (folder / "script.py").write_text(script)
+    (folder / "mypy.ini").write_text(CONFIG)
     kept = getattr(config, "cache", None)  # the first run takes half a minute
     cache = kept.mkdir("mypy") if kept else folder / "cache"
     command = [sys.executable, "-m", "mypy", "--cache-dir", str(cache), "script.py"]

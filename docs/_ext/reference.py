@@ -15,8 +15,8 @@ import origami_nlp
 from origami_nlp.cli import app as command_line
 
 ROOMS = (
-    "pattern programme kkt minima proof contact critical barriers path space chart landscape cone sweep folding "
-    "paper bench"
+    "pattern programme kkt minima loading modes atlas springs proof contact critical barriers path space chart "
+    "landscape cone sweep folding paper bench"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 

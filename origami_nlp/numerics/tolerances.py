@@ -59,6 +59,12 @@ SETTLED = 1e-6
 residual of `CLOSES` is a distance of its square root."""
 NEAR_CONTACT = 1e-6
 """A curve has reached a contact: the opening that is left after bisection of a step to 1e-9."""
+DESIGN_ACTIVE = 1e-7
+"""A rest angle this close to its bound [rad] is put there: a conic solver stops sqrt(1e-10) from an active bound at
+worst, and less where the margin depends on it."""
+DESIGN_FOUND = 1e-9
+"""A minimum is the state that springs were made for [rad]: both are closed to `CLOSES`, stiff to `DESIGN_MARGIN` at
+least, and balanced to `ROUNDED`; their quotient is 1e-8 at worst, and 1e-14 as a rule."""
 
 # coarse
 ANSWERED = 1e-6
@@ -77,9 +83,3 @@ were typed."""
 DESIGN_MARGIN = 1e-6
 """Smallest margin of a design, over the mean stiffness: ten decades above rounding, and what a conic solver with its
 tolerance of 1e-10 leaves after division by the worst condition, 1e4."""
-DESIGN_ACTIVE = 1e-7
-"""A rest angle this close to its bound [rad] is put there: a conic solver stops sqrt(1e-10) from an active bound at
-worst, and less where the margin depends on it."""
-DESIGN_FOUND = 1e-9
-"""A minimum is the state that springs were made for [rad]: both are closed to `CLOSES`, stiff to `DESIGN_MARGIN` at
-least, and balanced to `ROUNDED`; their quotient is 1e-8 at worst, and 1e-14 as a rule."""

@@ -291,7 +291,22 @@ class DeadLoads:
 
 
 def followed(axes: list[Any], flat: Any, folds: list[Any]) -> tuple[list[Any], Any]:
-    """Fold creases one after the other: where the axes and a point beyond all of them go, over any scalars."""
+    """Fold creases one after the other: where the axes and a point beyond all of them go, over any scalars.
+
+    Parameters
+    ----------
+    axes
+        Unit axes (x, y, z) of the creases on the flat sheet, from the held facet on.
+    flat
+        The point (x, y, z) [m] on the flat sheet.
+    folds
+        Fold about each axis as a unit quaternion (w, x, y, z).
+
+    Returns
+    -------
+    tuple
+        The folded axes, and the folded point [m].
+    """
     q: Any = quat.IDENTITY
     out = []
     for axis, turn in zip(axes, folds, strict=True):
@@ -306,6 +321,24 @@ def flat_points(
     """Axes of the creases of a chain, and a point of the facet beyond them, on the flat sheet, over any scalars.
 
     In the frame of the held facet: x along its first crease.
+
+    Parameters
+    ----------
+    chain
+        Creases (0-based) from the held facet on to the facet of the point: `DeadLoads.chain`.
+    sectors
+        Sector angles [N] [rad].
+    held
+        The held facet (0-based).
+    point
+        (x, y) [m] on the facet, x along its first crease.
+    cos, sin
+        Cosine and sine of the scalars.
+
+    Returns
+    -------
+    tuple
+        Unit axes (x, y, 0) of the creases, and the point (x, y, 0) [m].
     """
     azimuth: Any = 0.0
     axes, before = [], held
@@ -333,7 +366,20 @@ def _vectors(v: Any, lead: tuple[int, ...]) -> np.ndarray:
 
 
 def dead_loads(loads: Sequence[Load], held_facet: int | None) -> DeadLoads | None:
-    """Return the forces among loads; None where there are none."""
+    """Return the forces among loads; None where there are none.
+
+    Parameters
+    ----------
+    loads
+        Forces and torques; torques are left out.
+    held_facet
+        Facet in whose frame forces are given, counted from 1.
+
+    Returns
+    -------
+    DeadLoads or None
+        Points [m] and forces [N] in the frame of the held facet; None without forces, or without that facet.
+    """
     forces = [load for load in loads if load.force is not None]
     if not forces or held_facet is None:
         return None

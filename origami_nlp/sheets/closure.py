@@ -21,7 +21,7 @@ from scipy import sparse
 from origami_nlp.numerics import cross
 from origami_nlp.pattern import Loop, Pattern
 
-MOST_DENSE = 60
+MOST_DENSE = 150
 """Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
 
 

@@ -170,7 +170,7 @@ def convex_parts(
     if all(turn(ring[i - 2], ring[i - 1], ring[i]) >= -tiny for i in range(len(ring))):
         return [(tuple(polygon), (False,) * len(polygon))]
     sides = {(i, (i + 1) % len(polygon)) for i in range(len(polygon))}
-    parts = []
+    parts: list[tuple[int, ...]] = []
     while len(ring) > 3:
         for i in range(len(ring)):
             a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]

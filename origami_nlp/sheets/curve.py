@@ -100,9 +100,12 @@ def _walk(
         new, turned = ahead
         if (np.abs(new) > math.pi).any():
             last = _to_limit(sheet, phi, d, h * root)
-            return ([*path, last] if last is not None else path), (
-                "limit" if last is not None else "lost at a fold limit"
-            )
+            if last is not None:
+                return [*path, last], "limit"
+            h *= 0.5  # many creases reach it together, where branches meet: closer first
+            if h < SHORTEST:
+                return path, "lost at a fold limit"
+            continue
         gone += h
         if gone > 3 * step and np.linalg.norm(new - first) < 0.75 * h * root:
             return [*path, first], "closed"

@@ -9,7 +9,6 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.numerics import CLOSES
-from origami_nlp.sheets.closure import MOST_DENSE
 from origami_nlp.sheets.linear import Factor
 from origami_nlp.sheets.sheet import Sheet
 
@@ -17,6 +16,8 @@ TRUST = 0.3
 """First and largest step [rad]."""
 STILL = 1e-12
 """Reduced torque over the mean stiffness at which a descent has arrived."""
+MOST_SPECTRAL = 60
+"""Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
 AT_LIMIT = 1e-12
 """A fold angle this close to pi is at its limit [rad]."""
 
@@ -79,9 +80,8 @@ def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
         while radius > 1e-14:
             trial = _capped(d, radius)
             new, closes = _retract(sheet, phi + trial, held)
-            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * float(
-                np.linalg.norm(trial) / max(np.linalg.norm(d), 1e-300)
-            )
+            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
+            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * share
             tiny = np.abs(trial).max() < 1e-7 and sheet.energy(new) <= energy + 1e-14 * (1 + energy)
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
                 phi, energy, moved = new, sheet.energy(new), True
@@ -105,7 +105,7 @@ def _direction(
     out = np.zeros(sheet.size)
     g = sheet.torque(phi)
     h = sheet.hessian(phi, lam)
-    if sheet.size <= MOST_DENSE:
+    if sheet.size <= MOST_SPECTRAL:
         z = sheet.kernel(phi, np.flatnonzero(held))
         if not z.shape[1]:
             return out
@@ -118,9 +118,10 @@ def _direction(
         return z @ (vectors @ y)
     j = sheet.closure.jacobian(phi)[:, free]
     h = h[free][:, free]
+    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
     shift = 0.0
     for _ in range(8):
-        matrix = (h + shift * sparse.eye_array(len(free))).tocsr()
+        matrix = h + shift * unit
         d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
         if float(d @ (matrix @ d)) > 1e-8 * float(d @ d) or not d.any():
             break

@@ -22,6 +22,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from origami_nlp.numerics import CLOSES, CURVED, EPS, RANK, STATIONARY, nonnegative_least_squares
+from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.closure import Matrix
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.layers import order_layers
@@ -98,7 +99,16 @@ def _flat(sheet: Sheet, blank: SheetState) -> SheetState:
             eigenvalue=float(_lowest(sheet, phi, np.diag(sheet.stiffness))),
             certificate="flat, its springs balanced by closure: strict minimum, curvature of the springs",
         )
-    if _lower(sheet, phi, -free):
+    branches = list_branches(sheet.pattern)
+    drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
+    ways = [
+        -free,
+        *branches.lines,
+        *(b[:, k] for b in branches.families for k in range(b.shape[1])),
+        *drawn,
+    ]
+    # states come in pairs, phi and -phi: one of them is lower wherever the torque is not orthogonal
+    if any(_lower(sheet, phi, sign * way) for way in ways for sign in (1.0, -1.0)):
         why = "flat: springs pull along folding, and with every way the opposite way is open"
         return replace(blank, verdict="not a minimum", certificate=why)
     return replace(

@@ -33,7 +33,7 @@ class Poses:
         middle = self.centres.mean(axis=0)
         self.root = int(np.linalg.norm(self.centres - middle, axis=1).argmin())
         order, before = breadth_first_order(self._graph, self.root, directed=False)
-        across = {}
+        across: dict[tuple[int, int], tuple[int, float]] = {}
         for c, (a, b) in enumerate(zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)):
             across.setdefault((a, b), (c, -1.0))  # from left to right
             across.setdefault((b, a), (c, 1.0))

@@ -119,10 +119,14 @@ class SheetResult(Told):
         rows = []
         for k, s in enumerate(self.minima, 1):
             curved = "rigid" if np.isinf(s.eigenvalue) else f"{s.eigenvalue:.4g}"
-            touching = "; ".join(c.words() for c in s.contacts[:2])
-            more = f" and {len(s.contacts) - 2} more" if len(s.contacts) > 2 else ""
+            limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
+            words = [c.words() for c in s.contacts if c.type != "fold-limit"][:1]
+            if limits:
+                shown = ", ".join(map(str, limits[:3])) + (", ..." if len(limits) > 3 else "")
+                words.append(f"fold limit of {shown}")
+            touching = "; ".join(words)
             rows.append(
-                [str(k), f"{s.energy:.10g}", str(s.kind), str(s.freedoms), curved, touching + more]
+                [str(k), f"{s.energy:.10g}", str(s.kind), str(s.freedoms), curved, touching]
             )
         heads = "state", "energy", "kind", "freedoms", "curvature", "contacts"
         return Table(heads, rows, title=self._title(), columns="lrlrrl")
@@ -139,6 +143,11 @@ class SheetResult(Told):
             yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
         for s in self.undecided:
             yield f"energy {s.energy:.6g}: {s.certificate}"
+        if any(s.freedoms > 1 or not self.search.curves for s in self.crossing):
+            yield (
+                "not decided: states that facets in contact hold, where more than one freedom is left or curves are "
+                "not traced: crossing is tested there, contact is not solved"
+            )
         yield from self.search.words()
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
 

@@ -181,7 +181,7 @@ class Sheet:
         if self.size <= MOST_DENSE:
             return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
         # singular values of a large sheet shrink as one over its length: the smallest ones of J'J are counted
-        square = (j.T @ j).tocsc()
+        square = sparse.csc_array(j.T @ j)
         for many in (6, 24, 96, 384):
             values = eigsh(square, k=min(many, self.size - 2), sigma=-1e-9, return_eigenvectors=False,
                            v0=np.ones(self.size))  # fmt: skip

@@ -18,6 +18,9 @@ from origami_nlp.errors import OptionError
 
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
 
+ACCURACIES = (1e-10, 1e-9, 1e-8)
+"""Of gap and feasibility, asked for in turn: where a programme is badly scaled the first is below its rounding."""
+
 
 def smatrix(v: np.ndarray) -> np.ndarray:
     """Return the symmetric matrix of the vector [q (q + 1) / 2] that `svector` made."""
@@ -151,13 +154,16 @@ class Programme:
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
-        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
         a = sparse.csc_matrix(np.vstack([-self.matrix(r) for r in self.rows]))
         b = np.concatenate([r.b for r in self.rows])
         kinds = [cones[r.cone](len(r.b)) for r in self.rows]
         c = np.pad(c, (0, self.size - len(c)))
         none = sparse.csc_matrix((self.size, self.size))
-        found = clarabel.DefaultSolver(none, -c, a, b, kinds, settings).solve()
+        for accuracy in ACCURACIES:
+            settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = accuracy
+            found = clarabel.DefaultSolver(none, -c, a, b, kinds, settings).solve()
+            if str(found.status) in ("Solved", "PrimalInfeasible"):
+                break
         z = np.array(found.z)
         ends = np.cumsum([len(r.b) for r in self.rows])
         duals = tuple(np.split(z, ends[:-1]))

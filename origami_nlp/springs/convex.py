@@ -22,6 +22,11 @@ from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, 
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.springs.targets import Targets
 
+MOVED = 1e-3
+"""Largest change that closes equations and active bounds, over the mean stiffness: more is another design."""
+TINY = 1e-9
+"""Least stiffness over the mean that is scaled by; what is less comes of conditions that all but depend on each other,
+and the check of the scene says so."""
 PROVED = 1e-6
 """Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
 LEAST_MARGIN = 0.01
@@ -315,39 +320,60 @@ def springs_of(posed: Posed) -> Found:
     Found
         The springs.
     """
-    v, places = posed.answer.v.copy(), posed.places
-    k, tau = v[places.stiffness], v[places.torque]
-    kinds = len(k)
+    places = posed.places
     equal = [posed.programme.matrix(r) for r in posed.programme.rows if r.cone == EQUAL]
-    right = [-r.b for r in posed.programme.rows if r.cone == EQUAL]
-    pinned = []
-    if not posed.targets.preload or posed.targets.preload is True:
-        for j in range(kinds):
-            for bound in posed.targets.rest:
-                if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
-                    row = np.zeros(posed.programme.size)
-                    row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
-                    pinned.append(row)
-    a = np.vstack([*equal, *pinned])
-    b = np.concatenate([*right, np.zeros(len(pinned))])
-    for _ in range(3):
-        v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+    right = np.concatenate([-r.b for r in posed.programme.rows if r.cone == EQUAL])
+    rest, stiffness = _active(posed)
+    for pinned in (
+        (*rest, *stiffness),
+        rest,
+        (),
+    ):  # bounds that contradict the balance are no bounds
+        v = posed.answer.v.copy()
+        a = np.vstack([*equal, *pinned])
+        b = np.concatenate([right, np.zeros(len(pinned))])
+        for _ in range(3):
+            v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+        moved = np.abs(v - posed.answer.v)[: places.size].max()
+        if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
+            break
     scale = _scale(posed, v)
     return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+
+
+def _active(posed: Posed) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return rows that keep rest angles, and stiffnesses, exactly at the bounds that they are at."""
+    v, places, t = posed.answer.v, posed.places, posed.targets
+    k, tau = v[places.stiffness], v[places.torque]
+    rest, stiffness = [], []
+    for j in range(len(k)):
+        for bound in t.rest if isinstance(t.preload, bool) else ():
+            if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
+                row = np.zeros(posed.programme.size)
+                row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
+                rest.append(row)
+        for bound in t.stiffness:
+            if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]:
+                row = np.zeros(posed.programme.size)
+                row[places.stiffness.start + j], row[places.scale] = 1.0, -bound
+                stiffness.append(row)
+    return rest, stiffness
+
+
+def _levels(targets: Targets) -> list[float]:
+    """Return all energies that differences and barriers are compared with [J]."""
+    gaps = [e for g in targets.energies for e in (g.least, g.most)]
+    return gaps + [e for b in targets.barriers for e in (b.least, b.most)]
 
 
 def _scale(posed: Posed, v: np.ndarray) -> float:
     """Return 1 / mean stiffness: what energies ask for, or the middle of what the bounds leave."""
     t = posed.targets
     absolute = t.highest or not isinstance(t.preload, bool)
-    absolute = absolute or any(
-        (math.isfinite(e) and e != 0.0)
-        for g in (*t.energies, *t.barriers)
-        for e in (g.least, g.most)
-    )
+    absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
     if absolute:
         return float(v[posed.places.scale])
-    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    k, (low, high) = np.maximum(v[posed.places.stiffness], TINY), t.stiffness
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 
@@ -372,7 +398,6 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
     tau = found.torque[targets.kinds]
     rest = np.clip(tau / k, -math.pi, math.pi)
     wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
-    more = {"preload": tuple(np.where(wound, tau - k * rest, 0.0))} if wound.any() else {}
     return Scene(
         targets.vertex,
         tuple(k),
@@ -381,5 +406,5 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
         contact=targets.contact,
         mirror=targets.mirror,
         name=name,
-        **more,
+        preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
     )

@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, SETTLED
 from origami_nlp.springs.conic import POSITIVE, Rows
-from origami_nlp.springs.equilibrium import Springs, energy_row
+from origami_nlp.springs.equilibrium import Springs, energy_row, slope_row
 from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.ways import curve_of
 
 FALLS = 0.1
 """Slope that a cut asks for, over the margin."""
-STEPS, STEP = 3, 0.1
-"""Number and length [rad] of the steps from a minimum that shall lead down."""
+STEPS, FEW, STEP = 60, 3, 0.1
+"""Numbers and length [rad] of the steps from a minimum that shall lead down: to a wanted state, or a few."""
 NEAR = 0.05
 """A curve passes a state where a sample comes this near [rad]."""
 
 
-def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
+def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]:
     """Return rows each of which makes a state no minimum.
 
     With one freedom the energy falls at every sample from the state to the next wanted one (or to a singular state
-    where curves meet); otherwise it falls along a few steps towards a wanted one, or along a soft direction.
+    where curves meet); otherwise it falls along steps to a wanted one, or along a few steps in any direction.
 
     Parameters
     ----------
@@ -37,8 +38,8 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
 
     Returns
     -------
-    list of tuple of Rows
-        The choices there are.
+    list of list of tuple of Rows
+        The choices there are, those first that leave least room for others like it.
     """
     model = targets.model
     places = Springs.of(int(targets.kinds.max()) + 1)
@@ -47,21 +48,25 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[tuple[Rows, ...]]:
     wanted = [p.state.x for p in targets.placed]
     words = "a minimum that nobody asked for is none"
     if model.freedom == 1 and (curve := curve_of(model, x)) is not None:
-        out = []
+        out: list[tuple[Rows, ...]] = []
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))
         for side, why in ends:
             rows = _falling(targets, side, why, wanted, kind, places)
             if rows is not None:
                 out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-        return out
-    out = []
-    for steps in _downhill(targets, x, wanted):
-        energies = [energy_row(model, y, kind, places) for y in steps]
-        rows = np.array([a - b for a, b in zip(energies, energies[1:], strict=False)])
-        rows[:, places.margin] -= FALLS * STEP**2
-        out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-    return out
+        return [out]
+    whole: list[tuple[Rows, ...]] = []
+    few: list[tuple[Rows, ...]] = []
+    for walk, arrives in _downhill(targets, x, wanted):
+        energies = [energy_row(model, y, kind, places) for y in walk]
+        rows = np.array([a - b for a, b in itertools.pairwise(energies)])
+        rows[:, places.margin] -= FALLS * STEP
+        if arrives:
+            whole.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+        rows = rows[:FEW]
+        few.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+    return [whole, few]
 
 
 def _falling(
@@ -73,8 +78,9 @@ def _falling(
     places: Springs,
 ) -> np.ndarray | None:
     """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead."""
-    model, rows = targets.model, []
-    for a, b in zip(side, side[1:], strict=False):
+    model = targets.model
+    rows: list[np.ndarray] = []
+    for a, b in itertools.pairwise(side):
         step = b - a
         length = float(np.linalg.norm(model.root * step))
         if length < 1e-6:
@@ -87,27 +93,52 @@ def _falling(
         rows.append(row)
         corner = math.pi * np.round(b / math.pi)
         if np.abs(b - corner).max() <= NEAR and not State(model, corner).regular:
-            return np.array(rows)  # curves cross there
+            # curves cross there: down to it, and up from it along this one
+            back = b - corner
+            back = back if np.abs(back).max() > SETTLED else a - corner
+            back = back / float(np.linalg.norm(model.root * back))
+            slope = slope_row(model, corner, back, kind, places)
+            slope[places.margin] -= FALLS
+            return np.array([*rows, slope])
     return np.array(rows) if rows and why.startswith("singular") else None
 
 
 def _downhill(
     targets: Targets, x: np.ndarray, wanted: list[np.ndarray]
-) -> Iterator[list[np.ndarray]]:
-    """Walks of a few admissible steps from a state: towards wanted ones, and along its own directions."""
+) -> Iterator[tuple[list[np.ndarray], bool]]:
+    """Walks of admissible steps from a state, and whether they arrive: at wanted ones, or along its own directions."""
     model = targets.model
     z = State(model, x).kernel
-    soft = [s * v / model.root for v in z.T for s in (1.0, -1.0)]
-    for towards in [*wanted, *(x + 2.0 * d for d in soft)]:
-        walk = [x]
-        for _ in range(STEPS):
-            ahead = towards - walk[-1]
-            size = float(np.linalg.norm(model.root * ahead))
-            if size < STEP:
-                break
-            y, residual = project(model, walk[-1] + STEP / size * ahead)
-            if residual > CLOSES or model.refuses(y) or np.abs(y - walk[-1]).max() < STEP / 20:
-                break
-            walk.append(y)
+    ways = [(w, STEPS) for w in wanted]
+    ways += [(x + s * v / model.root, FEW) for v in z.T for s in (1.0, -1.0)]
+    for towards, most in ways:
+        walk = _walk(targets, x, towards, most)
         if len(walk) > 1:
-            yield walk
+            yield walk, most == STEPS and _arrives(targets, walk, towards)
+    flat = np.zeros(model.size)  # where both halves of the states meet
+    first = _walk(targets, x, flat, STEPS)
+    for w in wanted:
+        second = _walk(targets, w, flat, STEPS)
+        if _arrives(targets, first, flat) and _arrives(targets, second, flat):
+            yield [*first, flat, *second[:0:-1]], True
+
+
+def _walk(targets: Targets, x: np.ndarray, towards: np.ndarray, most: int) -> list[np.ndarray]:
+    """Closed states from x towards another, as far as that comes nearer."""
+    model = targets.model
+    walk = [x]
+    for _ in range(most):
+        ahead = towards - walk[-1]
+        size = float(np.linalg.norm(model.root * ahead))
+        if size < 1.5 * STEP:
+            break
+        y, residual = project(model, walk[-1] + STEP / size * ahead)
+        nearer = float(np.linalg.norm(model.root * (towards - y))) < size - STEP / 20
+        if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW):
+            break
+        walk.append(y)
+    return walk
+
+
+def _arrives(targets: Targets, walk: list[np.ndarray], towards: np.ndarray) -> bool:
+    return float(np.linalg.norm(targets.model.root * (towards - walk[-1]))) < 1.5 * STEP

@@ -54,7 +54,7 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
     figure = Figure(
         figsize=(10.5, 2.5 * rows + 3.4), dpi=110, facecolor="white", layout="constrained"
     )
-    above, below = figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4))
+    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4)))
     across = min(ACROSS, max(len(states), 3))
     for k in range(rows * across):
         axes = above.add_subplot(rows, across, k + 1)
@@ -107,7 +107,8 @@ def _levels(axes: Axes, design: Design) -> None:
     for s in design.states:
         x = place[s.name]
         axes.plot([x - 0.55, x + 0.55], [s.energy] * 2, color="black", lw=2.2)
-    for k, (energy, _, _) in enumerate(design.extra_minima):
+    others = () if design.barriers else design.extra_minima  # (they may be far below)
+    for k, (energy, _, _) in enumerate(others):
         x = 2.0 * (len(place) + k)
         axes.plot([x - 0.55, x + 0.55], [energy] * 2, color=GREY, lw=2.2)
     energies = {s.name: s.energy for s in design.states}
@@ -138,7 +139,7 @@ def _levels(axes: Axes, design: Design) -> None:
             textcoords="offset points",
             color="#c1121f",
         )
-    names = [*place, *("extra" for _ in design.extra_minima)]
+    names = [*place, *("extra" for _ in others)]
     axes.set_xticks([2.0 * k for k in range(len(names))])
     axes.set_xticklabels(names, fontsize=8, rotation=30 if max(map(len, names)) > 8 else 0)
     axes.set_ylabel("energy [J]")

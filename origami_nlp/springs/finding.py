@@ -145,38 +145,44 @@ class _Work:
             best.every_refuted = False  # other places of the passes were not tried
         return best
 
-    def made(self, posed: Posed) -> Design:
-        """Make the scene of an optimum, and check it."""
+    def made(self, posed: Posed, prove: bool = True) -> Design:
+        """Make the scene of an optimum, and check it; `prove` where a proof that no minimum is missing is tried."""
         scene = scene_of(self.targets, springs_of(posed), self.name)
         self.say("minima of the scene")
         full = self.targets.full_space and not self.targets.blank.group.is_trivial
-        minima = find_minima(scene, seed=self.seed, effort=self.effort, full=full)
+        minima = find_minima(
+            scene, seed=self.seed, effort=self.effort, full=full, prove=None if prove else False
+        )
         ways = {} if self.passes is None else self.passes.ways
         return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)
 
     def without_extras(self, best: Design) -> Design:
         """Cut minima away that nobody asked for, a few rounds."""
-        for number in range(self.ask.rounds):
-            if not best.extra_minima:
-                break
+        posed = None
+        for number in range(self.ask.rounds + 1):
+            if not best.extra_minima:  # none was found; are there really none?
+                best = replace(self.made(posed), rounds=number) if posed else best
+                posed = None
+                if not best.extra_minima:
+                    break
             self.say(f"round {number + 1}: {len(best.extra_minima)} minima that nobody asked for")
-            posed = self._cut(best)
+            posed = self._cut(best) if number < self.ask.rounds else None
             if posed is None:
                 break
-            best = replace(self.made(posed), rounds=number + 1)
+            best = replace(self.made(posed, prove=False), rounds=number + 1)
         return best
 
     def _cut(self, best: Design) -> Posed | None:
         """Solve with the best cut for each of them; None where no springs are left."""
         posed = None
         for _, _, phi in best.extra_minima:
-            options = cuts(self.targets, np.array(phi))
-            solved = [(self.solved(self.targets, rows), rows) for rows in options]
-            solved = [s for s in solved if s[0].feasible]
-            if not solved:
-                continue
-            posed, rows = max(solved, key=lambda s: _value(s[0]))
-            self.more = (*self.more, *rows)
+            for options in cuts(self.targets, np.array(phi)):
+                solved = [(self.solved(self.targets, rows), rows) for rows in options]
+                solved = [s for s in solved if s[0].feasible]
+                if solved:
+                    posed, rows = max(solved, key=lambda s: _value(s[0]))
+                    self.more = (*self.more, *rows)
+                    break
         return posed
 
     def most_tolerant(self, best: Design) -> Design:

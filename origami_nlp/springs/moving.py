@@ -10,15 +10,14 @@ from scipy.optimize import minimize
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError, OrigamiError
-from origami_nlp.kkt import State, project
+from origami_nlp.kkt import State, classify, project
 from origami_nlp.numerics import CLOSES
-from origami_nlp.springs.convex import Posed, solve
+from origami_nlp.programme import Model
+from origami_nlp.springs.convex import Posed, scene_of, solve, springs_of
 from origami_nlp.springs.targets import Targets
 
 PRICE = 100.0
 """Of torques out of balance, over the margin, while targets move: large enough to be exact where springs exist."""
-STEP = 1e-6
-"""Of the differences that gradients are taken by [rad]."""
 
 
 @dataclass(frozen=True)
@@ -123,10 +122,19 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
     if best is not None:
         moved = _question(targets, best)
         after = solve(moved)
-        if after.feasible and after.margin > held:
+        if after.feasible and after.margin > held and _holds(after):
             by = tuple(float(np.abs(a - b).max()) for a, b in zip(start, best, strict=True))
             return Moved(moved, held, after.margin, by, len(known))
     return Moved(targets, held, held, (0.0,) * len(start), len(known))
+
+
+def _holds(posed: Posed) -> bool:
+    """Whether the springs hold the states: next to where conditions depend on each other the optimum need not."""
+    try:
+        model = Model(scene_of(posed.targets, springs_of(posed)))
+    except (OrigamiError, ValueError):
+        return False
+    return all(classify(State(model, p.state.x)).verdict == "minimum" for p in posed.targets.placed)
 
 
 def _question(targets: Targets, at: list[np.ndarray]) -> Targets:

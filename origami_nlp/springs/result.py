@@ -197,7 +197,7 @@ class Design(Told):
     def table(self) -> Table:
         """The states, one a row."""
         heads = ("state", "energy [J]", "kind", "full space", "moved [deg]", "found within [rad]")
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (
                 s.name,
                 f"{s.energy:.9g}",
@@ -216,7 +216,7 @@ class Design(Told):
         preload = getattr(self.scene, "preload", None) or (0.0,) * self.scene.degree
         wound = any(preload)
         heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (str(i), f"{k:.6g}", f"{math.degrees(r):.4f}") + (f"{p:.6g}",) * wound
             for i, (k, r, p) in enumerate(
                 zip(self.scene.stiffness, self.scene.rest_angles, preload, strict=True), start=1

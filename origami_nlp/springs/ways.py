@@ -213,7 +213,7 @@ class Passes:
 
     def choices(self, lift: bool) -> list[dict[tuple[str, str], int | None]]:
         """Return where passes may stand: a sample of each way, or None where only a height is bounded from above."""
-        options = []
+        options: list[list[int | None]] = []
         for pair, asks in self.asks.items():
             if not lift and all(a.least <= 0.0 for a in asks):
                 options.append([None])
@@ -223,7 +223,7 @@ class Passes:
                 raise OptionError(f"[[barriers]] {pair[0]!r} to {pair[1]!r} are the same state")
             share = max(2, int(MOST_CANDIDATES ** (1 / len(self.asks))))
             where = np.linspace(0, m - 1, min(CANDIDATES, share) + 2)[1:-1]
-            options.append(sorted({int(np.clip(round(w), 1, m - 2)) for w in where}))
+            options.append([*sorted({int(np.clip(round(w), 1, m - 2)) for w in where})])
         return [
             dict(zip(self.asks, c, strict=True))
             for c in itertools.islice(itertools.product(*options), MOST_CANDIDATES)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.barriers import find_barriers
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.landscape.plain import LISTS, landscape_from_dict
+from origami_nlp.space import find_space
 from tests import computed_once
 from tests.command_line import run, scene_file
 from tests.computed_once import shared, thinned
@@ -25,7 +28,12 @@ def folder_written():
     path = scene_file(folder, o.examples.degree8("pi/6", 100.0))
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
     options = ["--json", files[0], "--npz", files[1], "--figure", files[2], "--size", 101]
-    assert run("landscape", path, *options).code == 0
+    with pytest.MonkeyPatch.context() as patch:
+        # meshes of tests/space and tests/barriers, which find the same on them as on finer ones
+        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, 16))
+        coarse = functools.partial(find_barriers, spacing=0.25)
+        patch.setattr("origami_nlp.barriers.find_barriers", coarse)
+        assert run("landscape", path, *options).code == 0
     return folder
 
 

@@ -101,7 +101,9 @@ def test_grid_errors_want_a_chart():
         grid_errors(flat)
 
 
-@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+@pytest.mark.parametrize(
+    "ending", ["png", *(pytest.param(e, marks=pytest.mark.slow) for e in ("pdf", "svg"))]
+)
 def test_figure(ending, tmp_path):
     counts = {"degree 8": count_grid_minima([search(*WALL)], (65, 129))}
     figure = draw_grid_convergence((*errors(*INTERIOR), *errors(*WALL)), counts)

@@ -1,4 +1,4 @@
-"""Closure, poses and crossings of patterns, against differences, trees of creases, and a library of collisions."""
+"""Closure and poses of patterns, against differences, closed forms and trees of creases."""
 
 import numpy as np
 import pytest
@@ -72,66 +72,3 @@ def test_metasheet_has_one_freedom():
         assert sheet.rank(np.zeros(pattern.creases)) == 2 * len(pattern.vertices)
         assert pattern.creases - sheet.rank(phi) == 1
         assert sheet.closure.count - sheet.rank(phi) == redundant
-
-
-def _triangles(corners: np.ndarray) -> np.ndarray:
-    return np.array([[0, i, i + 1] for i in range(1, len(corners) - 1)])
-
-
-@pytest.mark.parametrize("states", [48, pytest.param(1000, marks=pytest.mark.slow)])
-def test_crossings_against_a_collision_library(states):
-    """States of six patterns: the same pairs as FCL, but for those that only touch."""
-    fcl = pytest.importorskip("fcl")
-    patterns = [
-        miura(3, 3),
-        miura(4, 4),
-        strip(2, 4, 4),
-        metasheet(3)[0],
-        metasheet(4)[0],
-        strip(5),
-    ]
-    rng, crossed = np.random.default_rng(0), 0
-    for k in range(states):
-        pattern = patterns[k % 6]
-        sheet = Sheet(pattern)
-        crossings = sheet.crossings
-        phi, residual = sheet.project(rng.uniform(-2, 2, pattern.creases))
-        if residual > 1e-12:
-            phi = rng.uniform(-2, 2, pattern.creases)  # poses along the tree: facets all the same
-        ours = set(crossings.find(phi))
-        x = crossings.placed(phi)
-        shared = {
-            frozenset(p) for p in zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)
-        }
-        bodies = []
-        for corners in x:
-            # shrunk a little: facets that share a corner do not collide there
-            inside = corners.mean(axis=0) + (1 - 1e-6) * (corners - corners.mean(axis=0))
-            mesh = fcl.BVHModel()
-            mesh.beginModel(len(inside), len(inside) - 2)
-            mesh.addSubModel(inside, _triangles(inside))
-            mesh.endModel()
-            bodies.append(fcl.CollisionObject(mesh))
-        theirs = set()
-        for i in range(len(bodies)):
-            for j in range(i + 1, len(bodies)):
-                if frozenset((i, j)) in shared:
-                    continue
-                if fcl.collide(bodies[i], bodies[j], fcl.CollisionRequest(), fcl.CollisionResult()):
-                    theirs.add((i, j))
-        assert all(_depth(x[i], x[j]) < 1e-8 for i, j in theirs - ours)  # they touch
-        assert all(
-            _depth(x[i], x[j]) < 1e-4 for i, j in ours - theirs
-        )  # shallow: shrinking parts them
-        crossed += len(theirs)
-    assert crossed > states // 2
-
-
-def _depth(a: np.ndarray, b: np.ndarray) -> float:
-    """How far two plane polygons reach through each other's planes, at most."""
-    depth = np.inf
-    for one, other in ((a, b), (b, a)):
-        normal = np.cross(other[1] - other[0], other[2] - other[0])
-        h = (one - other[0]) @ (normal / np.linalg.norm(normal))
-        depth = min(depth, max(h.max(), 0), max(-h.min(), 0))
-    return depth

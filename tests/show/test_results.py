@@ -3,7 +3,6 @@
 import math
 import pickle
 from dataclasses import fields, is_dataclass
-from functools import cache
 
 import numpy as np
 import pytest
@@ -12,22 +11,21 @@ from matplotlib.figure import Figure
 import origami_nlp as o
 from origami_nlp.critical import compare_minima
 from origami_nlp.show import Result, Told
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, shared
 
 pytest.importorskip("pandas")
 LONGEST = 260  # characters of a repr: two lines of a terminal
 
 
-@cache
+@shared
 def results():
     """One of each kind, by class."""
     scene = o.examples.degree6("pi/4")
     result = panel_result(scene)
-    result.model.energy(np.zeros(result.model.size))  # a model that was used
     points = compare_minima(o.find_critical_points(scene, samples=512), result)
     contacts = o.find_contacts(result, segments=True, check=False)
     found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
-    found += [o.find_barriers(scene, result), o.find_landscape(result, 31)]
+    found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, 31)]
     return {type(one).__name__: one for one in [*found, o.cone.phase_diagram(6, size=4)]}
 
 
@@ -50,6 +48,8 @@ by_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 def test_results_travel_and_print_the_same():
+    model = results()["MinimaResult"].model
+    model.energy(np.zeros(model.size))  # a model that was used
     for found in results().values():
         again = pickle.loads(pickle.dumps(found))
         assert str(again) == str(found) and len(str(found)) > 40

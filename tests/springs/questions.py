@@ -1,0 +1,47 @@
+"""Random questions of designs."""
+
+import math
+
+import numpy as np
+
+import origami_nlp as o
+from origami_nlp.kkt import project
+from origami_nlp.programme import Model
+from origami_nlp.springs import Target, Targets
+
+
+def random_vertex(rng, n):
+    while True:
+        a = rng.dirichlet(np.ones(n) * 2) * 2 * math.pi
+        if a.min() > 0.2 and a.max() < math.pi - 0.1:
+            return o.Vertex(tuple(a))
+
+
+def random_state(model, rng, pinned=False):
+    """An admissible state, with a fold limit closed where `pinned`."""
+    from origami_nlp.programme import fold_limit
+
+    for _ in range(400):
+        start = rng.uniform(-2.7, 2.7, model.size)
+        rows = ()
+        if pinned:
+            k, side = int(rng.integers(model.size)), int(rng.choice([-1, 1]))
+            start[k] = side * math.pi
+            rows = (fold_limit(k, float(side)),)
+        x, left = project(model, start, rows)
+        if left < 1e-12 and not model.refuses(x) and np.sort(np.abs(x))[-1 - pinned] < 3.05:
+            return tuple(model.expand(x).tolist())
+    return None
+
+
+def question(seed, n, count, pinned=0, flat=0, **more):
+    """A question of `count` random states; None where none were drawn."""
+    rng = np.random.default_rng(seed)
+    vertex = random_vertex(rng, n)
+    model = Model(o.Scene(vertex, (1,) * n, (0,) * n, symmetry="none"))
+    found = [random_state(model, rng, i < pinned) for i in range(count - flat)]
+    found += [(0.0,) * n] * flat
+    if None in found:
+        return None
+    states = tuple(Target(f"s{i}", phi) for i, phi in enumerate(found))
+    return Targets(vertex, states, stiffness=(0.01, 1.0), **more)
