@@ -259,7 +259,7 @@ QUAD = (0.0, 1.0, 1.25 + 0.9j, -0.1 + 0.75j)
 """Corners of the facets of a metasheet; any convex quadrilateral tiles the plane by half-turns about its sides."""
 QUAD_REST = (-2.163, 1.77, 2.755, 0.121)
 QUAD_STIFFNESS = (0.005, 0.4627, 0.1299, 0.0321)
-"""Of creases along each side of it: with them a single vertex has four stable states."""
+"""Of creases along each side of it: with them a single vertex has three stable states."""
 
 
 def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:

@@ -84,7 +84,7 @@ class Pattern:
     >>> import origami_nlp as o
     >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(stiffness=0.01, rest=1.2)
     >>> sheet.assignment, round(float(sheet.energy(sheet.rest)), 12)
-    ('VMVVMMV', 0.0)
+    ('MVVMVMV', 0.0)
     """
 
     corners: np.ndarray

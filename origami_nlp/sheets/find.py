@@ -77,6 +77,13 @@ def find_states(
     ------
     OptionError
         If `starts` or `seed` is no count.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> all(state.closure_residual < 1e-12 for state in found.minima)
+    True
     """
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     sheet, tally = Sheet(pattern), _Tally()

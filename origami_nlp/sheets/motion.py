@@ -52,6 +52,13 @@ class Motion(Told):
         Why it ends: a crease at its fold limit, two facets that touch, or where the walk was lost.
     touching
         The facets that touch at its end (from 0), or None.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> motion = o.find_motion(o.examples.pattern("metasheet", 3, 3))
+    >>> motion.freedoms, motion.touching
+    (1, (2, 3))
     """
 
     PICTURE = "draw_motion"

@@ -90,6 +90,13 @@ class SheetResult(Told):
         All that was judged, by energy: minima, and what crosses or is undecided.
     search
         How they were looked for.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> found.search.starts >= 4
+    True
     """
 
     pattern: Pattern
