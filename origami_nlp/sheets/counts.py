@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.numerics import CLOSES, RANK
+from origami_nlp.numerics import CLOSES, RANK, TYPED
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.sheet import Sheet
 from origami_nlp.show import Piece, Table, Told
@@ -133,6 +133,12 @@ class Overview(Told):
                 f"{_many(len(bent), 'vertex is', 'vertices are')} not flat ("
                 f"angle sum {math.degrees(bent[worst]):.6g} degrees at vertex "
                 f"{worst})"
+            )
+        noise = max((abs(a - 2 * math.pi) for v, a in sums.items() if v not in bent), default=0.0)
+        if noise > TYPED:
+            said.append(
+                f"angle sums miss 360 degrees by up to {math.degrees(noise):.1e}: noise in coordinates, with which "
+                "redundant equations need not have a common solution"
             )
         if self.freedoms == 0:
             said.append(

@@ -92,6 +92,9 @@ class Motion(Told):
             else f"{self.freedoms} freedoms: one of many motions, as straight as closure lets it go"
         )
         yield many
+        last = np.abs(self.phi[-1])
+        if (np.minimum(last, math.pi - last) <= BESIDE).all():
+            yield "folded flat there: whether its layers can be ordered is not asked"
 
     def shown(self, most: int) -> list[int]:
         """Return numbers of at most so many states, evenly along the motion, with both ends."""
