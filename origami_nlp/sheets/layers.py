@@ -1,8 +1,8 @@
 """Facets that lie on each other: can their layers be ordered.
 
 Facets that share a crease at a fold limit lie on the side that its sign says.  Round one vertex the exact test of
-`folding.examine` answers; where facets lie on each other that share neither a crease nor the only vertex, orders of
-several vertices depend on each other, and nothing is decided.
+`folding.examine` answers; where every crease is open or folded flat, `Stack` does; where facets lie on each other in
+other states of several vertices, nothing is decided.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from origami_nlp.folding import examine
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.pattern import Loop, Pattern, Vertex
 from origami_nlp.sheets.sheet import Sheet
+from origami_nlp.sheets.stacks import MOST_PAIRS, Stack, is_flat_folded
 
 SLIVER = 1e-6
 """Overlaps of less than this share of the square of the sheet's size are borders that touch."""
@@ -55,12 +56,11 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
         The answer.
     """
     pattern = sheet.pattern
-    if not (np.abs(phi) == math.pi).any():
-        stacked = overlaps(sheet, phi)
-        if not stacked:
-            return Layers("ordered")
-    else:
-        stacked = overlaps(sheet, phi)
+    stacked = overlaps(sheet, phi)
+    if not stacked and not (np.abs(phi) == math.pi).any():
+        return Layers("ordered")
+    if stacked and is_flat_folded(sheet, phi):
+        return _of_stack(sheet, phi)
     for loop in pattern.vertices:
         at = round_vertex(pattern, loop)
         if at is None:
@@ -77,6 +77,21 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
         "not decided",
         f"layer order not decided: {len(stacked)} pairs of facets without a common crease lie on each other",
     )
+
+
+def _of_stack(sheet: Sheet, phi: np.ndarray) -> Layers:
+    """Order the layers of a state in which every crease is open or folded flat."""
+    stack = Stack(sheet, phi)
+    if len(stack.pairs) > MOST_PAIRS:
+        many = f"{len(stack.pairs):,} pairs of facets overlap, at most {MOST_PAIRS:,} are ordered"
+        return Layers("not decided", f"layer order not decided: {many}")
+    try:
+        order = stack.order()
+    except TimeoutError:
+        return Layers("not decided", "layer order not decided: the search for one was given up")
+    if order is None:
+        return Layers("crosses", "flat-folded, and its layers have no order")
+    return Layers("ordered")
 
 
 def _all_round(pattern: Pattern) -> bool:

@@ -44,6 +44,15 @@ def strip(seed: int, m: int = 3, n: int = 2) -> Pattern:
     return pattern.with_springs(list(k), list(rest))
 
 
+def wheel(sectors) -> Pattern:
+    """Return one vertex with a round of triangles."""
+    azimuth = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
+    rim = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    n = len(sectors)
+    triangles = [(0, 1 + i, 1 + (i + 1) % n) for i in range(n)]
+    return make_pattern(np.vstack([[0.0, 0.0], rim]), triangles)
+
+
 QUAD = ((0.0, 0.0), (1.0, 0.0), (1.25, 0.9), (-0.1, 0.75))
 
 

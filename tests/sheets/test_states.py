@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex, find_minima
-from origami_nlp.pattern import Scene, make_pattern
+from origami_nlp.pattern import Scene
 from origami_nlp.sheets import (
     Sheet,
     descend,
@@ -14,10 +14,9 @@ from origami_nlp.sheets import (
     follow_curve,
     judge,
     list_branches,
-    order_layers,
     tangents,
 )
-from tests.sheets.patterns import grid, metasheet, miura, miura_angles, strip
+from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
 from tests.sheets.trigonometry import scan
 
 VERTEX_SPRINGS = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
@@ -228,15 +227,6 @@ def test_the_flat_state():
         assert judge(Sheet(pulled), np.zeros(12)).verdict == "not a minimum"
 
 
-def _wheel(sectors):
-    """One vertex with a round of triangles."""
-    azimuth = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
-    rim = np.column_stack([np.cos(azimuth), np.sin(azimuth)])
-    n = len(sectors)
-    triangles = [(0, 1 + i, 1 + (i + 1) % n) for i in range(n)]
-    return make_pattern(np.vstack([[0.0, 0.0], rim]), triangles)
-
-
 @pytest.mark.parametrize(
     ("sectors", "seed"),
     [
@@ -250,7 +240,7 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
     angles = tuple(np.deg2rad(sectors).tolist())
     rng = np.random.default_rng(seed)
     k, rest = rng.uniform(0.2, 2, len(angles)), rng.uniform(-2.5, 2.5, len(angles))
-    pattern = _wheel(angles).with_springs(list(k), list(rest))
+    pattern = wheel(angles).with_springs(list(k), list(rest))
     assert list(pattern.vertices[0].creases) == list(range(len(angles)))
     vertex = find_minima(
         Scene(
@@ -266,17 +256,3 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
     for m, s in zip(vertex.minima, sheet.minima, strict=True):
         assert s.energy == pytest.approx(m.energy, rel=1e-9)
         assert s.fold_angles == pytest.approx(m.fold_angles, abs=1e-7)
-
-
-def test_layers_round_one_vertex_are_decided_and_over_several_are_not():
-    square = grid(np.stack(np.meshgrid([0.0, 1, 2], [0.0, 1, 2], indexing="ij"), axis=2))
-    sheet = Sheet(square)
-    flat_folded = np.zeros(4)
-    for signs in ((1, 1, 1, -1), (1, 1, -1, 1), (1, 1, 1, 1)):
-        flat_folded = math.pi * np.array(signs, float)
-        if sheet.residual(flat_folded) < 1e-12 and sheet.closure.on_sheet(flat_folded):
-            assert order_layers(sheet, flat_folded).verdict in ("ordered", "crosses")
-    points = np.stack(np.meshgrid([0.0, 1, 1.9, 2.7], [0.0, 1], indexing="ij"), axis=2)
-    long, rolled = Sheet(grid(points)), np.array([math.pi, math.pi])
-    assert order_layers(long, rolled).verdict == "not decided"
-    assert judge(long, rolled).verdict != "minimum"
