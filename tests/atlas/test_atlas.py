@@ -106,6 +106,26 @@ def test_a_picture_frames_and_words(atlas, tmp_path):
     assert "3 branches, 2 events" in repr(atlas)
 
 
+def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
+    content = atlas.turned()
+    assert [s.folded.fold_angles.tolist() for s in content.stations] == [
+        list(e.fold_angles) for e in atlas.events
+    ]
+    known = {(p.t, p.fold_angles) for b in atlas.branches for p in b.points}
+    shown = set()
+    for track, (_, points) in zip(content.tracks, content.panels[0].tracks, strict=True):
+        steps = np.diff(track.parameter)
+        assert (steps > 0).all() or (steps < 0).all()
+        assert np.array_equal(points[:, 0], track.parameter)
+        shown |= {
+            (float(t), tuple(s.fold_angles.tolist()))
+            for t, s in zip(track.parameter, track.states, strict=True)
+        }
+    assert shown == known
+    html = atlas.view()._repr_html_()
+    assert "nonsmooth-fold" in html and "branch 2" in html
+
+
 def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
     atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full_space=False)
