@@ -33,11 +33,12 @@ def follow(
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
     fold: o.StatesFold = None,
+    html: o.HtmlFile = None,
 ) -> None:
     """Follow the states of SCENE over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.atlas import draw_atlas, follow as follow_states, write_frames
 
-    out = Output(json=json, figure=figure, fold=fold)
+    out = Output(json=json, figure=figure, fold=fold, html=html)
     atlas = follow_states(
         read_scene(scene),
         over,
@@ -53,3 +54,4 @@ def follow(
     out.write("json", atlas.to_dict)
     out.save("figure", draw_atlas, atlas)
     out.save("fold", write_frames, atlas)
+    out.turn(atlas)
