@@ -231,7 +231,7 @@ def test_the_flat_state():
     ("sectors", "seed"),
     [
         ((80, 95, 85, 100), 0),
-        ((80, 95, 85, 100), 1),
+        pytest.param((80, 95, 85, 100), 1, marks=pytest.mark.slow),
         ((60, 80, 110, 110), 2),
         ((70, 75, 65, 80, 70), 3),
     ],
@@ -251,7 +251,7 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
             rest_angles=list(rest),
         ),
     )
-    sheet = find_states(pattern, starts=60, contact=False)
+    sheet = find_states(pattern, starts=30, contact=False)
     assert len(sheet.minima) == len(vertex.minima)
     for m, s in zip(vertex.minima, sheet.minima, strict=True):
         assert s.energy == pytest.approx(m.energy, rel=1e-9)
