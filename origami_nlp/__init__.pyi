@@ -24,6 +24,7 @@ from .minima import (
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
     Load as Load,
+    Pattern as Pattern,
     Scene as Scene,
     Vertex as Vertex,
     examples as examples,
@@ -31,6 +32,7 @@ from .pattern import (
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,
+    read_pattern as read_pattern,
     read_scene as read_scene,
 )
 from .programme import Model as Model
@@ -40,6 +42,14 @@ from .results import (
     save as save,
     to_frame as to_frame,
     view as view,
+)
+from .sheets import (
+    Motion as Motion,
+    Overview as Overview,
+    SheetResult as SheetResult,
+    find_motion as find_motion,
+    find_states as find_states,
+    overview as overview,
 )
 from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
 from .springs import Design as Design, design as design

@@ -66,7 +66,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
     Parameters
     ----------
     result
-        Minima, barriers, a landscape, or a contact report.
+        Minima, barriers, a landscape, a contact report, an atlas or a load path.
     path
         Where to save it as one file that needs no network (.html), if anywhere.
 
@@ -91,7 +91,8 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
 
     if not isinstance(result, Turnable):
         raise OptionError(
-            f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape or a contact report"
+            f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape, a contact report, an atlas "
+            "or a load path"
         )
     page = result.view()
     if path is not None:

@@ -25,8 +25,8 @@ PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers files numerics closed_forms pattern folding programme kkt path show chart proof "
-    "minima contact modes critical barriers space landscape cone atlas loading springs sweep results paper bench "
-    "cli __main__"
+    "minima contact modes critical barriers space landscape cone atlas loading springs sweep sheets results paper "
+    "bench cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]

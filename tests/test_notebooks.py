@@ -28,7 +28,9 @@ LONG = (
     "04_landscapes.ipynb",
     "05_cones.ipynb",
     "07_from_a_fold_file.ipynb",
+    "09_design.ipynb",
     "09_proof.ipynb",
+    "10_patterns.ipynb",
     "11_from_measurements.ipynb",
 )
 """Run with the long studies: what they call has tests of its own."""

@@ -1,8 +1,9 @@
 """A family of scenes over one parameter, and the line of its programmes.
 
 Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
-``vertex.sector_angles[1]``; several joined by ``+`` take the same value.  What a crease gets, its images under the
-symmetry of the scene get too.
+``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
+by ``+`` take the same value.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
+that the scene states, ``loads[1]`` that of one.  What a crease gets, its images under the symmetry get too.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.path import ParameterLine, line_between
 from origami_nlp.pattern import Scene, Vertex, parse_angle
-from origami_nlp.programme import Model
+from origami_nlp.programme import Model, Parameters
 
 SAMPLES = 17
 """Scenes of a family that are posed before it is followed, to see whether it is smooth."""
@@ -31,7 +32,20 @@ FAMILIES = {
     ),
 }
 """Sector angles of the paper's families: change with alpha_1, and value at alpha_1 = 0."""
-_PLACE = re.compile(r"(creases\.stiffness|creases\.rest_angles|vertex\.sector_angles)\[(\d{1,4})\]")
+UNITS = {
+    "ratio": "",
+    "alpha": "rad",
+    "stiffness": "N m/rad",
+    "rest_angles": "rad",
+    "preload": "N m",
+    "torque": "N m",
+    "sector_angles": "rad",
+    "loads": "",
+}
+"""Of what can be followed over."""
+_PLACE = re.compile(
+    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
+)
 _DEGREES = re.compile(r"(.*?)\s*deg")
 
 
@@ -46,7 +60,7 @@ class Over:
     low, high
         From and to, in its unit.
     unit
-        ``"rad"``, ``"N m/rad"`` or ``""``.
+        ``"rad"``, ``"N m"``, ``"N m/rad"`` or ``""``.
     log
         Whether steps are ratios.
     """
@@ -76,7 +90,8 @@ def parse_over(text: str) -> Over:
     Parameters
     ----------
     text
-        Such as ``"ratio=0.01:100"``, ``"alpha=30deg:60deg"`` or ``"creases.rest_angles[1]=-pi:pi/2"``.
+        Such as ``"ratio=0.01:100"``, ``"alpha=30deg:60deg"``, ``"rest_angles[1]=-pi:pi/2"`` or
+        ``"torque[1]=-0.15:0"``.
 
     Returns
     -------
@@ -102,8 +117,11 @@ def parse_over(text: str) -> Over:
         raise OptionError(f"over = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     name = name.strip()
     values = [_number(v, name) for v in (low, high)]
-    log = name == "ratio" or name.startswith("creases.stiffness")
-    unit = "" if name == "ratio" else "N m/rad" if log else "rad"
+    kinds = {_kind(part) for part in name.split("+")}
+    if len(kinds) > 1:
+        raise OptionError(f"over = {text!r}: what takes the same value must be of one kind")
+    (kind,) = kinds
+    log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
     a, b = values
     if not a < b:
         raise OptionError(f"over = {text!r}: the range must run from a smaller to a larger value")
@@ -113,7 +131,13 @@ def parse_over(text: str) -> Over:
 
 
 NEARBY = 1.3
-"""A value without a range stands for the range from that share of it to that multiple; angles: 0.2 rad about it."""
+"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
+
+
+def _kind(name: str) -> str:
+    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
+    match = _PLACE.fullmatch(name.strip())
+    return next(v for v in match.groups()[:3] if v) if match else name.strip()
 
 
 def parse_nearby(text: str) -> Over:
@@ -122,9 +146,9 @@ def parse_nearby(text: str) -> Over:
     if ":" in value or not value:
         return parse_over(text)
     t = _number(value, name.strip())
-    wide = parse_over(f"{name}={t / NEARBY!r}:{t * NEARBY!r}") if t > 0 else None
-    if wide is not None and wide.log:
-        return wide
+    if t and UNITS.get(_kind(name), "rad") != "rad":
+        low, high = sorted((t / NEARBY, t * NEARBY))
+        return parse_over(f"{name}={low!r}:{high!r}")
     return parse_over(f"{name}={t - 0.2!r}:{t + 0.2!r}")
 
 
@@ -144,8 +168,8 @@ class Family:
     over
         The parameter and its range.
     scene_of
-        Makes the scene at t; sector angles, rest angles and logarithms of stiffness must be linear in t (in ln t where
-        `Over.log`).
+        Makes the scene at t; sector angles, rest angles, preload, forces and logarithms of stiffness must be linear in
+        t (in ln t where `Over.log`).
     """
 
     over: Over
@@ -180,15 +204,14 @@ class Family:
             line = replace(line, sector_angles=first - low * change, sector_change=change)
         return line
 
+    def winding(self, s: float) -> float:
+        """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
+        p, scale = self.line.at(s).parameters, self.line.programme.scale
+        return scale * float(np.sum(p.load * (p.rest + 0.5 * p.load / p.stiffness)))
+
     def _check(self, posed: list[Model], where: np.ndarray) -> None:
         """Complain where the numbers of scenes are not linear in s."""
-        numbers = [
-            np.concatenate(
-                [m.parameters.sectors, np.log(m.parameters.stiffness), m.parameters.rest]
-            )
-            for m in posed
-        ]
-        change = np.diff(numbers, axis=0)
+        change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
         if apart.max() > RESOLVED:
             k = int(apart.argmax())
@@ -219,9 +242,23 @@ def posed_alike(models: list[Model], name: str, names: list[str]) -> list[Model]
     return [_posed_as(whole, model) for model in models]
 
 
+def linear_numbers(p: Parameters) -> np.ndarray:
+    """Return the numbers that are linear along a line: in the order of `Parameters`, stiffness as its logarithm."""
+    dead = [] if p.dead is None else [p.dead.vector]
+    return np.concatenate([p.sectors, np.log(p.stiffness), p.rest, p.load, *dead])
+
+
 def _posed_as(whole: Model, model: Model) -> Model:
-    """Return a model with the structure and the scale of another."""
-    parameters = model.parameters.scaled(model.scale / whole.scale)
+    """Return a model with the structure and the scale of another, and preload as a load.
+
+    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
+    """
+    p = model.parameters
+    if model.scene.preload:
+        rest = model.reduce(np.array(model.scene.rest_angles))
+        load = model.reduce(np.array(model.scene.preload)) * model.multiplicity / model.scale
+        p = replace(p, rest=rest, load=load)
+    parameters = p.scaled(model.scale / whole.scale)
     return whole.varied(parameters, np.array(model.scene.vertex.sector_angles))
 
 
@@ -250,15 +287,19 @@ def family_of(scene: Scene, over: Over) -> Family:
         return Family(over, _over_ratio(base))
     if over.name == "alpha":
         return Family(over, _over_alpha(base))
+    if over.name == "loads" and base.loads:
+        return Family(over, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
     places = []
     for name in over.name.split("+"):
         match = _PLACE.fullmatch(name.strip())
-        if match is None or not 1 <= int(match[2]) <= base.degree:
+        most = len(base.loads) if match and match[3] else base.degree
+        if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
-                f"over = {over.name!r} is no parameter of the scene: write ratio, alpha, creases.stiffness[1], "
-                f"creases.rest_angles[1] or vertex.sector_angles[1], with entries 1 to {base.degree}"
+                f"over = {over.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], rest_angles[1], "
+                f"preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
+                + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
             )
-        places.append((match[1], int(match[2]) - 1))
+        places.append((_kind(name), int(match[4]) - 1))
     return Family(over, _over_places(base, places))
 
 
@@ -308,23 +349,42 @@ def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
 
 def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float], Scene]:
     def at(t: float) -> Scene:
-        k, rest = list(scene.stiffness), list(scene.rest_angles)
-        sectors = np.array(scene.vertex.sector_angles)
+        values = {
+            "stiffness": list(scene.stiffness),
+            "rest_angles": list(scene.rest_angles),
+            "preload": list(scene.preload or (0.0,) * scene.degree),
+        }
+        sectors, loads = scene.vertex.sector_angles, list(scene.loads)
         for what, entry in places:
-            images = _images(scene, entry, what.startswith("vertex"))
-            if what.startswith("vertex"):
-                others = [i for i in range(len(sectors)) if i not in images]
-                if scene.vertex.flat and not others:
-                    raise OptionError(
-                        f"{what}[{entry + 1}]: its images are all facets of the sheet"
-                    )
-                if scene.vertex.flat:  # the others give way alike
-                    sectors[others] -= len(images) * (t - sectors[entry]) / len(others)
-                sectors[images] = t
-                continue
-            for i in images:
-                (k if what.endswith("stiffness") else rest)[i] = t
-        vertex = Vertex(tuple(sectors.tolist()), scene.vertex.flat)
-        return replace(scene, vertex=vertex, stiffness=tuple(k), rest_angles=tuple(rest))
+            if what == "sector_angles":
+                sectors = _with_sector(scene, sectors, entry, t)
+            elif what == "loads":
+                x, y, z = scene.loads[entry].force or (0.0, 0.0, 0.0)
+                loads[entry] = replace(loads[entry], force=(t * x, t * y, t * z))
+            else:
+                for i in _images(scene, entry, False):
+                    given = scene.preload[i] if what == "torque" and scene.preload else 0.0
+                    values["preload" if what == "torque" else what][i] = given + t
+        vertex = scene.vertex
+        if sectors != vertex.sector_angles:
+            vertex = Vertex(sectors, vertex.flat)
+        made = {name: tuple(v) for name, v in values.items()}
+        return replace(scene, vertex=vertex, loads=tuple(loads), **made)
 
     return at
+
+
+def _with_sector(
+    scene: Scene, sectors: tuple[float, ...], entry: int, t: float
+) -> tuple[float, ...]:
+    """Return sector angles with t at a facet and its images; where the sheet is flat the others give way alike."""
+    images, out = _images(scene, entry, True), np.array(sectors)
+    others = [i for i in range(len(out)) if i not in images]
+    if scene.vertex.flat and not others:
+        raise OptionError(
+            f"vertex.sector_angles[{entry + 1}]: its images are all facets of the sheet"
+        )
+    if scene.vertex.flat:
+        out[others] -= len(images) * (t - out[entry]) / len(others)
+    out[images] = t
+    return tuple(out.tolist())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
 
@@ -12,7 +13,7 @@ from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
 from origami_nlp.atlas.family import Family, Over, family_of, parse_over
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
-from origami_nlp.atlas.records import Check, Cost
+from origami_nlp.atlas.records import Check, Cost, PathBranch
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
@@ -210,6 +211,16 @@ class _Survey:
             )
         )
 
+    def _wound(self, branch: PathBranch) -> PathBranch:
+        """Return a branch whose energies count what it took to wind preloaded springs, as those of scenes do."""
+        if not (self.family.line.start.load.any() or self.family.line.direction.load.any()):
+            return branch
+        points = (
+            replace(p, energy=p.energy + self.family.winding(self.over.s_of(p.t)))
+            for p in branch.points
+        )
+        return replace(branch, points=tuple(points))
+
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
         out: list[Equilibrium] = []
@@ -239,6 +250,7 @@ class _Survey:
         chains = chains_of(web)
         parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
         branches, events = branches_of(web, self.over, chains, parts, self.across)
+        branches = tuple(self._wound(branch) for branch in branches)
         begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
         for number, branch in enumerate(branches, start=1):
             for r in branch.kind_ranges:

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.atlas.records import PathBranch, StateAt
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import hessian_spectra
+from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED, TOUCHES
 from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine, Web
 from origami_nlp.pattern import Scene
@@ -64,15 +64,18 @@ def _judged(frame: Equilibrium) -> tuple[str, str]:
 def breaking_eigenvalue(
     frame: Equilibrium, line: ParameterLine, scene: Scene, touching: Touching
 ) -> float:
-    """Return the smallest eigenvalue across the symmetry, in the space without it; nan where it has none.
+    """Return the smallest stiffness across the symmetry, in the space without it, with loaded contacts held.
 
-    touching: what closes in that space where contacts are held, as far as it is known.
+    nan where there is no one Hessian; inf where nothing breaks the symmetry and keeps the contacts.  touching: what
+    closes in that space where contacts are held, as far as it is known.
     """
     full = State(line.at(frame.s), frame.programme.expand(frame.state))
     contacts = touching.get(frame.hold, () if not frame.hold.contacts else None)
     if contacts is None or np.abs(full.local.openings(contacts)[0]).max(initial=0.0) > TOUCHES:
+        if len(full.pieces) > 1:
+            return math.nan
         contacts = touching[frame.hold] = full.pieces[0]
-    return min(hessian_spectra(full, scene, contacts)[1], default=math.nan)
+    return breaking_stiffness(full, scene, contacts)
 
 
 def states_at(

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.atlas.family import Family, Over, family_of, posed_alike
+from origami_nlp.atlas.family import Family, Over, family_of, linear_numbers, posed_alike
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.path import ParameterLine
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import DeadLoads, Scene
 from origami_nlp.programme import Model, Parameters
 
 GRID = 7
@@ -78,15 +78,16 @@ class Plane:
         """Return the programmes along a direction [2] from a point [2] of the plane of s."""
         p = self._posed
         m = p.whole.parameters
-        cut = np.cumsum([len(m.sectors), len(m.stiffness), len(m.rest)])
+        none = np.zeros(0) if m.dead is None else m.dead.vector
+        lengths = [len(v) for v in (m.sectors, m.stiffness, m.rest, m.load, none)]
+        cut = np.cumsum(lengths)
         at = p.origin + (point - self.corner) @ p.slopes
-        sectors, k, rest, angles = np.split(at, cut)
-        d_sectors, d_k, d_rest, change = np.split(direction @ p.slopes, cut)
-        none = np.zeros(len(rest))
+        sectors, k, rest, load, dead, angles = np.split(at, cut)
+        d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ p.slopes, cut)
         return ParameterLine(
             p.whole,
-            Parameters(sectors, np.exp(k), rest, none),
-            Parameters(d_sectors, d_k, d_rest, none),
+            Parameters(sectors, np.exp(k), rest, load, _forces(m.dead, dead)),
+            Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead)),
             angles
             if change.any() or (angles != p.whole.scene.vertex.sector_angles).any()
             else None,
@@ -104,9 +105,14 @@ class _Posed:
     slopes: np.ndarray = field(repr=False)
 
 
+def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:
+    """Return forces with the points and values of a vector, see `DeadLoads.vector`."""
+    if like is None:
+        return None
+    table = vector.reshape(-1, 5)
+    return replace(like, points=table[:, :2], forces=table[:, 2:])
+
+
 def _numbers(model: Model) -> np.ndarray:
-    """Return what is linear over the plane: sectors, logarithms of stiffness, rest angles, sectors of the vertex."""
-    p = model.parameters
-    return np.concatenate(
-        [p.sectors, np.log(p.stiffness), p.rest, model.scene.vertex.sector_angles]
-    )
+    """Return what is linear over the plane: of the programme, and sectors of the vertex."""
+    return np.append(linear_numbers(model.parameters), model.scene.vertex.sector_angles)

@@ -15,13 +15,13 @@ from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEve
 from origami_nlp.errors import OptionError
 from origami_nlp.path import Web
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, to_plain
 
 SCHEMA = "origami-nlp/atlas/1"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Atlas(Told):
+class Atlas(Told, Turnable):
     """All states that were found over a parameter.
 
     Attributes
@@ -102,7 +102,7 @@ class Atlas(Told):
         """Return one row an interval."""
         rows = [
             (
-                f"{self._shown(i.t[0])} to {self._shown(i.t[1])}",
+                f"{self.shown(i.t[0])} to {self.shown(i.t[1])}",
                 str(i.minima),
                 ", ".join(f"{n} {kind}" for kind, n in i.kinds.items()),
             )
@@ -114,7 +114,7 @@ class Atlas(Told):
         """Return counts, events, branches, checks and what they cost."""
         yield self.table()
         rows = [
-            (str(e.id), e.type, self._shown(e.t, 12), e.contact or "-", self._angles(e.fold_angles))
+            (str(e.id), e.type, self.shown(e.t, 12), e.contact or "-", self.angles(e.fold_angles))
             for e in self.events
         ]
         yield Table(
@@ -122,7 +122,7 @@ class Atlas(Told):
         )
         for b in self.branches:
             parts = "; ".join(
-                f"{r.kind} {self._shown(r.t[0])} to {self._shown(r.t[1])}" for r in b.kind_ranges
+                f"{r.kind} {self.shown(r.t[0])} to {self.shown(r.t[1])}" for r in b.kind_ranges
             )
             yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
         for e in self.events:
@@ -132,7 +132,7 @@ class Atlas(Told):
             more = f", {c.missed} on branches that it missed" if c.missed else ""
             more += f"; {c.morse}" if c.morse else ""
             yield Words(
-                f"check at {self._shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
+                f"check at {self.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
                 f"{c.new_branches} new",
                 "dim",
             )
@@ -144,14 +144,22 @@ class Atlas(Told):
         )
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
 
-    def _shown(self, t: float, digits: int = 6) -> str:
+    def shown(self, t: float, digits: int = 6) -> str:
+        """Return a value of the parameter in words, angles in degrees."""
         if self.over.unit == "rad":
             return f"{math.degrees(t):.{digits}g} deg"
         return f"{t:.{digits}g}" + (f" {self.over.unit}" if self.over.unit else "")
 
     @staticmethod
-    def _angles(fold_angles: tuple[float, ...]) -> str:
+    def angles(fold_angles: tuple[float, ...]) -> str:
+        """Return fold angles in words, in degrees."""
         return ", ".join(f"{math.degrees(v):.2f}" for v in fold_angles)
+
+    def turned(self) -> Content:
+        """Return branches and events as plain data, see `view`."""
+        from origami_nlp.atlas.turned import turn_atlas  # bodies in space are slow to import
+
+        return turn_atlas(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain JSON data."""

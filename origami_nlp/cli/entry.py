@@ -26,6 +26,7 @@ from origami_nlp.cli.minima import minima
 from origami_nlp.cli.model import model
 from origami_nlp.cli.modes import modes
 from origami_nlp.cli.paper import paper
+from origami_nlp.cli.pattern import pattern
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
 from origami_nlp.cli.transitions import transitions
@@ -34,7 +35,7 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 from origami_nlp.version import __version__
 
-MANY = "Many scenes, many creases"
+MANY = "Many vertices, many scenes, many creases"
 COMPARE = "Compare with the paper and with other solvers"
 app = Group(
     "Energy minima of an origami vertex: found, classified, and which are stable states.",
@@ -44,7 +45,7 @@ app.add(minima, check_proof, landscape, under="Find the states of a scene")
 app.add(contacts, modes, load, under="Understand them")
 app.add(barriers, critical, space, transitions, under="Understand them")
 app.add(design, example, vertices, model, under="Make and read scenes")
-app.add(follow, boundary, sweep, under=MANY)
+app.add(pattern, follow, boundary, sweep, under=MANY)
 app.add_group("cone", cone, under=MANY)
 app.add_group("paper", paper, under=COMPARE)
 app.add(bench, under=COMPARE)

@@ -33,12 +33,17 @@ def follow(
     max_starts: o.MaxStarts = 100_000,
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
+<<<<<<< HEAD
     fold: o.PathsFold = None,
+=======
+    fold: o.StatesFold = None,
+    html: o.HtmlFile = None,
+>>>>>>> main
 ) -> None:
     """Follow the states of SCENE over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.atlas import draw_atlas, follow as follow_states, write_frames
 
-    out = Output(json=json, figure=figure, fold=fold)
+    out = Output(json=json, figure=figure, fold=fold, html=html)
     atlas = follow_states(
         scene.read(),
         over,
@@ -54,3 +59,4 @@ def follow(
     out.write("json", atlas.to_dict)
     out.save("figure", draw_atlas, atlas)
     out.save("fold", write_frames, atlas)
+    out.turn(atlas)

@@ -45,11 +45,12 @@ def load(
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
     fold: o.PathsFold = None,
+    html: o.HtmlFile = None,
 ) -> None:
     """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis."""
     from origami_nlp.loading import draw_load, load_path, write_path
 
-    out = Output(json=json, figure=figure, fold=fold)
+    out = Output(json=json, figure=figure, fold=fold, html=html)
     path = load_path(
         scene.read(),
         crease,
@@ -66,6 +67,7 @@ def load(
     out.write("json", path.to_dict)
     out.write("figure", draw_load, path)
     out.save("fold", write_path, path)
+    out.turn(path)
 
 
 def _number(text: str) -> float:

@@ -82,7 +82,8 @@ ExampleName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8.",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; with "
+        "--fold metasheet too.",
     ),
 ]
 

@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.atlas import PathBranch, PathEvent
 from origami_nlp.loading.driver import Driver
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, to_plain
 
 SCHEMA = "origami-nlp/load/1"
 WHY = {
@@ -138,7 +138,7 @@ class Leg:
 
 
 @dataclass(frozen=True, repr=False)
-class LoadPath(Told):
+class LoadPath(Told, Turnable):
     """A state under a load that grows, through contacts and snaps.
 
     Attributes
@@ -246,6 +246,12 @@ class LoadPath(Told):
                 f"   searches: {c.minima[0]} minima at {c.t[0]:.6g}{unit}, the state before the snap {words[0]}; "
                 f"{c.minima[1]} at {c.t[1]:.6g}{unit}, the one after {words[1]}"
             )
+
+    def turned(self) -> Content:
+        """Return legs and snaps as plain data, see `view`."""
+        from origami_nlp.loading.turned import turn_path  # bodies in space are slow to import
+
+        return turn_path(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

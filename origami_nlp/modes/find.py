@@ -90,7 +90,9 @@ def modes_of(model: Model, scene: Scene, number: int, minimum: Minimum) -> State
     return StateModes(number, minimum, names, tuple(modes), coupling * model.scale, "")
 
 
-def breaking_stiffness(state: State, scene: Scene) -> float:
+def breaking_stiffness(
+    state: State, scene: Scene, contacts: tuple[Contact, ...] | None = None
+) -> float:
     """Return the smallest stiffness of a state against motions that break the symmetry of a scene.
 
     Parameters
@@ -99,6 +101,8 @@ def breaking_stiffness(state: State, scene: Scene) -> float:
         Of all N fold angles.
     scene
         Whose symmetry the state keeps.
+    contacts
+        Those closed at the state, where they are known; the state looks for them otherwise.
 
     Returns
     -------
@@ -106,7 +110,7 @@ def breaking_stiffness(state: State, scene: Scene) -> float:
         Smallest eigenvalue of the block that `find_modes` calls breaking [N m/rad]; inf where nothing breaks it and
         keeps the loaded contacts closed, nan where the state has no one Hessian.
     """
-    held, _ = _loaded(state)
+    held, _ = _loaded(state, contacts)
     if held is None:
         return math.nan
     z = held.tangent
@@ -117,13 +121,15 @@ def breaking_stiffness(state: State, scene: Scene) -> float:
     return math.inf
 
 
-def _loaded(state: State) -> tuple[Stratum | None, str]:
+def _loaded(
+    state: State, contacts: tuple[Contact, ...] | None = None
+) -> tuple[Stratum | None, str]:
     """Return a state with its loaded contacts held, or None and why it has no one Hessian."""
     if not state.regular:
         return None, "closure loses rank here: states leave in no linear space of directions"
-    if len(state.pieces) > 1:
+    if contacts is None and len(state.pieces) > 1:
         return None, "pieces of the feasible set meet here: each has a Hessian of its own"
-    piece = state.on(state.pieces[0])
+    piece = state.on(state.pieces[0] if contacts is None else contacts)
     mu = piece.multiplier_set
     if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
         return None, "no multipliers balance the torque"

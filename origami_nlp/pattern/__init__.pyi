@@ -35,6 +35,7 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
+from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
@@ -46,4 +47,5 @@ from .scene_file import (
     scene_from_dict as scene_from_dict,
     scene_to_dict as scene_to_dict,
 )
+from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
 from .vertex import Vertex as Vertex

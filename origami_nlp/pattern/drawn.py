@@ -19,11 +19,15 @@ Point = tuple[float, float]
 Face = tuple[Point, ...]
 Letter = Callable[[complex, complex], str]
 """Letter of the crease between two points x + iy."""
+Spring = Callable[[complex, complex], tuple[float, float]]
+"""Rest angle [rad] and stiffness [N m/rad] of the crease between two points."""
 GRID = 1e-6
 """Corners of faces that lie nearer than this are one vertex; those of patterns are 0.1 or more apart."""
 
 
-def to_fold(faces: Iterable[Face], letter: Letter, springs: Scene, title: str) -> dict[str, Any]:
+def to_fold(
+    faces: Iterable[Face], letter: Letter, springs: Scene | Spring, title: str
+) -> dict[str, Any]:
     """Return the FOLD data of a pattern.
 
     Parameters
@@ -33,7 +37,8 @@ def to_fold(faces: Iterable[Face], letter: Letter, springs: Scene, title: str) -
     letter
         Rule for the creases.
     springs
-        Mountains and valleys rest, and are stiff, as its creases with negative and positive rest angles.
+        Of a scene: mountains and valleys rest, and are stiff, as its creases with negative and positive rest angles.
+        Or a rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
     title
         Of the file.
 
@@ -58,12 +63,14 @@ def to_fold(faces: Iterable[Face], letter: Letter, springs: Scene, title: str) -
         for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
             edge = (min(a, b), max(a, b))
             sides[edge] = sides.get(edge, 0) + 1
-    spring = _spring_of_letter(springs)
-    letters = [
-        letter(complex(*coords[a]), complex(*coords[b])) if count == 2 else "B"
-        for (a, b), count in sides.items()
-    ]
-    sprung = [spring.get(one, (None, None)) for one in letters]
+    ends = [(complex(*coords[a]), complex(*coords[b])) for a, b in sides]
+    inner = [count == 2 for count in sides.values()]
+    letters = [letter(*pq) if crease else "B" for pq, crease in zip(ends, inner, strict=True)]
+    sprung: list[tuple[float | None, float | None]] = [(None, None)] * len(ends)
+    of = _spring_of_letter(springs) if isinstance(springs, Scene) else {}
+    for k, crease in enumerate(inner):
+        if crease:
+            sprung[k] = springs(*ends[k]) if callable(springs) else of[letters[k]]
     return {
         "file_spec": 1.1,
         "file_creator": "origami_nlp",
@@ -246,3 +253,48 @@ def resch(rows: int, columns: int) -> tuple[list[Face], Letter]:
         return "V" if abs(q - p) > 1.1 else "M"  # from the middle of a tuck to a corner: 2/sqrt(3)
 
     return faces, letter
+
+
+QUAD = (0.0, 1.0, 1.25 + 0.9j, -0.1 + 0.75j)
+"""Corners of the facets of a metasheet; any convex quadrilateral tiles the plane by half-turns about its sides."""
+QUAD_REST = (-2.163, 1.77, 2.755, 0.121)
+QUAD_STIFFNESS = (0.005, 0.4627, 0.1299, 0.0321)
+"""Of creases along each side of it: with them a single vertex has three stable states."""
+
+
+def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:
+    """A quadrilateral and its half-turns, in rows: every vertex has its four angles; springs by its sides.
+
+    After Waitukaitis, Menaut, Chen and van Hecke, "Origami multistability", Physical Review Letters 114 (2015) 055503.
+    """
+    a, b, c, d = QUAD
+    along, up = b + c - a - d, c + d - a - b
+    side: dict[tuple[int, int], int] = {}
+
+    def at(i: int, j: int) -> complex:
+        return ((a, b), (d, c))[i % 2][j % 2] + (i // 2) * up + (j // 2) * along
+
+    def key(z: complex) -> tuple[int, int]:
+        return round(z.real / GRID), round(z.imag / GRID)
+
+    faces: list[Face] = []
+    for i in range(rows):
+        for j in range(columns):
+            ring = (at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j))
+            faces.append(tuple((z.real, z.imag) for z in ring))
+            odd = (i + j) % 2  # a half-turned one
+            for k, z in enumerate(ring):
+                side[key((z + ring[(k + 1) % 4]) / 2)] = (k + 2 * odd) % 4
+
+    def spring(p: complex, q: complex) -> tuple[float, float]:
+        x, y = key(
+            (p + q) / 2
+        )  # to one unit of the grid, as either corner may be rounded from the other facet
+        near = [side.get((x + dx, y + dy)) for dx in (0, -1, 1) for dy in (0, -1, 1)]
+        k = next(one for one in near if one is not None)
+        return QUAD_REST[k], QUAD_STIFFNESS[k]
+
+    def letter(p: complex, q: complex) -> str:
+        return "M" if spring(p, q)[0] < 0 else "V"
+
+    return faces, letter, spring

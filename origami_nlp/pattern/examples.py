@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import math
 from collections.abc import Callable
 from typing import Any
@@ -21,7 +22,10 @@ from origami_nlp.pattern.designs import (
     waterbomb_base as waterbomb_base,
     yoshimura as yoshimura,
 )
+from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
+from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.springs import between, positive, springs
 from origami_nlp.pattern.vertex import Vertex
 
@@ -162,8 +166,16 @@ BY_NAME: dict[str, Callable[..., Scene]] = {
     "degree8": degree8,
 }
 """What makes each example, by the name that the command has for it."""
-SIZES = {"miura": (4, 4), "waterbomb": (2, 3), "yoshimura": (6, 3), "resch": (2, 2)}
+SIZES = {
+    "miura": (4, 4),
+    "waterbomb": (2, 3),
+    "yoshimura": (6, 3),
+    "resch": (2, 2),
+    "metasheet": (3, 3),
+}
 """Rows and columns of cells of patterns that have them, as they are drawn without others."""
+SHEETS = {"metasheet": drawn.metasheet}
+"""Patterns that are sheets from the start: their springs are more than mountains and valleys."""
 MOST_CELLS = 100
 """Rows or columns of a pattern."""
 
@@ -196,6 +208,10 @@ def by_name(name: str, **options: Any) -> Scene:
     >>> examples.by_name("birdbase") == examples.bird_base()
     True
     """
+    if name in SHEETS:
+        raise OptionError(
+            f"name = {shown(name)} is a sheet, not one vertex: give --fold FILE for its pattern"
+        )
     if name not in BY_NAME:
         raise OptionError(f"name = {shown(name)} is no example: use one of {', '.join(BY_NAME)}")
     known = inspect.signature(BY_NAME[name]).parameters
@@ -203,6 +219,36 @@ def by_name(name: str, **options: Any) -> Scene:
         if option not in known:
             raise OptionError(f"{name} has no option {option}: it has {', '.join(known)}")
     return BY_NAME[name](**options)
+
+
+def pattern(
+    name: str, rows: int | None = None, columns: int | None = None, **options: Any
+) -> Pattern:
+    """Make the crease pattern of an example as a sheet of rigid facets, all its vertices coupled.
+
+    Parameters
+    ----------
+    name, rows, columns, options
+        As for `crease_pattern`.
+
+    Returns
+    -------
+    Pattern
+        With the springs of its scene on every mountain and valley.
+
+    Raises
+    ------
+    OptionError, AngleError, SceneError, SymmetryError
+        As `crease_pattern`.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.pattern("metasheet", 4, 4)
+    Pattern('metasheet': 16 facets, 24 creases, 9 interior vertices)
+    """
+    (frame,) = parse_fold(json.dumps(crease_pattern(name, rows, columns, **options)))
+    return frame_pattern(frame)
 
 
 def crease_pattern(
@@ -213,7 +259,7 @@ def crease_pattern(
     Parameters
     ----------
     name
-        One of `BY_NAME`; of the paper's families, and of the waterbomb base, the vertex alone.
+        One of `BY_NAME` or `SHEETS`; of the paper's families, and of the waterbomb base, the vertex alone.
     rows, columns
         Cells of a pattern in `SIZES`, 1 to 100.
     options
@@ -237,7 +283,9 @@ def crease_pattern(
     >>> examples.crease_pattern("miura", 2, 3)["edges_assignment"].count("B")
     10
     """
-    scene = by_name(name, **options)
+    if name in SHEETS and options:
+        raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
+    scene = None if name in SHEETS else by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")
     default = SIZES.get(name, (1, 1))
@@ -245,6 +293,9 @@ def crease_pattern(
         check_whole(label, least if value is None else value, 1, MOST_CELLS)
         for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
     ]
+    if scene is None:
+        faces, letter, spring = SHEETS[name](*size)
+        return drawn.to_fold(faces, letter, spring, name)
     sectors = scene.vertex.sector_angles
     faces, letter = {
         "miura": lambda: drawn.miura(sectors[0], *size),

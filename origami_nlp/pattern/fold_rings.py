@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
 
@@ -63,23 +67,34 @@ class Rings:
             others = order[begin : begin + len(near)]
             self.next[v] = dict(zip(others, others[1:] + others[:1], strict=True))
             begin += len(near)
-        # walk around every face, keeping it on the left; the outer face of a piece has a negative area
-        before = [{b: a for a, b in after.items()} for after in self.next]
         border: set[int] = set()
-        seen: set[tuple[int, int]] = set()
-        area_of = (xy[tail, 0] * xy[head, 1] - xy[head, 0] * xy[tail, 1]).tolist()
-        swept = dict(zip(zip(tail.tolist(), head.tolist(), strict=True), area_of, strict=True))
-        for first in swept:
-            walk, area, sides = first, 0.0, []
-            while walk not in seen:
-                seen.add(walk)
-                a, b = walk
-                area += swept[walk]
-                sides.append(self.edge[a][b])
-                walk = (b, before[b][a])
+        for walk, area in self.walks():
             if area <= 0:
-                border |= set(sides)
+                border |= {self.edge[walk[i - 1]][v] for i, v in enumerate(walk)}
         return border
+
+    def walks(self) -> list[tuple[tuple[int, ...], float]]:
+        """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
+
+        The outer face of a piece has a negative area.
+        """
+        xy = self.frame.coords[:, :2]
+        before = [{b: a for a, b in after.items()} for after in self.next]
+        seen: set[tuple[int, int]] = set()
+        found = []
+        for first in ((a, b) for a, near in enumerate(self.edge) for b in near):
+            step, walk = first, []
+            while step not in seen:
+                seen.add(step)
+                a, b = step
+                walk.append(a)
+                step = (b, before[b][a])
+            if walk:
+                here = xy[walk] - xy[walk[0]]
+                then = np.roll(here, -1, axis=0)
+                area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
+                found.append((tuple(walk), area))
+        return found
 
     def _open_ends(self, border: set[int], cut: set[int]) -> str:
         """Say what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
@@ -121,28 +136,58 @@ class Rings:
     def _oriented(self) -> list[tuple[int, ...]]:
         """Turn faces so that neighbours run along a common side in opposite directions."""
         faces = [f[::-1] if self.turned else f for f in self.frame.faces]
-        at: dict[frozenset[int], list[int]] = {}
-        for f, face in enumerate(faces):
-            for i in range(len(face)):
-                at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
-        done: set[int] = set()
-        against = 0
-        for seed in range(len(faces)):
-            queue = [seed] if seed not in done else []
-            done.add(seed)
-            while queue:
-                f = queue.pop()
-                along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
-                for a, b in along:
-                    # once crossed, all that share a side are done
-                    for g in at.pop(frozenset((a, b)), ()):
-                        if g in done:
-                            continue
-                        done.add(g)
-                        queue.append(g)
-                        if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
-                            faces[g] = faces[g][::-1]
-                            against += 1
+        faces, against = oriented(faces)
         if against:
             self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
         return faces
+
+
+def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:
+    """Turn faces so that neighbours run along a common side in opposite directions; how many were turned."""
+    faces = list(faces)
+    at: dict[frozenset[int], list[int]] = {}
+    for f, face in enumerate(faces):
+        for i in range(len(face)):
+            at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
+    done: set[int] = set()
+    against = 0
+    for seed in range(len(faces)):
+        queue = [seed] if seed not in done else []
+        done.add(seed)
+        while queue:
+            f = queue.pop()
+            along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
+            for a, b in along:
+                # once crossed, all that share a side are done
+                for g in at.pop(frozenset((a, b)), ()):
+                    if g in done:
+                        continue
+                    done.add(g)
+                    queue.append(g)
+                    if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
+                        faces[g] = faces[g][::-1]
+                        against += 1
+    return faces, against
+
+
+def check_drawing(frame: Frame) -> None:
+    """Complain about edges that cross, or pass through a vertex, in a drawing whose faces are to be walked round."""
+    from shapely import STRtree, linestrings, points
+
+    xy = frame.coords[:, :2]
+    lines = linestrings(xy[frame.edges])
+    tree = STRtree(lines)
+    near = TYPED * float(np.ptp(xy, axis=0).max())
+    used: list[int] = np.unique(frame.edges).tolist()
+    which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
+    for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
+        if v not in frame.edges[e]:
+            raise FoldFileError(
+                f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
+            )
+    one, other = tree.query(lines, predicate="crosses")
+    if len(one):
+        a, b = sorted((int(frame.numbers[one[0]]), int(frame.numbers[other[0]])))
+        raise FoldFileError(
+            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both"
+        )

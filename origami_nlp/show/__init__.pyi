@@ -12,7 +12,12 @@ from .bodies import (
 )
 from .crease_figure import draw_pattern as draw_pattern
 from .drawing import (
+    BORDER as BORDER,
+    FLAT as FLAT,
+    LIGHT as LIGHT,
+    LOWER as LOWER,
     MOUNTAIN as MOUNTAIN,
+    UPPER as UPPER,
     VALLEY as VALLEY,
     crease_legend as crease_legend,
     draw_state as draw_state,

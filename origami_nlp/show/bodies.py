@@ -131,7 +131,7 @@ class Track:
     title
         Its name in a list.
     parameter
-        Shape [M], increasing.
+        Shape [M], increasing or decreasing.
     label
         What the parameter is, with its unit.
     states

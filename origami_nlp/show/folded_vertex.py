@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -81,7 +81,7 @@ def vertex_view(vertex: Vertex, fold_angles: object) -> np.ndarray:
 
 
 def vertex_track(
-    vertex: Vertex,
+    vertex: Vertex | Sequence[Vertex],
     title: str,
     fold_angles: object,
     energies: Iterable[float],
@@ -96,7 +96,7 @@ def vertex_track(
     Parameters
     ----------
     vertex
-        The vertex.
+        The vertex, or that of each state.
     title
         Its name.
     fold_angles
@@ -119,14 +119,15 @@ def vertex_track(
         steps = np.linalg.norm(np.diff(phi, axis=0), axis=1)
         parameter = np.concatenate([[0.0], np.cumsum(steps)])
     states: list[Folded] = []
-    for row, energy in zip(phi, energies, strict=True):
-        state = vertex_folded(vertex, row, energy)
+    vertices = [vertex] * len(phi) if isinstance(vertex, Vertex) else vertex
+    for one, row, energy in zip(vertices, phi, energies, strict=True):
+        state = vertex_folded(one, row, energy)
         if states:
             turn = rotation_onto(state.corners, states[-1].corners)
             turned = (state.corners @ turn.T, state.shifts @ turn.T)
             state = Folded(turned[0], row, state.energy, turned[1])
         states.append(state)
-    middle = phi[len(phi) // 2]
+    vertex, middle = vertices[len(phi) // 2], phi[len(phi) // 2]
     # the middle of the path is what is to be seen well; its own frame is that of the first state, turned along
     turn = rotation_onto(fold_vertex(vertex, middle)[0], states[len(phi) // 2].corners[1:])
     view = vertex_view(vertex, middle) @ turn.T

@@ -6,6 +6,7 @@ const $ = id => document.getElementById(id);
 const UPPER = "#f3dfb4", LOWER = "#9fb6c4", MOUNTAIN = "#c1121f", VALLEY = "#1d4ed8", FLAT = "#777777";
 const COLOURS = {mountain: MOUNTAIN, valley: VALLEY, "not folded": FLAT};
 const THICK = 0.004, ABOVE = 0.008;  // half the paper's thickness in the picture, and how high creases lie on it
+const MOST_NUMBERED = 40;  // creases whose numbers can be read
 const OFF = 0.05, DASH = 0.12;  // how far marks stand off the paper; length of a dash with its gap
 const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain" : "valley";
 const ARC = Math.PI / 24;
@@ -108,7 +109,7 @@ function creaseTraces(state, normal) {
   const bands = [
     {type: "mesh3d", ...columns(points), i, j, k, facecolor: colour, text: texts, hoverinfo: "text", flatshading: true,
       lighting: {ambient: 1, diffuse: 0, specular: 0, fresnel: 0}}];
-  return {bands, numbers: ends.map(e => label(e.place, e.text, 14))};
+  return {bands, numbers: scene.data.body.creases.length > MOST_NUMBERED ? [] : ends.map(e => label(e.place, e.text, 14))};
 }
 
 // Marks stand off the paper on both sides; the label is on the side that is seen first.

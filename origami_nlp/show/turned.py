@@ -264,7 +264,7 @@ def kept_states(track: Track, most: int) -> np.ndarray:
     numpy.ndarray
         Their numbers, in order, evenly along the parameter.
     """
-    s = track.parameter
+    s = track.parameter * np.sign(track.parameter[-1] - track.parameter[0])
     if len(s) <= most:
         return np.arange(len(s))
     even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)

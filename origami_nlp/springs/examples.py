@@ -121,6 +121,27 @@ energy_difference = 0
 stiffness = [0.005, 0.5]
 preload = true
 """,
+    "monostable8": """\
+# The degree-8 vertex of the paper (alpha = 45 deg), stable in one state alone.
+[vertex]
+sector_angles_deg = [45.0, 45.0, 45.0, 45.0, 45.0, 45.0, 45.0, 45.0]
+
+[model]
+name = "one state on eight creases"
+symmetry = "D2"
+
+[[states]]
+name = "only"
+fold_angles_deg = [71.1, -76.8, -22.9, -76.8, 71.1, -76.8, -22.9, -76.8]
+
+[springs]
+stiffness = [0.005, 0.5]
+preload = true
+
+[ask]
+extra_states = "forbid"
+rounds = 6
+""",
 }
 """TOML by name."""
 

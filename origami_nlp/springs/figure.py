@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -54,7 +55,8 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
     figure = Figure(
         figsize=(10.5, 2.5 * rows + 3.4), dpi=110, facecolor="white", layout="constrained"
     )
-    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4)))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4))
+    above, below = parts
     across = min(ACROSS, max(len(states), 3))
     for k in range(rows * across):
         axes = above.add_subplot(rows, across, k + 1)

@@ -39,7 +39,8 @@ class Loss:
     percent
         How far each stiffness and rest angle is off then [%], or 50 where it is not lost that far.
     event
-        What happens: ``fold``, ``nonsmooth-fold``, ...; ``kept``.
+        What happens: ``fold``, ``nonsmooth-fold``, ...; ``kept``; ``singular`` where it can be followed no
+        further, which need not be its end.
     stiffness, rest_angles
         The direction, a sign for each crease, shape [N].
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -105,6 +106,26 @@ def test_a_picture_frames_and_words(atlas, tmp_path):
     assert "3 branches, 2 events" in repr(atlas)
 
 
+def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
+    content = atlas.turned()
+    assert [s.folded.fold_angles.tolist() for s in content.stations] == [
+        list(e.fold_angles) for e in atlas.events
+    ]
+    known = {(p.t, p.fold_angles) for b in atlas.branches for p in b.points}
+    shown = set()
+    for track, (_, points) in zip(content.tracks, content.panels[0].tracks, strict=True):
+        steps = np.diff(track.parameter)
+        assert (steps > 0).all() or (steps < 0).all()
+        assert np.array_equal(points[:, 0], track.parameter)
+        shown |= {
+            (float(t), tuple(s.fold_angles.tolist()))
+            for t, s in zip(track.parameter, track.states, strict=True)
+        }
+    assert shown == known
+    html = atlas.view()._repr_html_()
+    assert "nonsmooth-fold" in html and "branch 2" in html
+
+
 def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
     atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full_space=False)
@@ -140,6 +161,49 @@ def test_a_symmetry_that_is_lost_is_located():
         assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
 
 
+def test_what_a_loaded_contact_forbids_breaks_no_symmetry():
+    """Under a torque the Hessian without its contacts loses definiteness; pressed as they are, the states stay."""
+    atlas = follow(o.examples.degree8("pi/6"), "torque[1]=-0.6:-0.4", checks=2)
+    signs = set()
+    for t in (-0.55, -0.45):
+        scene = atlas.family.scene(t)
+        found = [judge_in_full_space(scene, x) for x in minima(atlas.at(t))]
+        assert found and all(v.verdict == "stable" for v in found)
+        signs |= {(t, min(v.breaking_eigenvalues) > 0) for v in found}
+    assert len({positive for _, positive in signs}) == 2  # else the next line says nothing
+    assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
+
+
+def test_a_torque_is_followed_to_the_snap_of_the_load_path():
+    """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
+    scene = o.examples.degree6("5*pi/12")
+    atlas = follow(scene, "torque[1]=-0.15:-0.1", checks=2, full_space=False)
+    fold, again = atlas.events
+    assert (fold.type, again.type) == ("fold", "nonsmooth-fold") and fold.located
+    assert fold.t == pytest.approx(-0.138149523101, abs=1e-12)
+    assert again.t == pytest.approx(-0.123882378029, abs=1e-12)
+    for p in atlas.branches[1].points[::5]:
+        assert p.energy == pytest.approx(atlas.family.scene(p.t).energy(p.fold_angles), abs=1e-15)
+    assert compare(atlas, -0.13) == 0
+    loaded = replace(scene, preload=(-0.1, 0, 0, 0, 0, 0))
+    for name, t in (("torque", -0.03), ("creases.preload", -0.13)):
+        made = family_of(loaded, parse_over(f"{name}[1]={t}:0")).scene(t)
+        assert made.preload == pytest.approx((-0.13, 0, 0, 0, 0, 0), abs=1e-16)
+
+
+@pytest.mark.slow
+def test_forces_are_followed_over_their_factor():
+    pushed = o.Scene(
+        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), held_facet=1,
+        loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
+    )  # fmt: skip
+    atlas = follow(pushed, "loads=-2.4:-2.3", checks=2, effort="quick", max_starts=24)
+    (snap,) = o.load_path(pushed, to=-2.4, confirm=False, effort="quick", max_starts=24).snaps
+    assert min(abs(e.t - snap.t) for e in atlas.events if e.type == "fold") < 1e-11
+    (load,) = family_of(pushed, parse_over("loads[1]=-3:-2")).scene(-2.0).loads
+    assert load.force == (2.0, 0.4, 0.3)
+
+
 def test_a_pitchfork_is_passed_and_its_branches_are_followed():
     """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
     atlas = follow(
@@ -160,7 +224,8 @@ def test_families_that_jump_are_refused():
 
 
 @pytest.mark.parametrize(
-    "text", ["ratio", "ratio=1", "ratio=2:1", "ratio=-1:1", "creases.stiffness[1]=0:1"]
+    "text",
+    ["ratio", "ratio=1", "ratio=2:1", "ratio=-1:1", "creases.stiffness[1]=0:1", "ratio+alpha=1:2"],
 )
 def test_ranges_that_are_none_are_refused(text):
     with pytest.raises(OptionError):
@@ -176,7 +241,7 @@ def test_parameters_that_a_scene_has_not_are_refused(name):
 
 
 def test_lines_are_the_scenes_of_a_family():
-    for text in ("ratio=0.1:10", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
+    for text in ("ratio=0.1:10", "preload[2]=-0.2:0.1", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
                  "creases.rest_angles[2]+creases.rest_angles[1]=-1:1", "vertex.sector_angles[1]=0.7:0.8"):  # fmt: skip
         over = parse_over(text)
         family = family_of(o.examples.degree6("pi/4", 2.0), over)
@@ -185,8 +250,9 @@ def test_lines_are_the_scenes_of_a_family():
             model, programme = o.Model(family.scene(over.t_of(s))), family.line.at(s)
             p, q, unit = model.parameters, programme.parameters, model.scale / programme.scale
             assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
+            wound = q.rest + q.load / q.stiffness  # preload is a load on the line
             assert np.append(p.sectors, p.rest) == pytest.approx(
-                np.append(q.sectors, q.rest), abs=1e-13
+                np.append(q.sectors, wound), abs=1e-13
             )
             at = np.array(family.scene(over.t_of(s)).vertex.sector_angles)
             assert programme.scene.vertex.sector_angles == pytest.approx(at, abs=1e-13)

@@ -54,6 +54,23 @@ def test_data_and_a_picture(contact, tmp_path):
     assert "1 curves" in repr(contact)
 
 
+@pytest.mark.slow
+def test_the_torque_of_a_snap_over_the_ratio():
+    """A torque is linear whatever the stiffness does: each point is the fold over the torque alone."""
+    found = find_boundaries(
+        o.examples.degree6("5*pi/12"), "torque[1]=-0.15:-0.13", "ratio=0.9:1.1", lines=1
+    )
+    (fold,) = [c for c in found.curves if c.type == "fold"]
+    known = {p.t[1]: p.t[0] for p in fold.points}
+    assert max(known) == 1.1 and min(known) == 0.9
+    plane = Plane(found.scene, found.overs)
+    atlas = follow_family(plane.family(1.1), checks=2, full_space=False)
+    assert min(abs(e.t - known[1.1]) for e in atlas.events if e.type == "fold") < 1e-11
+    assert np.interp(1.0, sorted(known), [known[r] for r in sorted(known)]) == pytest.approx(
+        -0.1381495, abs=1e-4
+    )
+
+
 def test_scenes_without_a_plane_are_refused():
     with pytest.raises(OptionError):
         find_boundaries(o.examples.degree6("pi/4"), "ratio=0.5:2", "colour=1:2")

@@ -63,7 +63,7 @@ def test_the_same_seed_gives_the_same_answer(scene, tmp_path):
     answers = []
     for name in ("a", "b"):
         out = tmp_path / name
-        run("minima", scene, "--json", out, "--seed", 3, "--max-starts", 8)
+        run("minima", scene, "--json", out, "--seed", 3, "--max-starts", 24)
         data = json.loads(out.read_text())
         data["search"].pop("seconds")
         data["completeness"].pop("seconds")

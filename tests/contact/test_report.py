@@ -26,7 +26,7 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
     files = {k: tmp_path / f"report.{k}" for k in ("json", "markdown", "html")}
     options = [part for k, path in files.items() for part in (f"--{k}", str(path))]
-    done = run("contacts", scene, "--segments", "--max-starts", 16, *options)
+    done = run("contacts", scene, "--segments", *options)
     assert done.code == 0, done.err
     assert "load margin" in done.out and "metastable" in done.out
     data = json.loads(files["json"].read_text())

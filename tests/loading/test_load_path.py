@@ -113,6 +113,17 @@ def test_states_on_the_path_close_and_balance_by_finite_differences():
             assert np.abs(left).max() < 1e-8
 
 
+def test_legs_are_turned_with_a_slider_over_the_load():
+    content = LOOP.turned()
+    assert len(content.stations) == 1 + 2 * len(LOOP.snaps)
+    for leg, track in zip(LOOP.legs, content.tracks, strict=True):
+        assert track.parameter.tolist() == [p.t for p in leg.points]
+        apex, *ends = track.states[-1].corners  # each facet keeps its angle as it turns
+        sectors = np.array(SCENE.vertex.sector_angles)
+        cosines = np.sum(np.array(ends) * np.roll(ends, -1, axis=0), axis=1)
+        assert np.abs(apex).max() == 0 and cosines == pytest.approx(np.cos(sectors), abs=1e-12)
+
+
 def test_vertices_that_only_touch_do_not_snap():
     path = load_path(examples.degree6("pi/4"), 1, **QUICK)
     assert not path.snaps and {e.type for e in path.events} <= {"closes", "leaves"}

@@ -1,7 +1,6 @@
 """Sweeps: what a file may say, answers that depend on nothing but the sweep, and kill -9 at random times."""
 
 import contextlib
-import json
 import os
 import random
 import signal
@@ -239,9 +238,9 @@ def killed_and_finished(text, folder, kills, seed, most):
     return out, met
 
 
-def test_a_kill_changes_nothing(finished, tmp_path):
-    out, met = killed_and_finished(SMALL, tmp_path, 1, seed=0, most=3)
-    assert met == 1  # it was alive to be killed
+def test_two_kills_change_nothing(finished, tmp_path):
+    out, met = killed_and_finished(SMALL, tmp_path, 2, seed=0, most=3)
+    assert met == 2  # both were alive to be killed
     assert answers(out) == answers(finished)
 
 
@@ -299,7 +298,7 @@ def test_a_local_dask_cluster_gives_the_same(finished, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the cluster's own start and end
         with distributed.LocalCluster(
-            n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
         ) as cluster:
             address = cluster.scheduler_address
             done = RUN.invoke(
@@ -386,23 +385,3 @@ def test_chains_cover_every_scene_once():
         chains = list(sweep.chains(length))
         assert sorted(i for c in chains for i in c) == list(range(sweep.count))
         assert all(len({i // 6 for i in c}) == 1 for c in chains)  # neighbours along the last axis
-
-
-@pytest.mark.parametrize(
-    "axis", [{"set": "ratio", "from": 1, "to": 3, "count": 4, "scale": "log"}, {"set": "alpha", "values": [1.0, 1.1]}]
-)  # fmt: skip
-def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
-    """Also over a parameter that jumps, where it searches after all."""
-    scene = {"example": "degree6", "alpha": "5*pi/12"}
-    tables = []
-    for follows in (False, True):
-        sweep = parse_sweep({"scene": scene, "axes": [axis], "search": {"follow": follows}})
-        run_sweep(sweep, tmp_path / str(follows), workers=1)
-        tables.append(read_table(tmp_path / str(follows), "states"))
-    (names, searched), (same, followed) = tables
-    assert names == same and len(searched) == len(followed)
-    kind, energy, angles = (names.index(n) for n in ("kind", "energy", "fold_angles"))
-    for a, b in zip(searched, followed, strict=True):
-        assert a[:2] == b[:2] and a[kind] == b[kind]
-        assert a[energy] == pytest.approx(b[energy], rel=1e-12)
-        assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)

@@ -1,0 +1,110 @@
+"""The branches of an atlas as paths that can be folded along, with the states at their events."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from origami_nlp.atlas.records import PathBranch
+from origami_nlp.pattern import Vertex
+from origami_nlp.show import (
+    Content,
+    Line,
+    Panel,
+    Station,
+    Track,
+    vertex_body,
+    vertex_folded,
+    vertex_track,
+    vertex_view,
+)
+
+if TYPE_CHECKING:
+    from origami_nlp.atlas.result import Atlas
+
+
+def turn_atlas(atlas: Atlas) -> Content:
+    """Return the states of all branches, for a page that can be turned.
+
+    Parameters
+    ----------
+    atlas
+        Of `follow`.
+
+    Returns
+    -------
+    Content
+        A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
+        parameter in its unit, angles in degrees; one panel, the energy over the parameter.
+    """
+    over, stations, at = atlas.over, [], []
+    for e in atlas.events:
+        scene = atlas.family.scene_of(e.t)
+        energy = float(scene.energy(e.fold_angles))
+        where = atlas.shown(e.t, 9)
+        lines = [e.contact, e.note, "fold angles [deg]: " + atlas.angles(e.fold_angles)]
+        folded = vertex_folded(scene.vertex, e.fold_angles, energy)
+        view = vertex_view(scene.vertex, e.fold_angles)
+        title = f"event {e.id}: {e.type} at {where}"
+        stations.append(Station(title, folded, view, lines=tuple(filter(None, lines))))
+        at.append((len(at), _told(atlas, e.t), energy))
+    label = " ".join(
+        filter(
+            None, (over.name, f"[{'deg' if over.unit == 'rad' else over.unit}]" * bool(over.unit))
+        )
+    )
+    tracks = [track for b in atlas.branches for track in _tracks(atlas, b, label)]
+    points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
+    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
+    none = np.empty(0)
+    panel = Panel(
+        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, lines, tuple(at)
+    )
+    content = Content(
+        atlas.scene.label or repr(atlas.scene.vertex),
+        vertex_body(atlas.scene.vertex),
+        tuple(stations),
+        panels=(panel,),
+        pieces=tuple(atlas.told()),
+        steps="Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path.",
+    )
+    if not tracks:
+        return replace(content, note="No branch was followed.")
+    return content.with_tracks(tracks, [points])
+
+
+def _told(atlas: Atlas, t: float) -> float:
+    return math.degrees(t) if atlas.over.unit == "rad" else t
+
+
+def _tracks(atlas: Atlas, branch: PathBranch, label: str) -> list[Track]:
+    """Return the stretches of a branch on which the parameter runs one way."""
+    t = np.array([p.t for p in branch.points])
+    steps = np.sign(np.diff(t))
+    turns = [k + 1 for k in range(len(steps) - 1) if steps[k] * steps[k + 1] < 0]
+    out = []
+    vertices: dict[float, Vertex] = {}
+    for a, b in zip([0, *turns], [*turns, len(t) - 1], strict=True):
+        points = branch.points[a : b + 1]
+        if b - a < 1 or t[a] == t[b]:
+            continue
+        for p in points:
+            if p.t not in vertices:
+                vertices[p.t] = atlas.family.scene_of(p.t).vertex
+        kinds = [r.kind for r in branch.kind_ranges if r.points[0] < b and r.points[1] > a]
+        ends = " to ".join(atlas.shown(v) for v in (t[a], t[b]))
+        title = f"branch {branch.id}, {ends}: {', '.join(dict.fromkeys(kinds))}"
+        out.append(
+            vertex_track(
+                [vertices[p.t] for p in points],
+                title,
+                [p.fold_angles for p in points],
+                [p.energy for p in points],
+                parameter=[_told(atlas, p.t) for p in points],
+                label=label,
+            )
+        )
+    return out

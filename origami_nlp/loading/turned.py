@@ -1,0 +1,80 @@
+"""A load path as states that can be turned: its legs with a slider over the load, both sides of its snaps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from origami_nlp.show import (
+    Content,
+    Line,
+    Panel,
+    Station,
+    vertex_body,
+    vertex_folded,
+    vertex_track,
+    vertex_view,
+)
+
+if TYPE_CHECKING:
+    from origami_nlp.loading.result import LoadPath
+
+
+def turn_path(path: LoadPath) -> Content:
+    """Return the stable states of a load path, for a page that can be turned.
+
+    Parameters
+    ----------
+    path
+        Of `load_path`.
+
+    Returns
+    -------
+    Content
+        Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
+        panel: the load over what it works on.
+    """
+    vertex, driver = path.scene.vertex, path.driver
+    label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
+    named = [
+        (f"leg {k} begins at {leg.points[0].t:.6g} {driver.unit}".rstrip(), leg.points[0].t, leg.points[0].fold_angles)
+        for k, leg in enumerate(path.legs[:1], start=1)
+    ]  # fmt: skip
+    for k, snap in enumerate(path.snaps, start=1):
+        at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
+        named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
+    stations, places = [], []
+    for title, t, phi in named:
+        energy = float(driver.unloaded.energy(phi))
+        angles = ", ".join(f"{v:.3f}" for v in np.degrees(phi) + 0.0)
+        lines = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
+        view = vertex_view(vertex, phi)
+        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=lines))
+        places.append((len(places), float(driver.conjugate(np.array(phi))), t))
+    tracks, points = [], []
+    for k, leg in enumerate(path.legs, start=1):
+        if len(leg.points) < 2:
+            continue
+        t = [p.t for p in leg.points]
+        title = (
+            f"leg {k}, {t[0]:.6g} to {t[-1]:.6g} {driver.unit}".rstrip() + f": ends with {leg.why}"
+        )
+        states = [p.fold_angles for p in leg.points]
+        energies = [p.energy for p in leg.points]
+        tracks.append(vertex_track(vertex, title, states, energies, parameter=t, label=label))
+        points.append(np.array([(p.angle, p.t) for p in leg.points]))
+    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
+    none = np.empty(0)
+    axes = (driver.coordinate, label)
+    panel = Panel("The load and what it works on", axes, none, none, None, lines, tuple(places))
+    content = Content(
+        path.scene.label or repr(vertex),
+        vertex_body(vertex),
+        tuple(stations),
+        panels=(panel,),
+        pieces=tuple(path.told()),
+        note="" if tracks else "No leg was followed.",
+        steps="Each step is a stable state under the load; energies are those without it.",
+    )
+    return content.with_tracks(tracks, [points])

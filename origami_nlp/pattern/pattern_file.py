@@ -1,0 +1,391 @@
+"""A whole frame of a FOLD file as a pattern: facets, creases between them, springs; or why it is none."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.arguments import check_number, check_type
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import TYPED
+from origami_nlp.pattern.crease_pattern import CLOSED
+from origami_nlp.pattern.fold_file import PRELOAD_KEY, Frame, read_fold
+from origami_nlp.pattern.fold_notes import NOISE, listed
+from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
+from origami_nlp.pattern.sheet import Pattern, make_pattern
+
+LETTERS_ONLY = "M and V without angles: creases rest at -180 and +180 degrees; --rest-angle 90 lets them rest half way"
+
+Side = tuple[int, int]
+
+
+def read_pattern(
+    source: str | Path,
+    frame: int | None = None,
+    *,
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_angles: Literal["file", "measured"] | None = None,
+) -> Pattern:
+    """Read a FOLD file as a pattern of rigid facets.
+
+    Parameters
+    ----------
+    source
+        FOLD file, or ``"-"`` for standard input.
+    frame
+        Which, from 0; by default the first with geometry.
+    stiffness, rest_angle, rest_angles
+        Of creases for which the file states none, as for `frame_pattern`.
+
+    Returns
+    -------
+    Pattern
+        The sheet with its springs; `Pattern.notes` has what is odd in the file and what was assumed.
+
+    Raises
+    ------
+    FoldFileError
+        If the file is no FOLD file, or its frame is no sheet of rigid facets.
+
+    Examples
+    --------
+    >>> import json, os, tempfile, origami_nlp as o
+    >>> path = os.path.join(tempfile.mkdtemp(), "miura.fold")
+    >>> with open(path, "w") as file:
+    ...     json.dump(o.examples.crease_pattern("miura", 4, 4), file)
+    >>> o.read_pattern(path)
+    Pattern('Miura, alpha = pi/3': 16 facets, 24 creases, 9 interior vertices)
+    """
+    (chosen,) = read_fold(source, "first" if frame is None else frame)
+    return frame_pattern(
+        chosen, stiffness=stiffness, rest_angle=rest_angle, rest_angles=rest_angles
+    )
+
+
+def frame_pattern(
+    frame: Frame,
+    *,
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_angles: Literal["file", "measured"] | None = None,
+) -> Pattern:
+    """Make a pattern of a frame.
+
+    Facets are the faces that the frame states; those of a crease pattern that states none are walked round, and faces
+    with a border all around are holes.  Facets are one across F and J edges without springs, and across sides that are
+    no edges.  A folded form is measured: its fold angles are the reference.
+
+    Parameters
+    ----------
+    frame
+        Of `read_fold`.
+    stiffness
+        Of creases for which the file gives none [N m/rad].
+    rest_angle
+        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
+        [rad]; others rest at 0.
+    rest_angles
+        What a folded form rests at: ``"file"``, ``"measured"``, or of each crease the file's angle and the measured
+        one where the file has none.
+
+    Returns
+    -------
+    Pattern
+        Creases in the order of the file.
+
+    Raises
+    ------
+    FoldFileError
+        If the frame is no sheet of rigid facets: what is wrong, and what to change.
+
+    Examples
+    --------
+    >>> import json
+    >>> from origami_nlp.pattern import examples, frame_pattern, parse_fold
+    >>> (frame,) = parse_fold(json.dumps(examples.crease_pattern("squaretwist")))
+    >>> len(frame_pattern(frame).vertices)
+    4
+    """
+    check_type("frame", frame, Frame)
+    check_number("stiffness", stiffness)
+    check_number("rest_angle", rest_angle, 0.0, math.pi)
+    if rest_angles not in (None, "file", "measured"):
+        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
+    if rest_angles == "measured" and not frame.folded:
+        raise FoldFileError(
+            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
+        )
+    wound = np.flatnonzero(np.nan_to_num(frame.preload))
+    if len(wound):
+        raise FoldFileError(
+            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and "
+            "give the angle to which the spring is wound as rest angle"
+        )
+    sheet = _Sheet(frame)
+    edges = [(s, e) for s, e in sheet.edge.items() if frame.assignment[e] not in "BC"]
+    measured, votes = sheet.measured()
+    if votes < 0:  # which side valleys open to is a matter of how faces run: the letters decide
+        sheet.polygons = [p[::-1] for p in sheet.polygons]
+        sheet.notes.append("faces run the other way round than the assignments say: turned over")
+        measured, _ = sheet.measured()
+    given = frame.fold_angles
+    k = np.where(np.isnan(frame.stiffness), stiffness, frame.stiffness)
+    letter = [{"M": -rest_angle, "V": rest_angle}.get(a, 0.0) for a in frame.assignment]
+
+    def rest(side: Side, e: int) -> float:
+        stated = (frame.rest_angles[e], given[e])
+        found = (measured.get(side, math.nan),)
+        kinds = {"file": stated, "measured": found, None: (*stated, *found)}[rest_angles]
+        value = next((v for v in kinds if not math.isnan(v)), letter[e])
+        return float(np.clip(value, -math.pi, math.pi))
+
+    silent = [np.isnan(given[e]) and np.isnan(frame.rest_angles[e]) for _, e in edges]
+    drawn = {frame.assignment[e] for _, e in edges} & set("MV")
+    if drawn and all(silent) and not frame.folded and rest_angle == math.pi:
+        sheet.notes.append(LETTERS_ONLY)
+    return make_pattern(
+        sheet.corners,
+        sheet.polygons,
+        assignment={s: frame.assignment[e].replace("?", "U") for s, e in edges},
+        joins=sheet.joins,
+        fold_angles=measured,
+        numbers={s: int(frame.numbers[e]) for s, e in edges},
+        stiffness={s: float(k[e]) for s, e in edges},
+        rest={s: rest(s, e) for s, e in edges},
+        file_angles={s: float(given[e]) for s, e in edges},
+        name=frame.title or f"frame {frame.number}",
+        notes=[*frame.notes, *sheet.notes],
+    )
+
+
+class _Sheet:
+    """Polygons of a frame, with corners of their own on both sides of cuts, and what their sides are.
+
+    edge: of each side that two polygons share, by its corners in increasing order, its edge (position in the frame).
+    """
+
+    def __init__(self, frame: Frame) -> None:
+        self.frame = frame
+        self.notes: list[str] = []
+        if frame.conflicts:
+            e = int(frame.numbers[min(frame.conflicts)])
+            raise FoldFileError(
+                f"edges_vertices[{e}] is stated twice with different assignments or fold angles: keep one"
+            )
+        self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
+        self.polygons = self._faces() if frame.faces else self._walked()
+        self._check_faces()
+        self._cut()
+        sides = Counter(_side(p[i - 1], v) for p in self.polygons for i, v in enumerate(p))
+        shared = [s for s, count in sorted(sides.items()) if count > 1]
+        found = {s: self._edge(s) for s in shared}
+        self.edge = {s: known for s, known in found.items() if known is not None}
+        bare = [s for s in shared if s not in self.edge]
+        if bare:
+            self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
+        self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
+        self._note_borders(sides)
+
+    def _edge(self, side: Side) -> int | None:
+        return self.number.get(_side(*(self.origin[v] for v in side)))
+
+    def _is_joined(self, e: int) -> bool:
+        f = self.frame
+        sprung = not (np.isnan(f.stiffness[e]) and np.isnan(f.rest_angles[e]))
+        return f.assignment[e] == "J" or (f.assignment[e] == "F" and not sprung)
+
+    def _faces(self) -> list[tuple[int, ...]]:
+        """Return the faces that the file states, all of one sense."""
+        faces, against = oriented(self.frame.faces)
+        x = self.frame.coords
+        for f, face in enumerate(faces):
+            if len(set(face)) < len(face):
+                raise FoldFileError(f"faces_vertices[{f}] comes to a vertex twice: split the face")
+        if not self.frame.folded:
+            area = sum(_area(x[list(face), :2]) for face in faces)
+            if area < 0:
+                faces = [face[::-1] for face in faces]
+                against = len(faces) - against
+            wrong = [f for f, face in enumerate(faces) if _area(x[list(face), :2]) < 0]
+            if wrong:
+                raise FoldFileError(
+                    f"faces_vertices[{wrong[0]}] lies upside down in a flat sheet: it overlaps its neighbour, or its "
+                    "vertices are in the wrong order"
+                )
+        if 0 < against < len(faces):
+            self.notes.append(f"{against} faces were turned over to orient all alike")
+        return faces
+
+    def _walked(self) -> list[tuple[int, ...]]:
+        """Return the faces of a planar drawing but those outside, and holes."""
+        frame = self.frame
+        if frame.folded:
+            raise FoldFileError(
+                "faces_vertices is missing: a folded form needs it, to say what is paper"
+            )
+        check_drawing(frame)
+        faces, holes = [], 0
+        for walk, area in Rings(frame).walks():
+            if area <= 0:
+                continue
+            ends = [v for i, v in enumerate(walk) if walk[i - 2] == v]
+            if ends:
+                v = walk[walk.index(ends[0]) - 1]
+                e = self.number[_side(v, ends[0])]
+                raise FoldFileError(
+                    f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v}: it cannot fold. Carry it "
+                    "on to another crease or to the border, or leave it out"
+                )
+            if len(set(walk)) < len(walk):
+                v = Counter(walk).most_common(1)[0][0]
+                raise FoldFileError(
+                    f"a facet comes to vertex {v} twice: join what is inside it to its outline by a crease, or give "
+                    "faces_vertices"
+                )
+            letters = {
+                frame.assignment[self.number[_side(walk[i - 1], v)]] for i, v in enumerate(walk)
+            }
+            if letters <= set("BC"):
+                holes += 1
+            else:
+                faces.append(walk)
+        if holes:
+            self.notes.append(f"{holes} faces with a border all around are holes")
+        if not faces:
+            raise FoldFileError(
+                "edges_vertices encloses no facet: add the outline of the paper, edges with assignment B"
+            )
+        return faces
+
+    def _check_faces(self) -> None:
+        x = self.frame.coords
+        for f, face in enumerate(self.polygons):
+            p = x[list(face)] - x[face[0]]
+            _, extent, _ = np.linalg.svd(p, full_matrices=False)
+            name = f"faces_vertices[{f}]" if self.frame.faces else f"the facet at vertices {face}"
+            if extent[1] <= TYPED * extent[0]:
+                raise FoldFileError(f"{name} has no area: leave it out, or move a vertex")
+            if len(extent) > 2 and extent[2] > NOISE * extent[0]:
+                raise FoldFileError(
+                    f"{name} is not flat (by {extent[2] / extent[0]:.2g} of its size): split it along a crease"
+                )
+
+    def _cut(self) -> None:
+        """Give each piece of paper that meets at a vertex only, or across a cut, a corner of its own."""
+        letters = self.frame.assignment
+        at: dict[Side, list[int]] = {}
+        for p, polygon in enumerate(self.polygons):
+            for i, v in enumerate(polygon):
+                at.setdefault(_side(polygon[i - 1], v), []).append(p)
+        parent = {(p, v): (p, v) for p, polygon in enumerate(self.polygons) for v in polygon}
+
+        def find(key: tuple[int, int]) -> tuple[int, int]:
+            while parent[key] != key:
+                parent[key] = key = parent[parent[key]]
+            return key
+
+        cuts = 0
+        for side, polygons in at.items():
+            known = self.number.get(side)
+            if known is not None and letters[known] in "BC" and len(polygons) > 1:
+                cuts += 1
+                continue
+            for other in polygons[1:]:
+                for v in side:
+                    parent[find((polygons[0], v))] = find((other, v))
+        corners = list(self.frame.coords)
+        self.origin = list(range(len(corners)))
+        number: dict[tuple[int, int], int] = {}
+        taken: set[int] = set()
+
+        def corner(p: int, v: int) -> int:
+            root = find((p, v))
+            if root not in number:
+                number[root] = v if v not in taken else len(corners)
+                if v in taken:
+                    corners.append(corners[v])
+                    self.origin.append(v)
+                taken.add(v)
+            return number[root]
+
+        self.polygons = [tuple(corner(p, v) for v in q) for p, q in enumerate(self.polygons)]
+        self.corners = np.array(corners)
+        if cuts:
+            self.notes.append(f"{cuts} edges B or C with facets on both sides are cuts")
+
+    def _note_borders(self, sides: Counter[Side]) -> None:
+        alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]
+        drawn = sorted(
+            int(self.frame.numbers[e]) for e in alone if self.frame.assignment[e] in "MV"
+        )
+        if drawn:
+            self.notes.append(
+                f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
+            )
+        used = {*self.edge.values(), *alone}
+        lost = [int(n) for e, n in enumerate(self.frame.numbers) if e not in used]
+        lost = [n for n in lost if self.frame.assignment[n_at(self.frame, n)] in "MV"]
+        if lost:
+            raise FoldFileError(
+                f"edges_vertices[{lost[0]}] is a fold but the side of no face: give its faces in faces_vertices, or "
+                "leave it out"
+            )
+
+    def measured(self) -> tuple[dict[Side, float], float]:
+        """Measure the fold angles of a folded form; and whether they agree with the file (> 0) or not (< 0)."""
+        frame = self.frame
+        if not frame.folded:
+            return {}, 0.0
+        x = self.corners
+        left = {(p[i - 1], v): k for k, p in enumerate(self.polygons) for i, v in enumerate(p)}
+        normals = np.array([_normal(x[list(p)]) for p in self.polygons])
+        phi, votes, unsure = {}, 0.0, []
+        joined = set(self.joins)
+        for side, e in self.edge.items():
+            if side in joined or side not in left or side[::-1] not in left:
+                continue
+            a, b = normals[left[side[::-1]]], normals[left[side]]
+            d = x[side[1]] - x[side[0]]
+            angle = math.atan2(float(d @ np.cross(a, b)) / float(np.linalg.norm(d)), float(a @ b))
+            said = frame.fold_angles[e]
+            sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
+            if said and not math.isnan(said):
+                sign = math.copysign(1.0, said)
+            if math.pi - abs(angle) < CLOSED:
+                if not sign:
+                    unsure.append(int(frame.numbers[e]))
+                angle = math.copysign(math.pi, sign or 1.0)
+            elif abs(angle) > CLOSED:
+                votes += sign * math.copysign(1.0, angle)
+            phi[side] = angle
+        note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"
+        if unsure and note not in self.notes:
+            self.notes.append(note)
+        return phi, votes
+
+
+def n_at(frame: Frame, number: int) -> int:
+    """Return where in the frame the edge is that has this number in the file."""
+    return int(np.searchsorted(frame.numbers, number))
+
+
+def _side(a: int, b: int) -> Side:
+    return (a, b) if a < b else (b, a)
+
+
+def _area(xy: np.ndarray) -> float:
+    """Signed area of a polygon [q, 2], about its first corner."""
+    p = xy - xy[0]
+    q = np.roll(p, -1, axis=0)
+    return 0.5 * float((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())
+
+
+def _normal(x: np.ndarray) -> np.ndarray:
+    n = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    unit: np.ndarray = n / np.linalg.norm(n)
+    return unit

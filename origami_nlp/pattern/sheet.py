@@ -1,0 +1,401 @@
+"""A whole crease pattern: rigid facets, the creases between them, interior vertices, borders and holes.
+
+Everything is measured in a reference state, which need not be flat: a crease pattern, where all fold angles are 0, or
+a folded form with the angles at which it is folded.  Facets run counter-clockwise seen from the side where valleys
+open; a crease is directed, with one facet on its left and one on its right.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.arguments import check_number, shown
+from origami_nlp.errors import FoldFileError, SceneError
+
+MOST_FACETS = 20_000
+"""Of a pattern."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A closed walk over facets: round an interior vertex, or round a hole.
+
+    Attributes
+    ----------
+    creases
+        Those it crosses, in order, [d].
+    signs
+        +1 where a crease is crossed from its right to its left facet, [d].
+    vertex
+        The interior vertex, or -1 for a hole.
+    """
+
+    creases: tuple[int, ...]
+    signs: tuple[int, ...]
+    vertex: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Pattern:
+    """A crease pattern of many vertices with springs at its creases.
+
+    Attributes
+    ----------
+    corners
+        Points of the reference state, [V, 3].
+    polygons
+        Corners of each convex or non-convex piece of paper, counter-clockwise.
+    facet_of
+        Which rigid facet each piece belongs to; pieces joined by F or J edges are one facet, [P].
+    ends
+        Corners from which and to which each crease runs, [n, 2].
+    left, right
+        Facets beside each crease, [n].
+    reference
+        Fold angles in which `corners` are measured [rad], [n].
+    assignment
+        One letter a crease.
+    stiffness
+        Of each crease [N m/rad], [n].
+    rest
+        Rest angle of each crease [rad], [n].
+    file_angles
+        Fold angles that a file gives [rad], nan where it does not, [n].
+    numbers
+        Of the creases' edges in the file, [n].
+    vertices
+        A `Loop` for each interior vertex.
+    holes
+        A `Loop` for each hole.
+    joined
+        Pairs of pieces that an edge joins to one facet.
+    name
+        Title.
+    notes
+        What was found odd, and what was made of it.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(stiffness=0.01, rest=1.2)
+    >>> sheet.assignment, round(float(sheet.energy(sheet.rest)), 12)
+    ('MVVMVMV', 0.0)
+    """
+
+    corners: np.ndarray
+    polygons: tuple[tuple[int, ...], ...]
+    facet_of: np.ndarray
+    ends: np.ndarray
+    left: np.ndarray
+    right: np.ndarray
+    reference: np.ndarray
+    assignment: str
+    stiffness: np.ndarray
+    rest: np.ndarray
+    file_angles: np.ndarray
+    numbers: np.ndarray
+    vertices: tuple[Loop, ...]
+    holes: tuple[Loop, ...]
+    name: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def facets(self) -> int:
+        """Number of rigid facets."""
+        return int(self.facet_of.max()) + 1
+
+    @property
+    def creases(self) -> int:
+        """Number of creases n."""
+        return len(self.ends)
+
+    @cached_property
+    def directions(self) -> np.ndarray:
+        """Unit vectors along the creases in the reference state, [n, 3]."""
+        d = self.corners[self.ends[:, 1]] - self.corners[self.ends[:, 0]]
+        return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Of the creases, in the units of the corners, [n]."""
+        d = self.corners[self.ends[:, 1]] - self.corners[self.ends[:, 0]]
+        return np.linalg.norm(d, axis=1)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the reference state is a flat sheet."""
+        return not self.reference.any()
+
+    def with_springs(
+        self,
+        stiffness: float | Sequence[float] | None = None,
+        rest: float | Sequence[float] | None = None,
+        per_length: bool = False,
+    ) -> Pattern:
+        """Return the same pattern with other springs.
+
+        Parameters
+        ----------
+        stiffness
+            Of every crease, or of each [N m/rad]; with `per_length` [N/rad], times the length of the crease.
+        rest
+            Size of the rest angle of mountains and valleys, or the rest angle of each crease [rad].
+        per_length
+            Whether stiffness is per unit length.
+
+        Returns
+        -------
+        Pattern
+            With these springs.
+
+        Raises
+        ------
+        SceneError
+            If a value does not fit.
+        """
+        k = self.stiffness if stiffness is None else np.broadcast_to(stiffness, self.creases)
+        k = k * self.lengths if per_length else np.array(k, float)
+        if not (np.isfinite(k) & (k > 0)).all():
+            raise SceneError(
+                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]"
+            )
+        if rest is None:
+            phi = self.rest
+        elif np.ndim(rest) == 0:
+            size = check_number("rest", rest, 0.0, math.pi)
+            phi = size * self.signs
+        else:
+            phi = np.array(rest, float)
+            if phi.shape != (self.creases,) or not (np.abs(phi) <= math.pi).all():
+                raise SceneError(
+                    f"rest has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
+                )
+        return replace(self, stiffness=np.array(k), rest=np.array(phi))
+
+    @cached_property
+    def signs(self) -> np.ndarray:
+        """-1 for a mountain, +1 for a valley, 0 for neither, [n]."""
+        return np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in self.assignment])
+
+    def energy(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Elastic energy of states [..., n] [rad], shape [...]."""
+        return 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
+
+    def __repr__(self) -> str:
+        holes = f", {len(self.holes)} holes" if self.holes else ""
+        return (
+            f"Pattern({self.name!r}: {self.facets} facets, {self.creases} creases, "
+            f"{len(self.vertices)} interior vertices{holes})"
+        )
+
+
+def make_pattern(
+    corners: np.ndarray,
+    polygons: Sequence[Sequence[int]],
+    *,
+    assignment: dict[tuple[int, int], str] | None = None,
+    joins: Sequence[tuple[int, int]] = (),
+    fold_angles: dict[tuple[int, int], float] | None = None,
+    numbers: dict[tuple[int, int], int] | None = None,
+    stiffness: dict[tuple[int, int], float] | float = 1.0,
+    rest: dict[tuple[int, int], float] | None = None,
+    file_angles: dict[tuple[int, int], float] | None = None,
+    name: str = "",
+    notes: Sequence[str] = (),
+) -> Pattern:
+    """Build a pattern from polygons that share sides.
+
+    Parameters
+    ----------
+    corners
+        Points of the reference state, [V, 2] or [V, 3].
+    polygons
+        Corners of each, all counter-clockwise seen from one side.
+    assignment, fold_angles, numbers, stiffness, rest, file_angles
+        Of sides, by their two corners in increasing order: letters, fold angles of the reference state [rad], numbers
+        in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad].
+    joins
+        Sides across which two polygons are one facet.
+    name, notes
+        Of the pattern.
+
+    Returns
+    -------
+    Pattern
+        With its interior vertices and holes; creases by their numbers, or by their corners.
+
+    Raises
+    ------
+    FoldFileError
+        If a side has more than two polygons, neighbours run in different senses, the polygons fall apart, a crease
+        ends within a facet, or the surface is no sheet with holes.
+    """
+    corners = np.asarray(corners, float)
+    if corners.shape[1] == 2:
+        corners = np.column_stack([corners, np.zeros(len(corners))])
+    if len(polygons) > MOST_FACETS:
+        raise FoldFileError(f"the pattern has {len(polygons):,} facets: at most {MOST_FACETS:,}")
+    left_of: dict[tuple[int, int], int] = {}
+    for p, polygon in enumerate(polygons):
+        for i, b in enumerate(polygon):
+            a = polygon[i - 1]
+            if (a, b) in left_of:
+                raise FoldFileError(
+                    f"facets {left_of[a, b] + 1} and {p + 1} lie on the same side of the edge between vertices {a} "
+                    f"and {b}: a sheet has one facet on each side"
+                )
+            left_of[a, b] = p
+    facet_of = _joined(
+        len(polygons), [(left_of[s], left_of[s[::-1]]) for s in _both(joins, left_of)]
+    )
+    inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
+    together = {tuple(sorted(s)) for s in joins}
+    order = numbers or {}
+    sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
+    for a, b in sides:
+        if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
+            raise FoldFileError(
+                f"the crease between vertices {a} and {b} ends within a facet: it cannot fold. Carry it on to another "
+                "crease or to the border, or give it assignment F"
+            )
+    index = {s: c for c, s in enumerate(sides)}
+
+    def of(values: dict[tuple[int, int], float] | None, default: float) -> np.ndarray:
+        return np.array([(values or {}).get(s, default) for s in sides], float)
+
+    ends = np.array(sides, int).reshape(-1, 2)
+    loops = _Loops(polygons, left_of, index)
+    vertices, holes = loops.vertices(), loops.holes(corners)
+    left = np.array([facet_of[left_of[s]] for s in sides], int)
+    right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
+    _check_topology(facet_of, left, right, len(vertices) + len(holes))
+    k = stiffness if isinstance(stiffness, dict) else dict.fromkeys(sides, float(stiffness))
+    return Pattern(
+        corners,
+        tuple(tuple(map(int, p)) for p in polygons),
+        facet_of,
+        ends,
+        left,
+        right,
+        of(fold_angles, 0.0),
+        "".join((assignment or {}).get(s, "U") for s in sides),
+        of(k, 1.0),
+        of(rest, 0.0),
+        of(file_angles, math.nan),
+        np.array([(numbers or {}).get(s, c) for c, s in enumerate(sides)], int),
+        vertices,
+        holes,
+        name,
+        tuple(notes),
+    )
+
+
+def _both(
+    joins: Sequence[tuple[int, int]], left_of: dict[tuple[int, int], int]
+) -> list[tuple[int, int]]:
+    return [s for s in joins if s in left_of and s[::-1] in left_of]
+
+
+def _joined(count: int, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
+    """Number the groups of things that pairs join, [count]."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    i, j = np.array(pairs, int).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
+    _, label = connected_components(graph, directed=False)
+    _, first = np.unique(label, return_index=True)
+    order = np.empty(len(first), int)
+    order[np.argsort(first)] = np.arange(len(first))
+    return order[label]
+
+
+class _Loops:
+    """Walks round corners, from side to side."""
+
+    def __init__(
+        self,
+        polygons: Sequence[Sequence[int]],
+        left_of: dict[tuple[int, int], int],
+        index: dict[tuple[int, int], int],
+    ) -> None:
+        self.left_of, self.index = left_of, index
+        self.following = {
+            (p[i - 1], v): (v, p[(i + 1) % len(p)]) for p in polygons for i, v in enumerate(p)
+        }
+        # after the outgoing side (v, w) of a polygon comes, counter-clockwise about v, its side (u, v) turned round
+        self.next = {
+            (v, p[(i + 1) % len(p)]): (v, p[i - 1]) for p in polygons for i, v in enumerate(p)
+        }
+
+    def crossing(self, v: int, w: int) -> tuple[int, int] | None:
+        """Return the crease from v to w and the sense in which a walk about v, counter-clockwise, crosses it."""
+        crease = self.index.get((min(v, w), max(v, w)))
+        return None if crease is None else (crease, 1 if v < w else -1)
+
+    def vertices(self) -> tuple[Loop, ...]:
+        """Return a loop for each corner with polygons all around."""
+        outgoing: dict[int, int] = {}
+        many: dict[int, int] = {}
+        for v, w in self.next:
+            outgoing.setdefault(v, w)
+            many[v] = many.get(v, 0) + 1
+        found = []
+        for v in sorted(outgoing):
+            start = here = (v, outgoing[v])
+            ring = []
+            while True:
+                ring.append(here)
+                after = self.next.get(here)
+                if after is None or after not in self.next:
+                    ring = []
+                    break
+                here = after
+                if here == start:
+                    break
+            if len(ring) == many[v]:
+                crossed = [c for side in ring if (c := self.crossing(*side)) is not None]
+                if crossed:
+                    found.append(Loop(*zip(*crossed, strict=True), v))  # type: ignore[call-arg,arg-type]
+        return tuple(found)
+
+    def holes(self, corners: np.ndarray) -> tuple[Loop, ...]:
+        """Return a loop for each border but the longest: a walk over the facets along it, paper on the left."""
+        borders, seen = [], set()
+        for first in sorted(s for s in self.left_of if s[::-1] not in self.left_of):
+            if first in seen:
+                continue
+            crossed, length, side = [], 0.0, first
+            while side not in seen:
+                seen.add(side)
+                length += float(np.linalg.norm(corners[side[1]] - corners[side[0]]))
+                side = self.following[side]
+                while side[::-1] in self.left_of:  # clockwise about side[0], from facet to facet
+                    if (c := self.crossing(*side)) is not None:
+                        crossed.append((c[0], -c[1]))
+                    side = self.following[side[::-1]]
+            borders.append((length, crossed))
+        inner = sorted(borders, key=lambda b: b[0])[:-1]
+        return tuple(Loop(*zip(*crossed, strict=True), -1) for _, crossed in inner if crossed)  # type: ignore[call-arg,arg-type]
+
+
+def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
+    """Complain unless the facets hang together and the loops generate every closed walk over them."""
+    facets = int(facet_of.max(initial=-1)) + 1
+    parts = int(_joined(facets, list(zip(left, right, strict=True))).max(initial=-1)) + 1
+    if parts != 1:
+        raise FoldFileError(
+            f"the facets fall into {parts} parts that no crease joins: give each part a file of its own"
+            if parts
+            else "there are no facets: give faces_vertices, or edges that enclose some"
+        )
+    if len(left) - facets + 1 > loops:
+        raise FoldFileError(
+            f"the surface has handles ({len(left)} creases, {facets} facets, {loops} vertices and holes): "
+            "only sheets with holes, and closed surfaces without handles, are modelled"
+        )

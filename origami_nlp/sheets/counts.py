@@ -1,0 +1,376 @@
+"""What a pattern is: how much there is of it, how many freedoms it has flat and folded, and what is odd.
+
+JSON schema ``origami-nlp/pattern/1``: vertices and edges are numbered from 0 as in the file, angles in radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.numerics import CLOSES, RANK, TYPED
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.sheet import Sheet
+from origami_nlp.show import Piece, Table, Told
+
+SCHEMA = "origami-nlp/pattern/1"
+MOVES = 1e-3
+"""A crease folded by more moves [rad]."""
+SIZES = (0.3, 0.5, 1.0)
+"""Fold angles from which mountains and valleys are folded [rad]."""
+DRAWN = (0.5, 1.0, 2.0)
+"""Largest fold angles of starts drawn at random [rad]."""
+MOST_DRAWN = 30
+"""Of such starts; one of the largest sheets."""
+FLAT_WITHIN = 1e-4
+"""Closure at fold angles zero up to which a sheet that was measured folded counts as one that lies flat."""
+NEIGHBOURS = 6
+"""States beside a folded one that are looked at, whether their rank is higher."""
+BESIDE = 0.1
+"""How far from it they start [rad]."""
+MOST_VALUES = 1_000
+"""Creases up to which ranks are counted by singular values; by eigenvalues of J'J beyond."""
+MODELLED = (
+    "modelled: rigid facets without thickness, springs at creases, every loop closed; a state is judged, not the way "
+    "to it"
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Overview(Told):
+    """The counts of a pattern.
+
+    Attributes
+    ----------
+    pattern
+        What was looked at.
+    closure_rows
+        Equations m: three for each interior vertex, six for each hole.
+    rank_flat
+        Of the Jacobian of closure at the flat state; None where the sheet cannot lie flat.
+    rank_folded
+        Of it at `folded`; None where no folded state was found.
+    folded
+        A closed state in which as many creases are folded as was found, [n] [rad]; None where there is none.
+    start
+        What that state was reached from.
+    crossed
+        Number of pairs of facets that cross in it.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> seen = o.overview(o.examples.pattern("metasheet", 3, 3))
+    >>> seen.closure_rows, seen.rank_folded, seen.freedoms
+    (12, 11, 1)
+    """
+
+    PICTURE = "draw_overview"
+    pattern: Pattern
+    closure_rows: int
+    rank_flat: int | None
+    rank_folded: int | None
+    folded: np.ndarray | None
+    start: str
+    crossed: int
+
+    @property
+    def freedoms(self) -> int | None:
+        """Number of independent motions of the folded sheet: creases less rank."""
+        return None if self.rank_folded is None else self.pattern.creases - self.rank_folded
+
+    @property
+    def redundant(self) -> int | None:
+        """Number of equations that follow from others at the folded state: as many states of self-stress."""
+        return None if self.rank_folded is None else self.closure_rows - self.rank_folded
+
+    def told(self) -> Iterator[Piece]:
+        """Return a table of the counts, and what is odd."""
+        p = self.pattern
+        degrees = Counter(len(loop.creases) for loop in p.vertices)
+        which = ", ".join(f"{many} of degree {d}" for d, many in sorted(degrees.items()))
+        letters = Counter(p.assignment)
+        kinds = ", ".join(f"{letters[a]} {a}" for a in "MVUF" if letters[a])
+        folded = f"{self.start}" if self.folded is not None else "none was found"
+        rows = [
+            (
+                "facets",
+                str(p.facets),
+                f"of {len(p.polygons)} polygons" if len(p.polygons) > p.facets else "",
+            ),
+            ("creases", str(p.creases), kinds),
+            ("interior vertices", str(len(p.vertices)), which),
+            ("holes", str(len(p.holes)), ""),
+            ("closure equations", str(self.closure_rows), "3 a vertex, 6 a hole"),
+            ("rank, flat", _number(self.rank_flat), "" if p.is_flat else "reference: folded form"),
+            ("rank, folded", _number(self.rank_folded), folded),
+            ("freedoms", _number(self.freedoms), "creases less rank, folded"),
+            ("redundant equations", _number(self.redundant), "states of self-stress, folded"),
+        ]
+        yield Table(("", "number", ""), rows, p.name, "lrL", framed=False)
+        yield MODELLED
+        for note in self.oddities():
+            yield f"note: {note}"
+
+    def oddities(self) -> list[str]:
+        """Return what is odd about the pattern, one sentence each."""
+        p = self.pattern
+        said = [*p.notes]
+        few = [loop.vertex for loop in p.vertices if len(loop.creases) < 4]
+        if few:
+            said.append(f"vertices {_listed(few)} have fewer than four creases: those cannot fold")
+        sums = angle_sums(p)
+        bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > FLAT_WITHIN}
+        if bent:
+            worst = max(bent, key=lambda v: abs(bent[v] - 2 * math.pi))
+            said.append(
+                f"{_many(len(bent), 'vertex is', 'vertices are')} not flat ("
+                f"angle sum {math.degrees(bent[worst]):.6g} degrees at vertex "
+                f"{worst})"
+            )
+        noise = max((abs(a - 2 * math.pi) for v, a in sums.items() if v not in bent), default=0.0)
+        if noise > TYPED:
+            said.append(
+                f"angle sums miss 360 degrees by up to {math.degrees(noise):.1e}: noise in coordinates, with which "
+                "redundant equations need not have a common solution"
+            )
+        if self.freedoms == 0:
+            said.append(
+                "no freedom is left: with rigid facets it holds still as it is; patterns such as Kresling's and the "
+                "hypar bend their facets, which is not modelled"
+            )
+        if self.folded is None and p.creases:
+            said.append(
+                "no folded state was found: it may have none, or its assignment leads to none; freedoms are not known"
+            )
+        elif self.folded is not None:
+            still = np.flatnonzero(np.abs(self.folded) <= MOVES)
+            if len(still):
+                said.append(
+                    f"{_many(len(still), 'crease stays', 'creases stay')} flat in that state (edges "
+                    f"{_listed(p.numbers[still].tolist())}); "
+                    "other branches may have fewer freedoms"
+                )
+            if (np.abs(self.folded) >= math.pi).any():
+                said.append(
+                    "creases are shut in that state: where layers lie on each other it may have more freedoms than its "
+                    "neighbours"
+                )
+            if self.crossed:
+                said.append(f"{_many(self.crossed, 'pair', 'pairs')} of facets cross in that state")
+            against = np.flatnonzero(p.signs * self.folded < -MOVES)
+            if len(against):
+                said.append(
+                    f"{_many(len(against), 'crease folds', 'creases fold')} against the letters there (edges "
+                    f"{_listed(p.numbers[against].tolist())})"
+                )
+        return said
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain JSON data, of the schema that it names."""
+        p = self.pattern
+        return {
+            "schema": SCHEMA,
+            "name": p.name,
+            "facets": p.facets,
+            "creases": p.creases,
+            "interior_vertices": len(p.vertices),
+            "holes": len(p.holes),
+            "closure_rows": self.closure_rows,
+            "rank_flat": self.rank_flat,
+            "rank_folded": self.rank_folded,
+            "freedoms": self.freedoms,
+            "redundant": self.redundant,
+            "edges": p.numbers.tolist(),
+            "assignment": p.assignment,
+            "stiffness": p.stiffness.tolist(),
+            "rest_angles": p.rest.tolist(),
+            "vertices": [loop.vertex for loop in p.vertices],
+            "folded": None
+            if self.folded is None
+            else {
+                "fold_angles": self.folded.tolist(),
+                "start": self.start,
+                "crossings": self.crossed,
+            },
+            "notes": self.oddities(),
+        }
+
+    def _rows(self) -> Iterable[dict[str, object]]:
+        names = ["name", "facets", "creases", "interior_vertices", "holes", "closure_rows"]
+        names += ["rank_flat", "rank_folded", "freedoms", "redundant"]
+        data = self.to_dict()
+        yield {name: data[name] for name in names}
+
+
+def overview(pattern: Pattern, seed: int = 0) -> Overview:
+    """Count what a pattern has, and the freedoms of its flat and of a folded state.
+
+    The folded state is reached from the reference state of a folded form, the fold angles of the file, or its mountains
+    and valleys; otherwise, or where creases stay flat, from random starts: of all that close within the fold limits it
+    is the one in which most creases are folded, then fewest facets cross.
+
+    Parameters
+    ----------
+    pattern
+        Of `read_pattern` or `make_pattern`.
+    seed
+        Of random starts.
+
+    Returns
+    -------
+    Overview
+        The counts.
+
+    Raises
+    ------
+    OptionError
+        If `pattern` is none.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> seen = o.overview(o.examples.pattern("miura", 4, 4))
+    >>> seen.freedoms, seen.rank_flat, seen.redundant
+    (1, 18, 4)
+    """
+    check_type("pattern", pattern, Pattern)
+    check_whole("seed", seed, 0)
+    sheet = Sheet(pattern)
+    folded, start = _folded(sheet, np.random.default_rng(seed))
+    zero = np.zeros(pattern.creases)
+    off = sheet.residual(zero)
+    return Overview(
+        pattern,
+        sheet.closure.count,
+        jacobian_rank(sheet, zero, max(RANK, 10 * off)) if off <= FLAT_WITHIN else None,
+        None if folded is None else jacobian_rank(sheet, folded),
+        folded,
+        start,
+        0 if folded is None else len(sheet.crossings.find(folded)),
+    )
+
+
+def jacobian_rank(sheet: Sheet, phi: np.ndarray, below: float = RANK) -> int:
+    """Count the singular values of the Jacobian of closure above a bound.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        A state [rad], [n].
+    below
+        Values up to this count as zero.
+
+    Returns
+    -------
+    int
+        The rank.
+    """
+    j = sheet.closure.jacobian(phi)
+    if not all(j.shape):
+        return 0
+    if j.shape[1] <= MOST_VALUES:
+        dense = j if isinstance(j, np.ndarray) else j.toarray()
+        return int((np.linalg.svd(dense, compute_uv=False) > below).sum())
+    squared = j.T @ j
+    dense = squared if isinstance(squared, np.ndarray) else squared.toarray()
+    # squares of values below `below` drown in rounding: at 1,000 facets the smallest others are 1e-2
+    return int((np.linalg.eigvalsh(dense) > max(below, 1e-6) ** 2).sum())
+
+
+def _folded(sheet: Sheet, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
+    """Return the closed state in which most creases are folded, and what it was reached from."""
+    best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")
+    for phi, start in _starts(sheet.pattern, rng):
+        new, residual = sheet.project(phi)
+        if residual > CLOSES or (np.abs(new) > math.pi).any() or not sheet.closure.on_sheet(new):
+            continue
+        moved = int((np.abs(new) > MOVES).sum())
+        if moved < max(best[0][0], 1):
+            continue
+        crossed = len(sheet.crossings.find(new))
+        if (moved, -crossed) > best[0] or best[1] is None:
+            best = (moved, -crossed), new, start
+        if moved == sheet.size and not crossed:
+            break
+    return _regular(sheet, best[1], best[2], rng)
+
+
+def _regular(
+    sheet: Sheet, phi: np.ndarray | None, start: str, rng: np.random.Generator
+) -> tuple[np.ndarray | None, str]:
+    """Move off a state at which more creases are aligned by chance than in its neighbourhood."""
+    if phi is None or sheet.size > MOST_VALUES:
+        return phi, start
+    rank = jacobian_rank(sheet, phi)
+    if rank == min(sheet.closure.count, sheet.size - 1):
+        return phi, start
+    for _ in range(NEIGHBOURS):
+        z = sheet.kernel(phi)
+        inwards = np.clip(phi, BESIDE - math.pi, math.pi - BESIDE)
+        new, residual = sheet.project(inwards + BESIDE * (z @ rng.standard_normal(z.shape[1])))
+        if residual > CLOSES or (np.abs(new) > math.pi).any() or not sheet.closure.on_sheet(new):
+            continue
+        if (more := jacobian_rank(sheet, new)) > rank:
+            phi, rank, start = new, more, start.removeprefix("near: ").join(("near: ", ""))
+    return phi, start
+
+
+def _starts(p: Pattern, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, str]]:
+    shut = np.abs(p.reference) >= math.pi
+    if p.reference.any() and not shut.all():
+        yield p.reference, "as in the file"
+    given = np.where(np.isnan(p.file_angles), 0.0, p.file_angles)
+    if given.any() and (np.abs(given) < math.pi).all():
+        yield given, "fold angles of the file"
+    if p.signs.any():
+        for size in SIZES:
+            yield size * p.signs, f"mountains and valleys at {size} rad"
+    for k in range(max(1, min(MOST_DRAWN, 3_000 // max(p.creases, 1)))):
+        size = DRAWN[k % len(DRAWN)]
+        yield rng.uniform(-size, size, p.creases), f"a random start, number {k + 1}"
+
+
+def angle_sums(pattern: Pattern) -> dict[int, float]:
+    """Return the sum of the angles of paper round each interior vertex [rad], by the vertex.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    dict
+        A sum a vertex.
+    """
+    inside = {loop.vertex: 0.0 for loop in pattern.vertices}
+    for polygon in pattern.polygons:
+        x = pattern.corners[list(polygon)]
+        for i, v in enumerate(polygon):
+            if v in inside:
+                a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
+                inside[v] += math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    return inside
+
+
+def _number(value: int | None) -> str:
+    return "-" if value is None else str(value)
+
+
+def _many(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
+def _listed(items: list[int], most: int = 8) -> str:
+    return ", ".join(map(str, items[:most])) + (
+        f", ... ({len(items)})" if len(items) > most else ""
+    )

@@ -1,0 +1,149 @@
+"""Downhill along closed states: Newton in the tangent space with a trust radius, projected back after each step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.linear import Factor
+from origami_nlp.sheets.sheet import Sheet
+
+TRUST = 0.3
+"""First and largest step [rad]."""
+STILL = 1e-12
+"""Reduced torque over the mean stiffness at which a descent has arrived."""
+MOST_SPECTRAL = 60
+"""Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
+AT_LIMIT = 1e-12
+"""A fold angle this close to pi is at its limit [rad]."""
+
+
+@dataclass(frozen=True)
+class Descended:
+    """Where a descent ended.
+
+    Attributes
+    ----------
+    phi
+        Fold angles [rad], [n].
+    arrived
+        Whether the torque along all free motions vanishes.
+    steps
+        Taken.
+    why
+        How it ended.
+    """
+
+    phi: np.ndarray
+    arrived: bool
+    steps: int
+    why: str
+
+
+def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
+    """Follow the energy downhill from a closed state.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        A closed state within the fold limits, [n] [rad].
+    most
+        Steps.
+
+    Returns
+    -------
+    Descended
+        A stationary state where it arrived: not yet judged.
+    """
+    radius = TRUST
+    held = np.abs(np.abs(phi) - math.pi) <= AT_LIMIT
+    energy = sheet.energy(phi)
+    for step in range(most):
+        lam, limits, balance = sheet.multipliers(phi, np.flatnonzero(held))
+        where = np.flatnonzero(held)
+        if len(where) and limits.min() < -STILL:  # the limit would have to pull: let go
+            held[where[int(limits.argmin())]] = False
+            continue
+        d = _direction(sheet, phi, lam, held, radius)
+        slope = float(balance @ d)
+        # beside the flat state multipliers are large, and rounding with them
+        still = STILL * max(1.0, float(np.abs(lam).max(initial=0.0)))
+        if np.abs(balance).max() <= still and slope > -(still**2):
+            return Descended(phi, True, step, "still")
+        moved = False
+        while radius > 1e-14:
+            trial = _capped(d, radius)
+            new, closes = _retract(sheet, phi + trial, held)
+            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
+            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * share
+            tiny = np.abs(trial).max() < 1e-7 and sheet.energy(new) <= energy + 1e-14 * (1 + energy)
+            if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
+                phi, energy, moved = new, sheet.energy(new), True
+                held = held | (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+                if np.abs(trial).max() >= 0.9 * radius:
+                    radius = min(TRUST, 2 * radius)
+                break
+            radius *= 0.3
+        if not moved:
+            at_rest = np.abs(balance).max() <= 1e-9
+            return Descended(phi, at_rest, step, "no lower state within reach")
+        radius = max(radius, 1e-6)
+    return Descended(phi, False, most, "too many steps")
+
+
+def _direction(
+    sheet: Sheet, phi: np.ndarray, lam: np.ndarray, held: np.ndarray, radius: float
+) -> np.ndarray:
+    """Newton's step in the tangent space with negative curvature turned round."""
+    free = np.flatnonzero(~held)
+    out = np.zeros(sheet.size)
+    g = sheet.torque(phi)
+    h = sheet.hessian(phi, lam)
+    if sheet.size <= MOST_SPECTRAL:
+        z = sheet.kernel(phi, np.flatnonzero(held))
+        if not z.shape[1]:
+            return out
+        values, vectors = np.linalg.eigh(z.T @ (h @ z))
+        slope = vectors.T @ (z.T @ g)
+        size = np.maximum(np.abs(values), 1e-8)
+        y = -slope / size
+        if values[0] < -1e-9 and abs(slope[0]) < 1e-9:  # off a saddle
+            y[0] = -math.copysign(radius, slope[0] or 1.0)
+        return z @ (vectors @ y)
+    j = sheet.closure.jacobian(phi)[:, free]
+    h = h[free][:, free]
+    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
+    shift = 0.0
+    for _ in range(8):
+        matrix = h + shift * unit
+        d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
+        if float(d @ (matrix @ d)) > 1e-8 * float(d @ d) or not d.any():
+            break
+        shift = max(10 * shift, 0.1)
+    out[free] = d
+    return out
+
+
+def _capped(d: np.ndarray, radius: float) -> np.ndarray:
+    return d * min(1.0, radius / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+
+
+def _retract(sheet: Sheet, phi: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Project back; creases that would pass a limit stop there."""
+    held = held.copy()
+    phi, residual = sheet.project(np.clip(phi, -math.pi, math.pi), held)
+    for _ in range(6):
+        beyond = np.abs(phi) > math.pi
+        if not beyond.any():
+            break
+        held |= beyond
+        phi[beyond] = np.copysign(math.pi, phi[beyond])
+        phi, residual = sheet.project(phi, held)
+    good = residual <= CLOSES and bool((np.abs(phi) <= math.pi).all())
+    return phi, good and sheet.closure.on_sheet(phi)

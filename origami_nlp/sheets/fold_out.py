@@ -1,0 +1,164 @@
+"""States of a sheet as a FOLD file (spec 1.1) that others open, and as a mesh.
+
+The file's own frame is the reference state; every state is a frame with its coordinates and fold angles.  Edges are the
+creases in their order, then joined sides, then the border; stiffness and rest angles are kept in the namespace
+``origaminlp`` too, so that reading the file gives the same pattern.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.files import write_whole
+from origami_nlp.minima import check_mesh
+from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
+from origami_nlp.sheets.crossings import Crossings
+from origami_nlp.sheets.poses import Poses
+from origami_nlp.version import __version__
+
+ROOM = 1.25
+"""States of a mesh stand apart by this many sizes of the sheet."""
+
+
+def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> dict[str, Any]:
+    """Return a pattern as FOLD data, with states of it as frames.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    frames
+        Of `sheet_frame`.
+
+    Returns
+    -------
+    dict
+        For `json.dump`; fold angles of a flat reference state are its rest angles, the targets of other programs.
+
+    Examples
+    --------
+    >>> import json
+    >>> from origami_nlp.pattern import examples, frame_pattern, parse_fold
+    >>> from origami_nlp.sheets import sheet_to_fold
+    >>> (frame,) = parse_fold(json.dumps(sheet_to_fold(examples.pattern("miura", 2, 2))))
+    >>> frame_pattern(frame)
+    Pattern('Miura, alpha = pi/3': 4 facets, 4 creases, 1 interior vertices)
+    """
+    p = pattern
+    others = _other_edges(p)
+    none = [None] * len(others)
+    kind, attribute = ("creasePattern", "2D") if p.is_flat else ("foldedForm", "3D")
+    letters = [*p.assignment, *(letter for _, letter in others)]
+    return {
+        "file_spec": 1.1,
+        "file_creator": f"origami_nlp {__version__}",
+        "file_classes": ["singleModel"],
+        "file_title": p.name or "pattern",
+        "frame_classes": [kind],
+        "frame_attributes": [attribute],
+        "vertices_coords": (p.corners[:, :2] if p.is_flat else p.corners).tolist(),
+        "edges_vertices": [*p.ends.tolist(), *(list(side) for side, _ in others)],
+        "edges_assignment": letters,
+        "edges_foldAngle": _degrees(p.rest if p.is_flat else p.reference, len(others)),
+        "faces_vertices": [list(q) for q in p.polygons],
+        STIFFNESS_KEY: [*p.stiffness.tolist(), *none],
+        REST_KEY: [*np.degrees(p.rest).tolist(), *none],
+        "file_frames": list(frames),
+    }
+
+
+def sheet_frame(
+    pattern: Pattern, fold_angles: Sequence[float] | np.ndarray, title: str, **more: Any
+) -> dict[str, Any]:
+    """Return a folded state as a frame of FOLD that inherits from the pattern's own.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    fold_angles
+        Of a closed state, [n] [rad].
+    title
+        Of the frame.
+    more
+        Values of our own keys, by their names without the namespace.
+
+    Returns
+    -------
+    dict
+        The frame, with the coordinates of every vertex.
+    """
+    phi = np.asarray(fold_angles, float)
+    letters = ["M" if a < 0 else "V" if a > 0 else "F" for a in phi]
+    others = _other_edges(pattern)
+    x = Poses(pattern).corners(phi)
+    x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
+    return {
+        "frame_title": title,
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["3D"],
+        "frame_parent": 0,
+        "frame_inherit": True,
+        "vertices_coords": x.tolist(),
+        "edges_assignment": [*letters, *(letter for _, letter in others)],
+        "edges_foldAngle": _degrees(phi, len(others)),
+        **{f"origaminlp:{name}": value for name, value in more.items()},
+    }
+
+
+def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str | Path) -> None:
+    """Write states side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    states
+        Fold angles [n] [rad] of each.
+    target
+        The file, ``.obj``, ``.stl`` or ``.glb`` (binary glTF).
+
+    Raises
+    ------
+    OptionError
+        If trimesh is not installed, the name ends in something else, there is no state, or the file cannot be written.
+    """
+    suffix = check_mesh(target)
+    import trimesh
+
+    crossings = Crossings(pattern)
+    fans = [[(0, i, i + 1) for i in range(1, len(piece) - 1)] for piece in crossings.pieces]
+    parts = []
+    for k, phi in enumerate(states):
+        x = crossings.placed(np.asarray(phi, float))
+        x = x + np.array([ROOM * k * crossings.size, 0.0, 0.0])
+        q = x.shape[1]
+        faces = [[q * i + v for v in t] for i, fan in enumerate(fans) for t in fan]
+        mesh = trimesh.Trimesh(x.reshape(-1, 3), np.array(faces), process=False)
+        mesh.update_faces(mesh.area_faces > 0)  # padding repeats a corner
+        parts.append(mesh)
+    if not parts:
+        raise OptionError(f"--mesh = {str(target)!r}: no state was found to write")
+    content = trimesh.util.concatenate(parts).export(None, file_type=suffix[1:])
+    write_whole(target, content.encode() if isinstance(content, str) else content)
+
+
+def _other_edges(p: Pattern) -> list[tuple[tuple[int, int], str]]:
+    """Return sides that are no creases: J where two polygons share them, else B."""
+    creases = set(map(tuple, p.ends.tolist()))
+    count: dict[tuple[int, int], int] = {}
+    for q in p.polygons:
+        for i, v in enumerate(q):
+            side = min(q[i - 1], v), max(q[i - 1], v)
+            count[side] = count.get(side, 0) + 1
+    return [(s, "J" if n > 1 else "B") for s, n in count.items() if s not in creases]
+
+
+def _degrees(phi: np.ndarray, others: int) -> list[float]:
+    return [math.degrees(a) for a in phi] + [0.0] * others

@@ -1,0 +1,223 @@
+"""How a sheet folds: closed states from near flat until facets touch or a crease is shut.
+
+With one freedom the motion is the sheet's only one on its branch.  With more it is one of many: it starts towards more
+folding in every crease, and goes on as straight as closure lets it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import BESIDE, CLOSES
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.counts import Overview, overview
+from origami_nlp.sheets.curve import Curve, follow_curve
+from origami_nlp.sheets.sheet import Sheet
+from origami_nlp.show import Piece, Table, Told
+
+SCHEMA = "origami-nlp/motion/1"
+MOST_TRACED = 480
+"""Creases of a sheet whose motion is traced."""
+AHEAD = 0.3
+"""A flat-folded state this near is where a walk was going that stopped before it [rad]."""
+BISECTED = 45
+"""Halvings of a step on which facets begin to cross."""
+TOLD = 9
+"""States of a motion in its table."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Told):
+    """States along a folding motion.
+
+    Attributes
+    ----------
+    pattern
+        What folds.
+    freedoms
+        It has at a folded state.
+    phi
+        Fold angles, from the least folded state on, [S, n] [rad].
+    arc
+        Length along it, in the norm over creases over sqrt n [rad], [S].
+    energy
+        Of the springs, [S].
+    end
+        Why it ends: a crease at its fold limit, two facets that touch, or where the walk was lost.
+    touching
+        The facets that touch at its end (from 0), or None.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> motion = o.find_motion(o.examples.pattern("metasheet", 3, 3))
+    >>> motion.freedoms, motion.touching
+    (1, (2, 3))
+    """
+
+    PICTURE = "draw_motion"
+    pattern: Pattern
+    freedoms: int
+    phi: np.ndarray
+    arc: np.ndarray
+    energy: np.ndarray
+    end: str
+    touching: tuple[int, int] | None
+
+    def told(self) -> Iterator[Piece]:
+        """Return a table of some of its states, and how it ends."""
+        shown = self.shown(TOLD)
+        largest = np.degrees(np.abs(self.phi).max(axis=1))
+        rows = [
+            (
+                f"{k + 1}",
+                f"{self.arc[k]:.4f}",
+                f"{largest[k]:.2f}",
+                f"{self.energy[k]:.8g}",
+            )
+            for k in shown
+        ]
+        heads = "state", "along [rad]", "largest fold [deg]", "energy [J]"
+        yield Table(heads, rows, f"{self.pattern.name}: folding motion", "rrrr", framed=False)
+        yield f"ends: {self.end}"
+        many = (
+            "one freedom: the motion of this branch"
+            if self.freedoms == 1
+            else f"{self.freedoms} freedoms: one of many motions, as straight as closure lets it go"
+        )
+        yield many
+        last = np.abs(self.phi[-1])
+        if (np.minimum(last, math.pi - last) <= BESIDE).all():
+            yield "folded flat there: whether its layers can be ordered is not asked"
+
+    def shown(self, most: int) -> list[int]:
+        """Return numbers of at most so many states, evenly along the motion, with both ends."""
+        if len(self.phi) <= most:
+            return list(range(len(self.phi)))
+        even = np.searchsorted(self.arc, np.linspace(0.0, self.arc[-1], most))
+        found: list[int] = np.unique([0, *even.clip(0, len(self.arc) - 1)]).tolist()
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data of the schema that it names; facets and creases 1-based."""
+        return {
+            "schema": SCHEMA,
+            "name": self.pattern.name,
+            "freedoms": self.freedoms,
+            "fold_angles": self.phi.tolist(),
+            "arc": self.arc.tolist(),
+            "energy": self.energy.tolist(),
+            "end": self.end,
+            "touching": None if self.touching is None else [f + 1 for f in self.touching],
+        }
+
+    def _rows(self) -> Iterable[dict[str, object]]:
+        for k, phi in enumerate(self.phi):
+            angles = {f"phi_{i + 1}": float(a) for i, a in enumerate(phi)}
+            yield {"state": k + 1, "arc": self.arc[k], "energy": self.energy[k], **angles}
+
+
+def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -> Motion:
+    """Trace the folding motion of a sheet up to its first contact.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    seen
+        Of `overview`, if it is known.
+    seed
+        Of random starts, where a folded state is looked for.
+
+    Returns
+    -------
+    Motion
+        From the least folded state on the way.
+
+    Raises
+    ------
+    OptionError
+        If the sheet has too many creases, no folded state was found, or no freedom is left.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> o.find_motion(o.examples.pattern("miura", 2, 3)).end
+    'creases 1, 2, 3, 4, 5, 6, 7 are shut, at their fold limits'
+    """
+    if pattern.creases > MOST_TRACED:
+        raise OptionError(
+            f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"
+        )
+    seen = overview(pattern, seed) if seen is None else seen
+    if seen.folded is None or seen.freedoms is None:
+        raise OptionError("no folded state was found from which to trace a motion")
+    if seen.freedoms == 0:
+        raise OptionError("no freedom is left: the sheet does not move with rigid facets")
+    sheet = Sheet(pattern)
+    z = sheet.kernel(seen.folded)
+    curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
+    here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
+    least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
+    states = curve.phi[least:]
+    if curve.ends[1].startswith("lost"):
+        states = _shut(sheet, states)
+    phi, touching = _until_touch(sheet, states)
+    arc = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1))]
+    end = _end(curve, phi[-1], touching)
+    return Motion(
+        pattern,
+        seen.freedoms,
+        phi,
+        arc / math.sqrt(pattern.creases),
+        np.asarray(pattern.energy(phi)),
+        end,
+        touching,
+    )
+
+
+def _shut(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
+    """Add the flat-folded state ahead, where many creases shut at once and steps cannot be told from each other."""
+    last = phi[-1]
+    near = math.pi - np.abs(last) < AHEAD
+    end, residual = sheet.project(np.where(near, np.copysign(math.pi, last), last), near)
+    good = near.any() and residual <= CLOSES and np.abs(end - last).max() < AHEAD
+    return np.vstack([phi, end]) if good and (np.abs(end) <= math.pi).all() else phi
+
+
+def _until_touch(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, tuple[int, int] | None]:
+    """Cut a path where facets begin to cross; the last state is the one at which they touch."""
+    for k, state in enumerate(phi):
+        pairs = sheet.crossings.find(state)
+        if not pairs:
+            continue
+        if k == 0:
+            raise OptionError("facets cross from the start: there is no motion of paper to show")
+        a, b = phi[k - 1], state
+        for _ in range(BISECTED):
+            middle, residual = sheet.project(0.5 * (a + b))
+            if residual > CLOSES:
+                break
+            crossing = sheet.crossings.find(middle)
+            a, b = (a, middle) if crossing else (middle, b)
+            pairs = crossing or pairs
+        return np.vstack([phi[:k], a]), pairs[0]
+    return phi, None
+
+
+def _end(curve: Curve, phi: np.ndarray, touching: tuple[int, int] | None) -> str:
+    if touching is not None:
+        return f"facets {touching[0] + 1} and {touching[1] + 1} touch"
+    shut = (np.flatnonzero(math.pi - np.abs(phi) <= BESIDE) + 1).tolist()
+    if curve.ends[1] == "limit" or shut:
+        some = ", ".join(map(str, shut[:8])) + (f", ... ({len(shut)})" if len(shut) > 8 else "")
+        if len(shut) == 1:
+            return f"crease {some} is shut, at its fold limit"
+        return f"creases {some} are shut, at their fold limits"
+    return "it returns to its start" if curve.ends[1] == "closed" else curve.ends[1]

@@ -1,0 +1,78 @@
+"""Sheets to be turned in space: states, and the folding motion under a slider."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.crossings import Crossings
+from origami_nlp.sheets.drawing import sheet_view
+from origami_nlp.sheets.motion import Motion
+from origami_nlp.show import Body, Content, Crease, Folded, Piece, Station, Track
+
+LONG = 0.8
+"""Mean length of a crease on a page, whose lines are as wide as for a vertex with creases of length 1."""
+
+
+def sheet_content(
+    pattern: Pattern,
+    states: Sequence[tuple[str, np.ndarray, Sequence[str]]],
+    motion: Motion | None = None,
+    pieces: Sequence[Piece] = (),
+) -> Content:
+    """Return states of a sheet, and its motion, as what `show.TurnedPage` shows.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    states
+        Title, fold angles [n] [rad] and lines to say of each.
+    motion
+        Of `find_motion`, if there is one.
+    pieces
+        Tables and lines below.
+
+    Returns
+    -------
+    Content
+        The page's content.
+    """
+    crossings = Crossings(pattern)
+    parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
+    left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
+    creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
+    body = Body(tuple(parts), creases)
+
+    scale = LONG / float(pattern.lengths.mean())
+
+    def folded(phi: np.ndarray) -> Folded:
+        x = np.nan_to_num(crossings.poses.corners(phi))
+        middle = x[crossings.pieces.ravel()].mean(axis=0)
+        return Folded(
+            (x - middle) * scale,
+            np.asarray(phi, float),
+            float(pattern.energy(phi)),
+            np.zeros((len(parts), 3)),
+        )
+
+    def view(phi: np.ndarray) -> np.ndarray:
+        return sheet_view(crossings.poses.polygons(phi))
+
+    stations = tuple(
+        Station(title, folded(phi), view(phi), (), tuple(lines)) for title, phi, lines in states
+    )
+    tracks: tuple[Track, ...] = ()
+    if motion is not None:
+        tracks = (
+            Track(
+                "folding motion",
+                motion.arc,
+                "along the motion [rad]",
+                tuple(folded(phi) for phi in motion.phi),
+                view(motion.phi[len(motion.phi) // 2]),
+            ),
+        )
+    return Content(pattern.name or "pattern", body, stations, tracks, pieces=tuple(pieces))

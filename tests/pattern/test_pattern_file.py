@@ -1,0 +1,239 @@
+"""Patterns from FOLD frames: orientation, planes, folded forms, holes, cuts, joined facets, and refusals."""
+
+import copy
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern import examples, frame_pattern, parse_fold
+from origami_nlp.sheets import Poses, Sheet
+from tests.fold_files import disc
+
+SHARED = Path("/work/shared/fold")
+FOLDED = {  # facets, creases, interior vertices, counted from the files' arrays by hand or by the file's author
+    "fold_squaretwist_4xdeg4.fold": (9, 12, 4),
+    "foldforge_miura_9xdeg4.fold": (16, 24, 9),
+    "foldforge_single_vertex_deg4.fold": (4, 4, 1),
+}
+
+
+def made(data, **options):
+    (frame,) = parse_fold(json.dumps(data))
+    return frame_pattern(frame, **options)
+
+
+def miura(rows=3, columns=3):
+    return copy.deepcopy(examples.crease_pattern("miura", rows, columns))
+
+
+def keyed(p):
+    """Everything that must not depend on how a file is written, by the edge."""
+    return {
+        int(e): (a, round(float(k), 12), round(float(r), 12))
+        for e, a, k, r in zip(p.numbers, p.assignment, p.stiffness, p.rest, strict=True)
+    }
+
+
+def test_a_sheet_is_read_alike_however_its_faces_run_or_without_them():
+    data = miura()
+    whole = made(data)
+    assert (whole.facets, whole.creases, len(whole.vertices)) == (9, 12, 4)
+    assert whole.numbers.tolist() == sorted(whole.numbers.tolist())
+    rng = np.random.default_rng(0)
+    mixed = {
+        **data,
+        "faces_vertices": [f[:: rng.choice([1, -1])] for f in data["faces_vertices"]],
+    }
+    bare = {k: v for k, v in data.items() if k != "faces_vertices"}
+    phi = 0.1 * rng.standard_normal(12)
+    residual = Sheet(whole).closure.values(phi)
+    for other in (made(mixed), made(bare)):
+        assert keyed(other) == keyed(whole) and other.is_flat
+        # the same closure, so the same side up and the same angles in the same order
+        values = Sheet(other).closure.values(phi).reshape(-1, 3)
+        lengths = np.linalg.norm(values, axis=1)
+        assert np.allclose(lengths, np.linalg.norm(residual.reshape(-1, 3), axis=1), atol=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_any_plane_and_any_folded_form_measure_the_same_angles(seed):
+    rng = np.random.default_rng(seed)
+    data = miura(4, 4)
+    flat = made(data)
+    sheet = Sheet(flat)
+    phi, residual = sheet.project(0.6 * flat.signs)
+    assert residual < 1e-13 and np.abs(phi).min() > 0.1
+    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    tilted = flat.corners @ turn.T + rng.standard_normal(3)
+    again = made({**data, "vertices_coords": tilted.tolist()})
+    assert again.is_flat and np.abs(Sheet(again).closure.values(phi)).max() < 1e-13
+    x = Poses(flat).corners(phi) @ turn.T
+    for faces in (data["faces_vertices"], [f[::-1] for f in data["faces_vertices"]]):
+        form = {**data, "vertices_coords": x.tolist(), "frame_classes": ["foldedForm"]}
+        form |= {"faces_vertices": faces, "edges_foldAngle": None}
+        del form["edges_foldAngle"]
+        folded = made(form)
+        assert np.abs(folded.reference - phi).max() < 1e-12  # measured from normals alone
+        # fold angles of other states mean the same, though measured from another reference
+        other, _ = sheet.project(0.9 * flat.signs)
+        assert np.abs(Sheet(folded).closure.values(other)).max() < 1e-12
+
+
+def test_springs_come_from_the_file_then_angles_then_letters():
+    data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
+    assert np.allclose(np.degrees(made(data).rest), [-40, 60, 70, 80])
+    data["edges_origaminlp:restAngle"] = [-10, None, None, None, *[None] * 4]
+    data["edges_origaminlp:stiffness"] = [None, 2.5, None, None, *[None] * 4]
+    p = made(data, stiffness=0.5)
+    assert np.allclose(np.degrees(p.rest), [-10, 60, 70, 80])
+    assert p.stiffness.tolist() == [0.5, 2.5, 0.5, 0.5]
+    bare = disc([60, 100, 120, 80], "MVVV")
+    p = made(bare, rest_angle=math.pi / 2)
+    assert np.allclose(p.rest, [-math.pi / 2, *[math.pi / 2] * 3]) and not p.notes
+    assert any("--rest-angle" in note for note in made(bare).notes)
+
+
+def square(letters="BBBB", extra=()):
+    """A square with a vertex in the middle of each side: edges of the border, then more."""
+    xy = [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1], [1, 1]]
+    edges = [[i, (i + 1) % 8] for i in range(8)]
+    return {
+        "vertices_coords": xy,
+        "edges_vertices": [*edges, *[e for e, _ in extra]],
+        "edges_assignment": ["B"] * 8 + [a for _, a in extra],
+    }
+
+
+def test_facets_are_joined_over_f_and_j_edges_also_to_ones_that_are_not_convex():
+    cross = [([1, 8], "V"), ([3, 8], "V"), ([5, 8], "F"), ([7, 8], "J")]
+    p = made(square(extra=cross))
+    assert (p.facets, p.creases, len(p.polygons)) == (2, 2, 4)  # one of them is an L
+    assert len(p.vertices) == 1 and len(p.vertices[0].creases) == 2
+
+
+def test_faces_with_a_border_all_around_are_holes():
+    grid = [[i, j] for j in range(4) for i in range(4)]
+    edges, letters = [], []
+    for j in range(4):
+        for i in range(4):
+            for a, b in ((1, 0), (0, 1)):
+                if i + a < 4 and j + b < 4:
+                    edges.append([4 * j + i, 4 * (j + b) + i + a])
+                    middle = (i + a / 2, j + b / 2)
+                    rim = 0 in middle or 3 in middle
+                    hole = 1 <= middle[0] <= 2 and 1 <= middle[1] <= 2
+                    letters.append("B" if rim or hole else "V")
+    p = made({"vertices_coords": grid, "edges_vertices": edges, "edges_assignment": letters})
+    assert (p.facets, p.creases, len(p.vertices), len(p.holes)) == (8, 8, 0, 1)
+    assert Sheet(p).closure.count == 6
+
+
+def test_a_cut_gives_both_sides_a_border_of_their_own():
+    cross = [([1, 8], "V"), ([3, 8], "V"), ([5, 8], "C"), ([7, 8], "V")]
+    p = made(square(extra=cross))
+    assert (p.facets, p.creases, len(p.vertices), len(p.holes)) == (4, 3, 0, 0)
+    assert len(p.corners) == 10  # the vertex on the border is there twice
+
+
+def moebius(count=6):
+    """A band with half a turn in it."""
+    turn = [2 * math.pi * k / count for k in range(count)]
+    rim = [
+        [r * math.cos(t), r * math.sin(t), side * math.sin(t / 2)]
+        for side in (-1, 1)
+        for t in turn
+        for r in [2 + side * math.cos(t / 2)]
+    ]
+    bands = [(k, (k + 1) % count, (k + 1) // count) for k in range(count)]
+    faces = []
+    for k, after, swapped in bands:  # triangles, which are flat
+        low, high = (after + count, after) if swapped else (after, after + count)
+        faces += [[k, low, high], [k, high, k + count]]
+    return {"vertices_coords": rim, "faces_vertices": faces, "frame_classes": ["foldedForm"]}
+
+
+REFUSED = {
+    "Moebius": (moebius, "on the same side"),
+    "preload": (
+        lambda: {
+            **miura(2, 2),
+            "edges_origaminlp:preload": [0.1] * len(miura(2, 2)["edges_vertices"]),
+        },
+        "has no preload",
+    ),
+    "crossing": (lambda: square(extra=[([0, 4], "M"), ([2, 6], "M")]), "cross without a vertex"),
+    "through": (lambda: square(extra=[([1, 5], "M"), ([7, 8], "M")]), "passes through vertex 8"),
+    "dangling": (lambda: square(extra=[([1, 8], "M")]), "ends within a facet"),
+    "no facets": (lambda: {**square(), "edges_assignment": ["B"] * 8}, "encloses no facet"),
+    "no faces": (
+        lambda: {
+            **square(extra=[([1, 8], "M"), ([8, 5], "M")]),
+            "frame_classes": ["foldedForm"],
+        },
+        "faces_vertices is missing",
+    ),
+    "two parts": (
+        lambda: {
+            "vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1], [3, 0], [4, 0], [4, 1], [3, 1]],
+            "edges_vertices": [[0, 1], [1, 2], [2, 0], [2, 3], [3, 0], [4, 5], [5, 6], [6, 4]],
+            "edges_assignment": ["B", "B", "M", "B", "B", "M", "M", "M"],
+        },
+        "fall into 2 parts",
+    ),
+    "bent facet": (
+        lambda: {
+            "vertices_coords": [[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0], [2, 0, 0]],
+            "faces_vertices": [[0, 1, 2, 3], [1, 4, 2]],
+        },
+        "is not flat",
+    ),
+    "upside down": (
+        lambda: {**miura(2, 2), "vertices_coords": _moved(miura(2, 2)["vertices_coords"])},
+        "upside down",
+    ),
+    "ends within": (
+        lambda: {
+            **square(
+                extra=[([1, 8], "M"), ([3, 8], "F"), ([5, 8], "F"), ([7, 8], "F")],
+            )
+        },
+        "ends within a facet",
+    ),
+    "twice": (
+        lambda: {
+            **square(extra=[([1, 5], "M"), ([1, 5], "V")]),
+            "vertices_coords": square()["vertices_coords"][:8],
+        },
+        "stated twice",
+    ),
+}
+
+
+def _moved(coords):
+    """The middle vertex of four facets, far beyond the border."""
+    middle = int(np.argmin(np.linalg.norm(np.array(coords) - np.mean(coords, axis=0), axis=1)))
+    return [[9.0, 9.0] if k == middle else x for k, x in enumerate(coords)]
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_sheet_is_refused_in_one_line(name):
+    make, words = REFUSED[name]
+    with pytest.raises(o.OrigamiError, match=words) as refused:
+        made(make())
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="patterns of others, which may not be copied")
+def test_patterns_of_others_are_read():
+    for path in sorted(SHARED.glob("*.fold")):
+        p = o.read_pattern(path)
+        sheet = Sheet(p)
+        assert sheet.residual(p.reference) == 0.0 and Poses(p).apart(p.reference) < 1e-12
+        assert p.facets - p.creases + len(p.vertices) == 1 and not p.holes  # Euler, a disc
+        if path.name in FOLDED:
+            assert (p.facets, p.creases, len(p.vertices)) == FOLDED[path.name]
