@@ -33,12 +33,8 @@ def follow(
     max_starts: o.MaxStarts = 100_000,
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
-<<<<<<< HEAD
     fold: o.PathsFold = None,
-=======
-    fold: o.StatesFold = None,
     html: o.HtmlFile = None,
->>>>>>> main
 ) -> None:
     """Follow the states of SCENE over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.atlas import draw_atlas, follow as follow_states, write_frames
