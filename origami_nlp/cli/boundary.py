@@ -8,11 +8,12 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
+@takes_scene(o.SceneFile)
 def boundary(
-    scene: o.SceneFile,
+    scene: Source,
     event: Annotated[
         str,
         typer.Option(
@@ -34,7 +35,7 @@ def boundary(
     from origami_nlp.atlas import draw_boundaries, find_boundaries
 
     out = Output(json=json, figure=figure)
-    found = find_boundaries(read_scene(scene), event, over, lines=lines, seed=seed, effort=effort)
+    found = find_boundaries(scene.read(), event, over, lines=lines, seed=seed, effort=effort)
     found.tell(out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_boundaries, found)

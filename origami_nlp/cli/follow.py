@@ -8,11 +8,12 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
-from origami_nlp.pattern import read_scene
+from origami_nlp.cli.source import Source, takes_scene
 
 
+@takes_scene(o.SceneFile)
 def follow(
-    scene: o.SceneFile,
+    scene: Source,
     over: o.Over,
     checks: Annotated[
         int,
@@ -32,7 +33,7 @@ def follow(
     max_starts: o.MaxStarts = 100_000,
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
-    fold: o.StatesFold = None,
+    fold: o.PathsFold = None,
     html: o.HtmlFile = None,
 ) -> None:
     """Follow the states of SCENE over a parameter, and locate where they appear, change and vanish."""
@@ -40,7 +41,7 @@ def follow(
 
     out = Output(json=json, figure=figure, fold=fold, html=html)
     atlas = follow_states(
-        read_scene(scene),
+        scene.read(),
         over,
         checks=checks,
         through_folds=through_folds,

@@ -27,7 +27,7 @@ rest_angles_deg = [0, 90]
 def test_a_design_is_written_and_read_again(tmp_path):
     scene, data, targets = (tmp_path / n for n in ("s.toml", "d.json", "t.toml"))
     code, out, err = run(
-        *("design", "--example", "waitukaitis-five", "--out", scene, "--json", data),
+        *("design", "--example", "waitukaitis-five", "--scene", scene, "--json", data),
         *("--targets", targets),
     )
     assert code == 0, err

@@ -35,7 +35,9 @@ def pocket(tmp_path):
     return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
 
 
-COMMANDS = "model minima contacts barriers critical space landscape paper-grid".split()
+COMMANDS = "model minima contacts modes load barriers critical space landscape follow boundary paper-grid".split()
+OVER = ("--over", "ratio=0.01:1")
+NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -54,10 +56,11 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
 
     for name in ("vertex_scene", "vertex_scenes", "decode_scene"):
         monkeypatch.setattr(source, name, noted(getattr(source, name)))
+    needed = NEEDED.get(command, ())
     for words in ((fold, *options), (toml,)):
-        assert run(*command.split("-"), *words).err == "origami-nlp: read\n"
+        assert run(*command.split("-"), *words, *needed).err == "origami-nlp: read\n"
     assert read[0] == read[1] and read[0].group.name == "D1"
-    code, _, err = run(*command.split("-"), toml, "--vertex", 0)
+    code, _, err = run(*command.split("-"), toml, "--vertex", 0, *needed)
     assert code == 2 and "--vertex is for FOLD files" in err and err.count("\n") == 1
 
 
