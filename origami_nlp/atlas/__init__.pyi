@@ -27,4 +27,5 @@ from .records import (
     PathPoint as PathPoint,
     StateAt as StateAt,
 )
+from .regions import Region as Region, find_regions as find_regions
 from .result import Atlas as Atlas

@@ -76,19 +76,22 @@ class EventCurve:
 
 @dataclass(frozen=True)
 class CountedLine:
-    """What was followed over the first parameter at one value of the second.
+    """What was followed over one parameter at one value of the other.
 
     Attributes
     ----------
+    over
+        Name of the parameter that was followed over: the first, or across it the second.
     t
-        Value of the second parameter.
+        Value of the other one.
     intervals
-        Number and kinds of minima over the first.
+        Number and kinds of minima over it.
     events
-        Values of the first at which events were located, and the number of the curve of each; 0 for one that is not
+        Values of it at which events were located, and the number of the curve of each; 0 for one that is not
         followed over two parameters.
     """
 
+    over: str
     t: float
     intervals: tuple[Interval, ...]
     events: tuple[tuple[float, int], ...]
@@ -107,7 +110,7 @@ class Boundaries(Told):
     curves
         In order of their numbers.
     lines
-        What was followed over the first parameter: each event there lies on a curve.
+        What was followed over one parameter: each event there lies on a curve.
     seconds
         Of wall time.
     """
@@ -136,10 +139,12 @@ class Boundaries(Told):
             "rlLllrL",
         )
         for line in self.lines:
+            along, other = (a, b) if line.over == a.name else (b, a)
             counts = ", ".join(
-                f"{i.minima} ({_shown(a, i.t[0])} to {_shown(a, i.t[1])})" for i in line.intervals
+                f"{i.minima} ({_shown(along, i.t[0])} to {_shown(along, i.t[1])})"
+                for i in line.intervals
             )
-            yield Words(f"{b.name} = {_shown(b, line.t)}: minima {counts}")
+            yield Words(f"{other.name} = {_shown(other, line.t)}: minima {counts}")
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
 
     def to_dict(self) -> dict[str, Any]:
@@ -168,6 +173,7 @@ def find_boundaries(
     over: str | Over,
     *,
     lines: int = 3,
+    across: int = 1,
     seed: int = 0,
     effort: str = "normal",
 ) -> Boundaries:
@@ -184,6 +190,9 @@ def find_boundaries(
         The second parameter and its range.
     lines
         Values of the second at which the first is followed: both ends, then between them.
+    across
+        Values of the first, evenly inside its range, at which the second is followed: for curves along which the second
+        stays as it is, which no line meets.
     seed, effort
         Of the searches.
 
@@ -199,38 +208,41 @@ def find_boundaries(
     """
     check_type("scene", scene, Scene)
     check_whole("lines", lines, 1, MOST_LINES)
+    check_whole("across", across, 0, MOST_LINES)
     begin = time.perf_counter()
     a = parse_nearby(event) if isinstance(event, str) else event
     b = parse_over(over) if isinstance(over, str) else over
     plane, tally = Plane(scene, (a, b)), Tally()
-    low, high = b.s_of(b.low), b.s_of(b.high)
     curves: list[EventCurve] = []
     counted = []
-    where = np.linspace(low, high, lines) if lines > 1 else [0.5 * (low + high)]
-    for u in map(float, where):
-        family = plane.family(b.t_of(u))
-        atlas = follow_family(
-            type(family)(a, family.scene_of), full_space=False, seed=seed, effort=effort
-        )
-        counted.append(_line(plane, atlas, u, curves, tally))
+    ends = plane.corner, plane.corner + plane.size
+    where = np.linspace(ends[0][1], ends[1][1], lines) if lines > 1 else [np.mean(ends, axis=0)[1]]
+    inside = np.linspace(ends[0][0], ends[1][0], across + 2)[1:-1]
+    for axis, values in ((0, where), (1, inside)):
+        for u in map(float, values):
+            family = plane.family(plane.overs[1 - axis].t_of(u), axis)
+            atlas = follow_family(family, full_space=False, seed=seed, effort=effort)
+            counted.append(_line(plane, atlas, axis, u, curves, tally))
     return Boundaries(scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin)
 
 
 def _line(
-    plane: Plane, atlas: Atlas, u: float, curves: list[EventCurve], tally: Tally
+    plane: Plane, atlas: Atlas, axis: int, u: float, curves: list[EventCurve], tally: Tally
 ) -> CountedLine:
     """Follow the events of a line that lie on no curve yet."""
     met: list[tuple[float, int]] = []
     for number, node in enumerate(atlas.web.nodes):
         if node.type not in FOLLOWED or not node.located:
             continue
-        t = plane.overs[0].t_of(node.s)
+        t = plane.overs[axis].t_of(node.s)
+        point, normal = np.full(2, u), np.zeros(2)
+        point[axis], normal[axis] = node.s, 1.0
         tracer = EventTracer(plane, *_system(atlas.web, number, node), tally)
-        first = tracer.at(np.array([node.s, u]), np.array([1.0, 0.0]), node.point[:-1])
-        if first is None or abs(first.point[0] - node.s) > BESIDE:
+        first = tracer.at(point, normal, node.point[:-1])
+        if first is None or abs(first.point[axis] - node.s) > BESIDE:
             met.append((t, 0))
             continue
-        known = next((c.id for c in curves if _lies_on(tracer, c, first)), 0)
+        known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
         if not known:
             points, ends = follow_event(tracer, first)
             known = len(curves) + 1
@@ -245,7 +257,8 @@ def _line(
             )
             curves.append(EventCurve(known, node.type, words, found, ends))
         met.append((t, known))
-    return CountedLine(plane.overs[1].t_of(u), atlas.intervals, tuple(sorted(met)))
+    over, other = plane.overs[axis], plane.overs[1 - axis]
+    return CountedLine(over.name, other.t_of(u), atlas.intervals, tuple(sorted(met)))
 
 
 def _system(web: Web, number: int, node: Node) -> tuple[Hold, Contact | None]:
@@ -257,22 +270,22 @@ def _system(web: Web, number: int, node: Node) -> tuple[Hold, Contact | None]:
     return Hold(tuple(c for c in hold.contacts if c != node.contact), hold.closure), node.contact
 
 
-def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint) -> bool:
-    """Tell whether an event is a point of a curve: the event at the same second parameter, from its nearest point."""
+def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
+    """Tell whether an event is a point of a curve: between two of its points, at the same value of parameter `axis`."""
     plane = tracer.plane
     words = tracer.contact and first.frame.programme.words(tracer.contact, first.frame.state).text
-    if (words or "") != curve.contact:
-        return False
-    u = first.point[1]
-    at = [plane.overs[1].s_of(p.t[1]) - u for p in curve.points]
+    if (words or "").split(" (")[0] != curve.contact.split(" (")[0]:
+        return False  # rays that lie on each other close with either of their openings
+    u = first.point[axis]
+    at = [plane.overs[axis].s_of(p.t[axis]) - u for p in curve.points]
     angles = first.frame.programme.expand(first.frame.state)
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
-        if min(da, db) > plane.size[1] * BESIDE or max(da, db) < -plane.size[1] * BESIDE:
+        if min(da, db) > plane.size[axis] * BESIDE or max(da, db) < -plane.size[axis] * BESIDE:
             continue
         share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
         there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
-        s, t = (plane.overs[0].s_of(v.t[0]) for v in (p, q))
-        near = abs(s * (1 - share) + t * share - first.point[0]) / plane.size[0]
+        s, t = (plane.overs[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
+        near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
         if max(float(np.abs(there - angles).max()), near) <= 0.05:
             return True
     return False

@@ -83,6 +83,12 @@ class Over:
             return self.high
         return math.exp(s) if self.log else s
 
+    def shown(self, t: float, digits: int = 6) -> str:
+        """Return a value in words, angles in degrees."""
+        if self.unit == "rad":
+            return f"{math.degrees(t):.{digits}g} deg"
+        return f"{t:.{digits}g} {self.unit}".rstrip()
+
 
 def parse_over(text: str) -> Over:
     """Read ``NAME=FROM:TO``, angles in radians, as multiples of pi, or with ``deg``.

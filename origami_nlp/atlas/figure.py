@@ -266,7 +266,7 @@ def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None 
                 else f"{curve.id}  {name}",
             )
         low, high = (up.s_of(t) for t in (up.low, up.high))
-        for line in boundaries.lines:
+        for line in (line for line in boundaries.lines if line.over == up.name):
             for i in line.intervals:
                 a, b = (up.s_of(t) for t in i.t)
                 if b - a > 0.04 * (high - low):

@@ -33,10 +33,10 @@ class Plane:
     scene: Scene
     overs: tuple[Over, Over]
 
-    def family(self, second: float) -> Family:
-        """Return the scenes over the first parameter at one value of the second."""
-        a, b = self.overs
-        return family_of(family_of(self.scene, b).scene_of(second), a)
+    def family(self, value: float, axis: int = 0) -> Family:
+        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
+        along, other = self.overs[axis], self.overs[1 - axis]
+        return family_of(family_of(self.scene, other).scene_of(value), along)
 
     @cached_property
     def corner(self) -> np.ndarray:

@@ -102,7 +102,7 @@ class Atlas(Told, Turnable):
         """Return one row an interval."""
         rows = [
             (
-                f"{self.shown(i.t[0])} to {self.shown(i.t[1])}",
+                f"{self.over.shown(i.t[0])} to {self.over.shown(i.t[1])}",
                 str(i.minima),
                 ", ".join(f"{n} {kind}" for kind, n in i.kinds.items()),
             )
@@ -114,7 +114,13 @@ class Atlas(Told, Turnable):
         """Return counts, events, branches, checks and what they cost."""
         yield self.table()
         rows = [
-            (str(e.id), e.type, self.shown(e.t, 12), e.contact or "-", self.angles(e.fold_angles))
+            (
+                str(e.id),
+                e.type,
+                self.over.shown(e.t, 12),
+                e.contact or "-",
+                self._angles(e.fold_angles),
+            )
             for e in self.events
         ]
         yield Table(
@@ -122,7 +128,8 @@ class Atlas(Told, Turnable):
         )
         for b in self.branches:
             parts = "; ".join(
-                f"{r.kind} {self.shown(r.t[0])} to {self.shown(r.t[1])}" for r in b.kind_ranges
+                f"{r.kind} {self.over.shown(r.t[0])} to {self.over.shown(r.t[1])}"
+                for r in b.kind_ranges
             )
             yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
         for e in self.events:
@@ -132,7 +139,7 @@ class Atlas(Told, Turnable):
             more = f", {c.missed} on branches that it missed" if c.missed else ""
             more += f"; {c.morse}" if c.morse else ""
             yield Words(
-                f"check at {self.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
+                f"check at {self.over.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
                 f"{c.new_branches} new",
                 "dim",
             )
@@ -144,22 +151,15 @@ class Atlas(Told, Turnable):
         )
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
 
-    def shown(self, t: float, digits: int = 6) -> str:
-        """Return a value of the parameter in words, angles in degrees."""
-        if self.over.unit == "rad":
-            return f"{math.degrees(t):.{digits}g} deg"
-        return f"{t:.{digits}g}" + (f" {self.over.unit}" if self.over.unit else "")
-
     @staticmethod
-    def angles(fold_angles: tuple[float, ...]) -> str:
-        """Return fold angles in words, in degrees."""
+    def _angles(fold_angles: tuple[float, ...]) -> str:
         return ", ".join(f"{math.degrees(v):.2f}" for v in fold_angles)
 
     def turned(self) -> Content:
         """Return branches and events as plain data, see `view`."""
-        from origami_nlp.atlas.turned import turn_atlas  # bodies in space are slow to import
+        from origami_nlp.atlas.turned import turn_branches  # bodies in space are slow to import
 
-        return turn_atlas(self)
+        return turn_branches(self.family, self.branches, self.events, self.told())
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain JSON data."""

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from origami_nlp.atlas.records import PathBranch
+from origami_nlp.atlas.family import Family, Over
+from origami_nlp.atlas.records import PathBranch, PathEvent
 from origami_nlp.pattern import Vertex
 from origami_nlp.show import (
     Content,
     Line,
     Panel,
+    Piece,
     Station,
     Track,
     vertex_body,
@@ -22,17 +24,21 @@ from origami_nlp.show import (
     vertex_view,
 )
 
-if TYPE_CHECKING:
-    from origami_nlp.atlas.result import Atlas
 
-
-def turn_atlas(atlas: Atlas) -> Content:
+def turn_branches(
+    family: Family,
+    branches: Sequence[PathBranch],
+    events: Sequence[PathEvent],
+    told: Iterable[Piece],
+) -> Content:
     """Return the states of all branches, for a page that can be turned.
 
     Parameters
     ----------
-    atlas
-        Of `follow`.
+    family, branches, events
+        Of an `Atlas`.
+    told
+        Its report.
 
     Returns
     -------
@@ -40,35 +46,39 @@ def turn_atlas(atlas: Atlas) -> Content:
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations, at = atlas.over, [], []
-    for e in atlas.events:
-        scene = atlas.family.scene_of(e.t)
+    over, stations, at = family.over, [], []
+    for e in events:
+        scene = family.scene_of(e.t)
         energy = float(scene.energy(e.fold_angles))
-        where = atlas.shown(e.t, 9)
-        lines = [e.contact, e.note, "fold angles [deg]: " + atlas.angles(e.fold_angles)]
+        where = over.shown(e.t, 9)
+        lines = [
+            e.contact,
+            e.note,
+            "fold angles [deg]: " + ", ".join(f"{math.degrees(v):.2f}" for v in e.fold_angles),
+        ]
         folded = vertex_folded(scene.vertex, e.fold_angles, energy)
         view = vertex_view(scene.vertex, e.fold_angles)
         title = f"event {e.id}: {e.type} at {where}"
         stations.append(Station(title, folded, view, lines=tuple(filter(None, lines))))
-        at.append((len(at), _told(atlas, e.t), energy))
+        at.append((len(at), _told(over, e.t), energy))
     label = " ".join(
         filter(
             None, (over.name, f"[{'deg' if over.unit == 'rad' else over.unit}]" * bool(over.unit))
         )
     )
-    tracks = [track for b in atlas.branches for track in _tracks(atlas, b, label)]
+    tracks = [track for b in branches for track in _tracks(family, b, label)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
     lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
-    none = np.empty(0)
+    none, first = np.empty(0), family.scene_of(over.low)
     panel = Panel(
         f"Energy over {over.name}", (label, "energy [J]"), none, none, None, lines, tuple(at)
     )
     content = Content(
-        atlas.scene.label or repr(atlas.scene.vertex),
-        vertex_body(atlas.scene.vertex),
+        first.label or repr(first.vertex),
+        vertex_body(first.vertex),
         tuple(stations),
         panels=(panel,),
-        pieces=tuple(atlas.told()),
+        pieces=tuple(told),
         steps="Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path.",
     )
     if not tracks:
@@ -76,13 +86,13 @@ def turn_atlas(atlas: Atlas) -> Content:
     return content.with_tracks(tracks, [points])
 
 
-def _told(atlas: Atlas, t: float) -> float:
-    return math.degrees(t) if atlas.over.unit == "rad" else t
+def _told(over: Over, t: float) -> float:
+    return math.degrees(t) if over.unit == "rad" else t
 
 
-def _tracks(atlas: Atlas, branch: PathBranch, label: str) -> list[Track]:
+def _tracks(family: Family, branch: PathBranch, label: str) -> list[Track]:
     """Return the stretches of a branch on which the parameter runs one way."""
-    t = np.array([p.t for p in branch.points])
+    over, t = family.over, np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))
     turns = [k + 1 for k in range(len(steps) - 1) if steps[k] * steps[k + 1] < 0]
     out = []
@@ -93,9 +103,9 @@ def _tracks(atlas: Atlas, branch: PathBranch, label: str) -> list[Track]:
             continue
         for p in points:
             if p.t not in vertices:
-                vertices[p.t] = atlas.family.scene_of(p.t).vertex
+                vertices[p.t] = family.scene_of(p.t).vertex
         kinds = [r.kind for r in branch.kind_ranges if r.points[0] < b and r.points[1] > a]
-        ends = " to ".join(atlas.shown(v) for v in (t[a], t[b]))
+        ends = " to ".join(over.shown(v) for v in (t[a], t[b]))
         title = f"branch {branch.id}, {ends}: {', '.join(dict.fromkeys(kinds))}"
         out.append(
             vertex_track(
@@ -103,7 +113,7 @@ def _tracks(atlas: Atlas, branch: PathBranch, label: str) -> list[Track]:
                 title,
                 [p.fold_angles for p in points],
                 [p.energy for p in points],
-                parameter=[_told(atlas, p.t) for p in points],
+                parameter=[_told(over, p.t) for p in points],
                 label=label,
             )
         )

@@ -12,7 +12,8 @@ from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.loading.driver import Driver
-from origami_nlp.loading.result import Confirmed, Leg, LoadPath, LoadPoint, Snap
+from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
+from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
 from origami_nlp.minima import find_minima, full_scene
 from origami_nlp.modes import breaking_stiffness

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
 from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, to_plain
 
@@ -23,118 +24,6 @@ WHY = {
     "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
 }
 """Why a leg ends, in words, where the name alone does not say it."""
-
-
-@dataclass(frozen=True)
-class Confirmed:
-    """Searches on both sides of a snap, which know nothing of the path.
-
-    Attributes
-    ----------
-    t
-        Loads of the searches, before and after the snap.
-    minima
-        How many minima each found.
-    found
-        Whether the state before the snap, and the one after it, is among them.
-    """
-
-    t: tuple[float, float]
-    minima: tuple[int, int]
-    found: tuple[bool, bool]
-
-
-@dataclass(frozen=True)
-class Snap:
-    """Where a state ends, and where it goes.
-
-    Attributes
-    ----------
-    event
-        Number of the event at which the state ends.
-    t
-        The load there.
-    type
-        ``fold``, ``nonsmooth-fold`` or ``branching``.
-    before, after
-        Fold angles of the last state and, at the same load, of the one it descends to, all N [rad].
-    angle
-        What the load works on, before and after.
-    released
-        Energy that is lost, load included [J].
-    kind, certificate
-        Of the state after.
-    restabilises
-        Load at which the unstable states that begin here become stable again; None where they do not.
-    confirmed
-        Searches on both sides; None where they were not asked for.
-    """
-
-    event: int
-    t: float
-    type: str
-    before: tuple[float, ...]
-    after: tuple[float, ...]
-    angle: tuple[float, float]
-    released: float
-    kind: str
-    certificate: str
-    restabilises: float | None
-    confirmed: Confirmed | None
-
-
-@dataclass(frozen=True)
-class LoadPoint:
-    """A stable state on the path.
-
-    Attributes
-    ----------
-    t
-        The load.
-    angle
-        What the load works on.
-    fold_angles
-        All N [rad].
-    energy
-        Without the load of the path [J].
-    eigenvalue
-        Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
-    """
-
-    t: float
-    angle: float
-    fold_angles: tuple[float, ...]
-    energy: float
-    eigenvalue: float
-
-
-@dataclass(frozen=True)
-class Leg:
-    """Stable states that the load passes one way.
-
-    Attributes
-    ----------
-    toward
-        1 where the load grows, -1 where it falls.
-    points
-        States in order.
-    why
-        ``range``, ``snap``, ``breaks-symmetry``, or what stopped it.
-    snap
-        Number (1-based) of the snap that ends it, or None.
-    full_space
-        ``stable``, ``unstable`` or ``undecided`` without the symmetry, judged at both ends and in the middle; empty
-        where none is imposed, or it was not asked for.
-    full_space_from
-        First load at which it is not stable there; None where it is.
-    """
-
-    toward: int
-    points: tuple[LoadPoint, ...] = field(repr=False)
-    why: str
-    snap: int | None
-    full_space: str
-    full_space_from: float | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -251,7 +140,7 @@ class LoadPath(Told, Turnable):
         """Return legs and snaps as plain data, see `view`."""
         from origami_nlp.loading.turned import turn_path  # bodies in space are slow to import
 
-        return turn_path(self)
+        return turn_path(self.driver, self.legs, self.snaps, self.told())
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

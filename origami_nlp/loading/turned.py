@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.show import (
     Content,
     Line,
     Panel,
+    Piece,
     Station,
     vertex_body,
     vertex_folded,
@@ -17,17 +20,18 @@ from origami_nlp.show import (
     vertex_view,
 )
 
-if TYPE_CHECKING:
-    from origami_nlp.loading.result import LoadPath
 
-
-def turn_path(path: LoadPath) -> Content:
+def turn_path(
+    driver: Driver, legs: Sequence[Leg], snaps: Sequence[Snap], told: Iterable[Piece]
+) -> Content:
     """Return the stable states of a load path, for a page that can be turned.
 
     Parameters
     ----------
-    path
-        Of `load_path`.
+    driver, legs, snaps
+        Of a `LoadPath`.
+    told
+        Its report.
 
     Returns
     -------
@@ -35,13 +39,13 @@ def turn_path(path: LoadPath) -> Content:
         Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
         panel: the load over what it works on.
     """
-    vertex, driver = path.scene.vertex, path.driver
+    vertex = driver.scene.vertex
     label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
     named = [
         (f"leg {k} begins at {leg.points[0].t:.6g} {driver.unit}".rstrip(), leg.points[0].t, leg.points[0].fold_angles)
-        for k, leg in enumerate(path.legs[:1], start=1)
+        for k, leg in enumerate(legs[:1], start=1)
     ]  # fmt: skip
-    for k, snap in enumerate(path.snaps, start=1):
+    for k, snap in enumerate(snaps, start=1):
         at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
         named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
     stations, places = [], []
@@ -53,7 +57,7 @@ def turn_path(path: LoadPath) -> Content:
         stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=lines))
         places.append((len(places), float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
-    for k, leg in enumerate(path.legs, start=1):
+    for k, leg in enumerate(legs, start=1):
         if len(leg.points) < 2:
             continue
         t = [p.t for p in leg.points]
@@ -69,11 +73,11 @@ def turn_path(path: LoadPath) -> Content:
     axes = (driver.coordinate, label)
     panel = Panel("The load and what it works on", axes, none, none, None, lines, tuple(places))
     content = Content(
-        path.scene.label or repr(vertex),
+        driver.scene.label or repr(vertex),
         vertex_body(vertex),
         tuple(stations),
         panels=(panel,),
-        pieces=tuple(path.told()),
+        pieces=tuple(told),
         note="" if tracks else "No leg was followed.",
         steps="Each step is a stable state under the load; energies are those without it.",
     )
