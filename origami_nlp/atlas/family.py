@@ -374,8 +374,14 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
         vertex = scene.vertex
         if sectors != vertex.sector_angles:
             vertex = Vertex(sectors, vertex.flat)
-        made = {name: tuple(v) for name, v in values.items()}
-        return replace(scene, vertex=vertex, loads=tuple(loads), **made)
+        return replace(
+            scene,
+            vertex=vertex,
+            loads=tuple(loads),
+            stiffness=tuple(values["stiffness"]),
+            rest_angles=tuple(values["rest_angles"]),
+            preload=tuple(values["preload"]),
+        )
 
     return at
 

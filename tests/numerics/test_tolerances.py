@@ -65,6 +65,7 @@ BESIDE_THE_TABLE = {
     "sheets/layers.SLIVER": "overlap that is rounding between two borders",
     "sheets/linear.WEIGHT": "regularisation, which iterations take back",
     "sheets/sheet.SQUARED": "rounding of squares of singular values",
+    "sheets/stacks.THIN": "overlap that is rounding between two borders, over a sheet's size",
     "sheets/touches.INSIDE": "share of a side near whose ends features are not told apart",
     "springs/checking.BALANCE": "error of energies that were asked for, relative",
     "springs/conic.ACCURACIES": "accuracies that a solver is asked for",
