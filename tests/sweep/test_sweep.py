@@ -1,6 +1,7 @@
 """Sweeps: what a file may say, answers that depend on nothing but the sweep, and kill -9 at random times."""
 
 import contextlib
+import json
 import os
 import random
 import signal
@@ -385,3 +386,23 @@ def test_chains_cover_every_scene_once():
         chains = list(sweep.chains(length))
         assert sorted(i for c in chains for i in c) == list(range(sweep.count))
         assert all(len({i // 6 for i in c}) == 1 for c in chains)  # neighbours along the last axis
+
+
+@pytest.mark.parametrize(
+    "axis", [{"set": "ratio", "from": 1, "to": 3, "count": 4, "scale": "log"}, {"set": "alpha", "values": [1.0, 1.1]}]
+)  # fmt: skip
+def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
+    """Also over a parameter that jumps, where it searches after all."""
+    scene = {"example": "degree6", "alpha": "5*pi/12"}
+    tables = []
+    for follows in (False, True):
+        sweep = parse_sweep({"scene": scene, "axes": [axis], "search": {"follow": follows}})
+        run_sweep(sweep, tmp_path / str(follows), workers=1)
+        tables.append(read_table(tmp_path / str(follows), "states"))
+    (names, searched), (same, followed) = tables
+    assert names == same and len(searched) == len(followed)
+    kind, energy, angles = (names.index(n) for n in ("kind", "energy", "fold_angles"))
+    for a, b in zip(searched, followed, strict=True):
+        assert a[:2] == b[:2] and a[kind] == b[kind]
+        assert a[energy] == pytest.approx(b[energy], rel=1e-12)
+        assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)

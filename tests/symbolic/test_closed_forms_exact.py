@@ -1,6 +1,5 @@
 """The stable expressions solve the equations of `symbolic.derive`: exact polynomial identities."""
 
-import pytest
 import sympy as sp
 
 from symbolic.derive import dihedral_form, reflection_form
@@ -30,7 +29,6 @@ def _zero_with_root(expr, square):
     return vanishes(even, CIRCLES) and vanishes(odd, CIRCLES)
 
 
-@pytest.mark.slow
 def test_wedge3_solves_the_derived_equation_on_both_branches():
     form, mirror, (g, e, p, _, q, _) = _wedge()
     c, s = mirror
