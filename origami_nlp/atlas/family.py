@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -374,7 +375,7 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
         vertex = scene.vertex
         if sectors != vertex.sector_angles:
             vertex = Vertex(sectors, vertex.flat)
-        made = {name: tuple(v) for name, v in values.items()}
+        made: dict[str, Any] = {name: tuple(v) for name, v in values.items()}
         return replace(scene, vertex=vertex, loads=tuple(loads), **made)
 
     return at

@@ -46,7 +46,9 @@ def turn_branches(
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations, at = family.over, [], []
+    over = family.over
+    stations: list[Station] = []
+    at: list[tuple[int, float, float]] = []
     for e in events:
         scene = family.scene_of(e.t)
         energy = float(scene.energy(e.fold_angles))
@@ -68,10 +70,10 @@ def turn_branches(
     )
     tracks = [track for b in branches for track in _tracks(family, b, label)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
-    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
+    curves = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
     none, first = np.empty(0), family.scene_of(over.low)
     panel = Panel(
-        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, lines, tuple(at)
+        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, curves, tuple(at)
     )
     content = Content(
         first.label or repr(first.vertex),
