@@ -88,14 +88,15 @@ def find_regions(
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
             result = find_minima(plane.family(u).scene(t), prove=False, effort=effort, seed=seed)
-            found.append(((t, u), Counter(m.kind for m in result.minima)))
+            kinds: Counter[str] = Counter(m.kind for m in result.minima)
+            found.append(((t, u), kinds))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
             depth = np.minimum(depth, far)
-        (t, kinds), *others = found
+        (middle, counted), *others = found
         seen = tuple(dict(sorted(k.items())) for _, k in others)
         share = float(inside.mean())
-        out.append(Region(t, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
+        out.append(Region(middle, share, counted.total(), dict(sorted(counted.items())), seen))
     return tuple(sorted(out, key=lambda r: -r.share))
 
 

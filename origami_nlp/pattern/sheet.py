@@ -183,7 +183,18 @@ class Pattern:
         return np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in self.assignment])
 
     def energy(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Elastic energy of states [..., n] [rad], shape [...]."""
+        """Elastic energy of states [J].
+
+        Parameters
+        ----------
+        fold_angles
+            States [..., n] [rad].
+
+        Returns
+        -------
+        ndarray
+            Shape [...].
+        """
         return 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
 
     def __repr__(self) -> str:

@@ -97,7 +97,18 @@ class Motion(Told):
             yield "folded flat there: whether its layers can be ordered is not asked"
 
     def shown(self, most: int) -> list[int]:
-        """Return numbers of at most so many states, evenly along the motion, with both ends."""
+        """Return numbers of at most so many states, evenly along the motion, with both ends.
+
+        Parameters
+        ----------
+        most
+            How many, at least 2.
+
+        Returns
+        -------
+        list of int
+            Increasing, from 0.
+        """
         if len(self.phi) <= most:
             return list(range(len(self.phi)))
         even = np.searchsorted(self.arc, np.linspace(0.0, self.arc[-1], most))
