@@ -69,15 +69,14 @@ def find_regions(
     tuple of Region
         The largest first.
     """
-    from scipy.ndimage import distance_transform_edt, label
+    from scipy.ndimage import distance_transform_edt
 
     check_type("boundaries", boundaries, Boundaries)
     check_whole("checks", checks, 0, 100)
     plane = Plane(boundaries.scene, boundaries.overs)
-    walls = _walls(boundaries, plane)
-    numbers, count = label(~walls)
+    numbers = region_cells(boundaries)
     out = []
-    for number in range(1, count + 1):
+    for number in range(1, int(numbers.max()) + 1):
         inside = numbers == number
         if inside.mean() < LEAST:
             continue
@@ -97,6 +96,16 @@ def find_regions(
         share = float(inside.mean())
         out.append(Region(t, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
     return tuple(sorted(out, key=lambda r: -r.share))
+
+
+def region_cells(boundaries: Boundaries) -> np.ndarray:
+    """Return the number of the region of each cell, 0 where a curve passes, [CELLS, CELLS]; see `find_regions`.
+
+    The first parameter goes along the rows, both as they are followed.
+    """
+    from scipy.ndimage import label
+
+    return np.asarray(label(~_walls(boundaries, Plane(boundaries.scene, boundaries.overs)))[0])
 
 
 def _walls(boundaries: Boundaries, plane: Plane) -> np.ndarray:
