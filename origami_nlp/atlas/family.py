@@ -374,8 +374,10 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
         vertex = scene.vertex
         if sectors != vertex.sector_angles:
             vertex = Vertex(sectors, vertex.flat)
-        made = {name: tuple(v) for name, v in values.items()}
-        return replace(scene, vertex=vertex, loads=tuple(loads), **made)
+        k, rest, preload = (tuple(v) for v in values.values())
+        return replace(
+            scene, vertex=vertex, stiffness=k, rest_angles=rest, preload=preload, loads=tuple(loads)
+        )
 
     return at
 

@@ -87,14 +87,14 @@ def find_regions(
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
             result = find_minima(plane.family(u).scene(t), prove=False, effort=effort, seed=seed)
-            found.append(((t, u), Counter(m.kind for m in result.minima)))
+            found.append(((t, u), Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
             depth = np.minimum(depth, far)
-        (t, kinds), *others = found
+        (where, kinds), *others = found
         seen = tuple(dict(sorted(k.items())) for _, k in others)
         share = float(inside.mean())
-        out.append(Region(t, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
+        out.append(Region(where, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
     return tuple(sorted(out, key=lambda r: -r.share))
 
 

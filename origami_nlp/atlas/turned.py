@@ -46,7 +46,8 @@ def turn_branches(
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations, at = family.over, [], []
+    over, stations = family.over, []
+    at: list[tuple[int, float, float]] = []
     for e in events:
         scene = family.scene_of(e.t)
         energy = float(scene.energy(e.fold_angles))
@@ -59,7 +60,7 @@ def turn_branches(
         folded = vertex_folded(scene.vertex, e.fold_angles, energy)
         view = vertex_view(scene.vertex, e.fold_angles)
         title = f"event {e.id}: {e.type} at {where}"
-        stations.append(Station(title, folded, view, lines=tuple(filter(None, lines))))
+        stations.append(Station(title, folded, view, lines=tuple(filter(None, said))))
         at.append((len(at), _told(over, e.t), energy))
     label = " ".join(
         filter(

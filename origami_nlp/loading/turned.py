@@ -48,25 +48,27 @@ def turn_path(
     for k, snap in enumerate(snaps, start=1):
         at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
         named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
-    stations, places = [], []
+    stations: list[Station] = []
+    places: list[tuple[int, float, float]] = []
     for title, t, phi in named:
         energy = float(driver.unloaded.energy(phi))
         angles = ", ".join(f"{v:.3f}" for v in np.degrees(phi) + 0.0)
-        lines = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
+        words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
         view = vertex_view(vertex, phi)
-        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=lines))
+        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=words))
         places.append((len(places), float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
     for k, leg in enumerate(legs, start=1):
         if len(leg.points) < 2:
             continue
-        t = [p.t for p in leg.points]
+        loads = [p.t for p in leg.points]
         title = (
-            f"leg {k}, {t[0]:.6g} to {t[-1]:.6g} {driver.unit}".rstrip() + f": ends with {leg.why}"
+            f"leg {k}, {loads[0]:.6g} to {loads[-1]:.6g} {driver.unit}".rstrip()
+            + f": ends with {leg.why}"
         )
         states = [p.fold_angles for p in leg.points]
         energies = [p.energy for p in leg.points]
-        tracks.append(vertex_track(vertex, title, states, energies, parameter=t, label=label))
+        tracks.append(vertex_track(vertex, title, states, energies, parameter=loads, label=label))
         points.append(np.array([(p.angle, p.t) for p in leg.points]))
     lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
     none = np.empty(0)
