@@ -52,7 +52,7 @@ def turn_branches(
         scene = family.scene_of(e.t)
         energy = float(scene.energy(e.fold_angles))
         where = over.shown(e.t, 9)
-        lines = [
+        said = [
             e.contact,
             e.note,
             "fold angles [deg]: " + ", ".join(f"{math.degrees(v):.2f}" for v in e.fold_angles),
