@@ -28,6 +28,7 @@ LONG = (
     "04_landscapes.ipynb",
     "05_cones.ipynb",
     "07_from_a_fold_file.ipynb",
+    "08_paths.ipynb",
     "09_design.ipynb",
     "09_proof.ipynb",
     "10_patterns.ipynb",

@@ -27,5 +27,9 @@ from .records import (
     PathPoint as PathPoint,
     StateAt as StateAt,
 )
-from .regions import Region as Region, find_regions as find_regions
+from .regions import (
+    Region as Region,
+    find_regions as find_regions,
+    region_cells as region_cells,
+)
 from .result import Atlas as Atlas

@@ -121,6 +121,8 @@ class Boundaries(Told):
     lines: tuple[CountedLine, ...]
     seconds: float
 
+    PICTURE = "draw_boundaries"
+
     def told(self) -> Iterator[Piece]:
         """Return the curves, and the counts along each line."""
         a, b = self.overs

@@ -374,13 +374,9 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
         vertex = scene.vertex
         if sectors != vertex.sector_angles:
             vertex = Vertex(sectors, vertex.flat)
+        k, rest, preload = (tuple(v) for v in values.values())
         return replace(
-            scene,
-            vertex=vertex,
-            loads=tuple(loads),
-            stiffness=tuple(values["stiffness"]),
-            rest_angles=tuple(values["rest_angles"]),
-            preload=tuple(values["preload"]),
+            scene, vertex=vertex, stiffness=k, rest_angles=rest, preload=preload, loads=tuple(loads)
         )
 
     return at

@@ -20,7 +20,7 @@ BISECTIONS = 40
 """Of a part of an arc on which the verdict changes."""
 
 
-Touching = dict[Hold, tuple[Contact, ...]]
+Touching = dict[Hold, tuple[tuple[Contact, ...], ...]]
 
 
 class Part(NamedTuple):
@@ -70,12 +70,12 @@ def breaking_eigenvalue(
     closes in that space where contacts are held, as far as it is known.
     """
     full = State(line.at(frame.s), frame.programme.expand(frame.state))
-    contacts = touching.get(frame.hold, () if not frame.hold.contacts else None)
-    if contacts is None or np.abs(full.local.openings(contacts)[0]).max(initial=0.0) > TOUCHES:
-        if len(full.pieces) > 1:
-            return math.nan
-        contacts = touching[frame.hold] = full.pieces[0]
-    return breaking_stiffness(full, scene, contacts)
+    pieces = touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
+    # what closed together at another state of these contacts, and is closed here, leaves the same pieces
+    closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
+    if pieces is None or np.abs(full.local.openings(closed)[0]).max(initial=0.0) > TOUCHES:
+        pieces = touching[frame.hold] = tuple(full.pieces)
+    return breaking_stiffness(full, scene, pieces[0]) if len(pieces) == 1 else math.nan
 
 
 def states_at(

@@ -69,15 +69,14 @@ def find_regions(
     tuple of Region
         The largest first.
     """
-    from scipy.ndimage import distance_transform_edt, label
+    from scipy.ndimage import distance_transform_edt
 
     check_type("boundaries", boundaries, Boundaries)
     check_whole("checks", checks, 0, 100)
     plane = Plane(boundaries.scene, boundaries.overs)
-    walls = _walls(boundaries, plane)
-    numbers, count = label(~walls)
+    numbers = region_cells(boundaries)
     out = []
-    for number in range(1, count + 1):
+    for number in range(1, int(numbers.max()) + 1):
         inside = numbers == number
         if inside.mean() < LEAST:
             continue
@@ -88,16 +87,25 @@ def find_regions(
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
             result = find_minima(plane.family(u).scene(t), prove=False, effort=effort, seed=seed)
-            kinds: Counter[str] = Counter(m.kind for m in result.minima)
-            found.append(((t, u), kinds))
+            found.append(((t, u), Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
             depth = np.minimum(depth, far)
-        (middle, counted), *others = found
+        (where, kinds), *others = found
         seen = tuple(dict(sorted(k.items())) for _, k in others)
         share = float(inside.mean())
-        out.append(Region(middle, share, counted.total(), dict(sorted(counted.items())), seen))
+        out.append(Region(where, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
     return tuple(sorted(out, key=lambda r: -r.share))
+
+
+def region_cells(boundaries: Boundaries) -> np.ndarray:
+    """Return the number of the region of each cell, 0 where a curve passes, [CELLS, CELLS]; see `find_regions`.
+
+    The first parameter goes along the rows, both as they are followed.
+    """
+    from scipy.ndimage import label
+
+    return np.asarray(label(~_walls(boundaries, Plane(boundaries.scene, boundaries.overs)))[0])
 
 
 def _walls(boundaries: Boundaries, plane: Plane) -> np.ndarray:

@@ -51,6 +51,8 @@ class Atlas(Told, Turnable):
     web: Web
     branch_of_arc: dict[int, int]
 
+    PICTURE = "draw_atlas"
+
     @property
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""

@@ -48,14 +48,14 @@ def turn_path(
     for k, snap in enumerate(snaps, start=1):
         at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
         named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
-    stations = []
+    stations: list[Station] = []
     places: list[tuple[int, float, float]] = []
     for title, t, phi in named:
         energy = float(driver.unloaded.energy(phi))
         angles = ", ".join(f"{v:.3f}" for v in np.degrees(phi) + 0.0)
-        said = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
+        words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
         view = vertex_view(vertex, phi)
-        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=said))
+        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=words))
         places.append((len(places), float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
     for k, leg in enumerate(legs, start=1):

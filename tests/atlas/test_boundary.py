@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.atlas import Plane, draw_boundaries, find_boundaries, follow_family
+from origami_nlp.atlas import Plane, draw_boundaries, find_boundaries, find_regions, follow_family
 from origami_nlp.errors import OptionError
 
 
@@ -43,6 +43,30 @@ def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
 def test_every_event_of_a_line_lies_on_a_curve(contact):
     for line in contact.lines:
         assert line.events and all(number for _, number in line.events)
+
+
+def test_regions_are_counted_on_both_sides(contact):
+    """As many states with and without the contact, of other kinds; what lies on which side, by the curve itself."""
+    regions = find_regions(contact)
+    assert len(regions) == 2 and all(r.agrees for r in regions)
+    assert 0.97 < sum(r.share for r in regions) <= 1
+    assert regions[0].minima == regions[1].minima == 2 and regions[0].kinds != regions[1].kinds
+    (curve,) = contact.curves
+    alpha, ratio = np.array(sorted((p.t[1], math.log(p.t[0])) for p in curve.points)).T
+    above = [math.log(r.t[0]) > np.interp(r.t[1], alpha, ratio, left=9.0) for r in regions]
+    assert sorted(above) == [False, True]
+    for region, carried in zip(regions, above, strict=True):
+        assert ("contact-pinned" in region.kinds) == carried
+
+
+@pytest.mark.slow
+def test_a_curve_along_which_the_second_parameter_stays_is_found():
+    """Crease 4 is fully folded in a state that contact pins: whatever the springs, at one angle."""
+    scene = o.examples.degree6("5*pi/12")
+    (curve, *_) = find_boundaries(scene, "ratio=5:50", "alpha=77deg:81deg", lines=1).curves
+    alpha = np.degrees([p.t[1] for p in curve.points])
+    assert np.ptp(alpha) < 1e-9 and alpha[0] == pytest.approx(79.1874819, abs=1e-6)
+    assert curve.ends == ("range", "range")
 
 
 def test_data_and_a_picture(contact, tmp_path):
