@@ -19,6 +19,7 @@ def contact():
     return find_boundaries(o.examples.degree6("pi/4"), "ratio=0.2:3", "alpha=50deg:pi/3")
 
 
+@pytest.mark.slow
 def test_a_contact_curve_passes_what_is_known_of_both_parameters(contact):
     (curve,) = contact.curves
     ratio, alpha = np.array([p.t for p in curve.points]).T

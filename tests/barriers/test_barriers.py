@@ -218,6 +218,7 @@ def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers)
     assert (np.linalg.eigvalsh(hessian) < 0).sum() == 1
 
 
+@pytest.mark.slow
 def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
     (p, other) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
     assert p.fold_angles == other.fold_angles and p.contacts == ("phi = +pi at crease 1",)
@@ -382,6 +383,7 @@ def test_command(tmp_path):
     assert wrong.exit_code != 0 and "--panels" in str(wrong.exception)
 
 
+@pytest.mark.slow
 def test_other_vertices_work_as_well():
     # an asymmetric assignment of springs on another degree-6 vertex with one mirror
     a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)

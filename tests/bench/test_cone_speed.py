@@ -1,10 +1,13 @@
 """Speed of counting the minima of cones: measured with its errors."""
 
+import pytest
+
 from origami_nlp.bench import as_markdown, measure
 from origami_nlp.bench.cone_speed import scan_branches
 from origami_nlp.cone import count
 
 
+@pytest.mark.slow
 def test_speed_is_measured_with_errors():
     rows = measure([6, 30], points=3, maps=(6,))
     assert [r.degree for r in rows] == [6, 30]

@@ -186,6 +186,7 @@ def test_numbers_of_the_tables():
     assert per_correct([two]).median == math.inf
 
 
+@pytest.mark.slow
 def test_a_measurement_as_a_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(union, "UNION_SEEDS", 1)
     monkeypatch.setattr(union, "SECONDS", {4: 0.1})

@@ -72,6 +72,7 @@ def test_an_interrupted_search_leaves_a_clean_line(tmp_path):
     assert shown.rindex("\x1b[?25h") > shown.rindex("\x1b[?25l")  # the cursor is seen again
 
 
+@pytest.mark.slow
 def test_who_asks_for_no_file_is_told_which_could_be_written_on_a_terminal_only(tmp_path):
     program = "from origami_nlp.cli import main; main()"
     line = ["cone", "count", "--degree", 6, "--rest-elevation", 0.3]
@@ -100,6 +101,7 @@ def test_what_is_written_is_told_last(tmp_path):
         assert out.count("written: ") == len(options)
 
 
+@pytest.mark.slow
 def test_a_result_prints_no_shorter_in_a_narrow_terminal(tmp_path, monkeypatch):
     """Every word of the table and the lines stands there at 60 columns as in a pipe, but for the time."""
     scene = scene_file(tmp_path, examples.degree6("pi/4", 1))

@@ -202,6 +202,7 @@ def test_no_boundary_without_contact() -> None:
     assert "no metastable" in draw_segments(report)._suptitle.get_text().lower()  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_boundaries_without_a_state_are_found_on_request() -> None:
     result = search("facets")
     report = find_segments(result, every_boundary=True)

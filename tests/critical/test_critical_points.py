@@ -83,6 +83,7 @@ def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     assert found.doubts == () and found.morse_sum == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned([SHAPES[5], SHAPES[0]], 2), ids=lambda s: s.name)
 def test_springs_at_rest_in_the_flat_state(scene):
     """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
@@ -189,6 +190,7 @@ def test_interior_points_are_those_of_the_chart(scene):
         assert min(np.abs(np.subtract(state, p)).max() for p in inner) < 1e-6
 
 
+@pytest.mark.slow
 def test_links_of_known_states():
     strata = strata_of(PANELS[1])
     model = strata.model
@@ -206,6 +208,7 @@ def test_links_of_known_states():
     assert count_arcs(np.array([True, False, True, True])) == 1
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**31))
 def test_the_flat_state_by_the_dual_cone(seed):

@@ -271,6 +271,7 @@ def test_html_escapes_names(results):
     o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula
 
 
+@pytest.mark.slow
 def test_nothing_global():
     code = (
         "import sys, origami_nlp as o; assert 'matplotlib' not in sys.modules\n"

@@ -51,6 +51,7 @@ def zeros_that_are_minima(scene, count, seed):
     return x, np.array(minima)
 
 
+@pytest.mark.slow
 def test_zeros_and_descents_know_the_same_minima():
     """Newton in three unknowns alone finds most of what the whole search lists at N = 10, and hardly more."""
     scene = draw(10, 2)

@@ -65,6 +65,7 @@ def test_any_unit_will_do(factor):
         assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_scaling_the_stiffness_scales_the_answer_exactly():
     scene = examples.degree6("pi/3", 1.0)
     one = find_minima(scene, max_starts=24)

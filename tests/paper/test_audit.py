@@ -323,6 +323,7 @@ def test_thirty_rows_do_not_close(reference: tuple[Candidate, ...]) -> None:
     assert "**Rows that are no states (30).**" in text and "15 different ones" in text
 
 
+@pytest.mark.slow
 def test_pi6_files_are_of_another_vertex(reference: tuple[Candidate, ...]) -> None:
     panel = audit_candidates([c for c in reference if c.degree == 8 and c.alpha == math.pi / 6])
     own = [a for p in panel for a in p.audited if a.cause == "does not close"]

@@ -22,6 +22,7 @@ def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
     assert (tmp_path / f"{name}.pdf").read_bytes()[:5] == b"%PDF-"
 
 
+@pytest.mark.slow
 def test_figure_axis_is_the_papers(monkeypatch):
     """Colours of the drawn map, read back, are the counts at minus nu_0."""
     monkeypatch.setattr(cone_figures, "SIZE", 6)

@@ -29,6 +29,7 @@ def test_sizes_are_those_of_the_study():
     assert SIZES == (65, 129, 257, 513, 1025)
 
 
+@pytest.mark.slow
 def test_interior_minima_converge_at_the_expected_order():
     for error in errors(*INTERIOR):
         assert error.sort == "interior"

@@ -19,6 +19,7 @@ def one_panel(monkeypatch):
     monkeypatch.setitem(sheet.SHEETS, "figure4", small)
 
 
+@pytest.mark.slow
 def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
     code, out, _ = run("paper", "reproduce", "figure4", "--out", tmp_path / "new")
     assert code == 0 and "written" in out

@@ -92,6 +92,7 @@ def test_a_good_proof_is_confirmed():
     assert any("python-flint" in line for line in found.trusted)
 
 
+@pytest.mark.slow
 def test_a_second_search_finds_the_same_critical_points():
     one, other = proved(4, 3), proved_slowly(4, 3)
     assert not check_proof(other).refused

@@ -131,6 +131,7 @@ def test_points_signs_and_indices_agree_with_differences_of_the_energy(case):
         examine(s, stratum, stratum.locate(p.x, p.moment))
 
 
+@pytest.mark.slow
 def test_indices_of_degree_6_agree_with_differences_of_the_energy():
     s, seen, indices = scene(6, 1), set(), []
     for pins in ((0,) * 6, (0, 1, 0, 0, 0, 0)):

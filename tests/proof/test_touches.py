@@ -92,6 +92,7 @@ def test_rows_of_a_touch_hold_their_values(width):
                 assert off <= form.error[4 + row, box]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [0.0, 1e-6, 1e-3, 0.1])
 def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     """det [G | C | w] of five creases with axes and the gradient of the gap by quaternions."""
@@ -275,6 +276,7 @@ def test_one_freedom_has_no_touches():
     assert len(proof.points) + proof.crossing == len(limits.points)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("turn", "way"), thinned([(2, -1), (2, 1), (0, -1)], 3))
 def test_labels_turned_and_reflected(touching, turn, way):
     """Numbered from another crease, the other way round, and both: every day both."""

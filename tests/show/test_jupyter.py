@@ -45,6 +45,7 @@ def outputs():
 
 
 # the kernel says as a warning that it talks over local TCP
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_repr_is_the_same_text_in_a_kernel_and_outside(outputs):
     code = setup() + "import json; print(json.dumps(texts))"

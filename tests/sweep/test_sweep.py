@@ -288,6 +288,7 @@ def test_ten_kills_of_ten_thousand_scenes_change_nothing(tmp_path):
     assert answers(out) == answers(plain)
 
 
+@pytest.mark.slow
 def test_a_local_dask_cluster_gives_the_same(finished, tmp_path):
     distributed = pytest.importorskip(
         "distributed", reason='dask is not installed: pip install "origami_nlp[sweep]"'

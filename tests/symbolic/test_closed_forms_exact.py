@@ -1,5 +1,6 @@
 """The stable expressions solve the equations of `symbolic.derive`: exact polynomial identities."""
 
+import pytest
 import sympy as sp
 
 from symbolic.derive import dihedral_form, reflection_form
@@ -44,6 +45,7 @@ def test_wedge3_solves_the_derived_equation_on_both_branches():
     assert not _zero_with_root(damaged, square)
 
 
+@pytest.mark.slow
 def test_wedge3_last_crease_equals_the_derived_one():
     form, mirror, (g, e, p, p_last, q, q_last) = _wedge()
     c, s = mirror
