@@ -15,7 +15,9 @@ from tests.command_line import run, scene_file
 pty = pytest.importorskip("pty")
 
 SLOW = """
+import signal
 import time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background of a shell
 from origami_nlp.cli import main, search
 def wait(*_, **__):
     print("searching", flush=True)
