@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, check_type
+from origami_nlp.arguments import check_type
 from origami_nlp.atlas.result import Atlas
-from origami_nlp.files import write_whole
-from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.folding import folded_frame, frames_to_fold, save_fold
 from origami_nlp.pattern import Scene
 
 
@@ -44,6 +42,4 @@ def write_frames(atlas: Atlas, target: str | Path) -> None:
         If `atlas` is none, or the file cannot be written.
     """
     check_type("atlas", atlas, Atlas)
-    check_path("target", target)
-    text = json.dumps(atlas_to_fold(atlas), indent=1, allow_nan=False)
-    write_whole(target, (text + "\n").encode())
+    save_fold(atlas_to_fold(atlas), target)

@@ -21,6 +21,7 @@ from .fold_frames import (
     folded_frame as folded_frame,
     frames_to_fold as frames_to_fold,
     path_frames as path_frames,
+    save_fold as save_fold,
 )
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered
 from .vertex_list import (

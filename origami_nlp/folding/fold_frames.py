@@ -10,12 +10,16 @@ order that is free of crossings.  Coordinates of a folded frame: the frame of th
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_path
+from origami_nlp.files import write_whole
 from origami_nlp.folding.embedding import fold_vertex
 from origami_nlp.folding.layers import layer_problem, ordered
 from origami_nlp.numerics import TOUCHES
@@ -199,3 +203,22 @@ def _letters_and_angles(angles: Sequence[float]) -> dict[str, Any]:
         "edges_assignment": [*letters, *"B" * len(letters)],
         "edges_foldAngle": [*map(math.degrees, angles), *pad],
     }
+
+
+def save_fold(data: dict[str, Any], target: str | Path) -> None:
+    """Write FOLD data as a file, whole or not at all; ``"-"`` for standard output.
+
+    Parameters
+    ----------
+    data
+        Of `frames_to_fold`.
+    target
+        The file.
+
+    Raises
+    ------
+    OptionError
+        If `target` is no path, or the file cannot be written.
+    """
+    check_path("target", target)
+    write_whole(target, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, check_type
-from origami_nlp.files import write_whole
-from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.arguments import check_type
+from origami_nlp.folding import folded_frame, frames_to_fold, save_fold
 from origami_nlp.loading.result import LoadPath
 
 
@@ -39,6 +37,4 @@ def write_path(path: LoadPath, target: str | Path) -> None:
         If `path` is none, or the file cannot be written.
     """
     check_type("path", path, LoadPath)
-    check_path("target", target)
-    text = json.dumps(path_to_fold(path), indent=1, allow_nan=False)
-    write_whole(target, (text + "\n").encode())
+    save_fold(path_to_fold(path), target)

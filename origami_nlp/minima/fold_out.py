@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_path, check_type
+from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames
+from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames, save_fold
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import Scene
@@ -64,10 +63,7 @@ def write_fold(result: MinimaResult, target: str | Path) -> None:
     ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
     """
     check_type("result", result, MinimaResult)
-    check_path("target", target)
-    write_whole(
-        target, (json.dumps(minima_to_fold(result), indent=1, allow_nan=False) + "\n").encode()
-    )
+    save_fold(minima_to_fold(result), target)
 
 
 def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from origami_nlp.pattern import examples, frame_pattern, parse_fold
 from origami_nlp.sheets import Poses, Sheet
 from tests.fold_files import disc
 
-SHARED = Path("/work/shared/fold")
+SHARED = Path(__file__).parents[2].parent / "shared" / "fold"
 FOLDED = {  # facets, creases, interior vertices, counted from the files' arrays by hand or by the file's author
     "fold_squaretwist_4xdeg4.fold": (9, 12, 4),
     "foldforge_miura_9xdeg4.fold": (16, 24, 9),
