@@ -43,6 +43,7 @@ from .results import (
     to_frame as to_frame,
     view as view,
 )
+from .sheet_loading import SheetLoadPath as SheetLoadPath, find_load_path as find_load_path
 from .sheets import (
     Motion as Motion,
     Overview as Overview,

@@ -23,7 +23,21 @@ _READ = {
     "origami-nlp/minima/1": ("minima", "MinimaResult"),
     "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
+    "origami-nlp/bench-patterns/1": ("bench", "PatternBench"),
+    "origami-nlp/load/1": ("loading", "LoadPath"),
+    "origami-nlp/modes/1": ("modes", "Modes"),
+    "origami-nlp/atlas/1": ("atlas", "Atlas"),
+    "origami_nlp.sheet_states/1": ("sheets", "SheetResult"),
+    "origami-nlp/pattern/1": ("sheets", "Overview"),
+    "origami-nlp/motion/1": ("sheets", "Motion"),
+    "origami-nlp/sheet-load/1": ("sheet_loading", "SheetLoadPath"),
 }
+_OF_A_PATTERN = (
+    ("minima", "sheets", "SheetResult"),
+    ("load", "sheet_loading", "SheetLoadPath"),
+    ("motion", "sheets", "Motion"),
+)
+"""What ``origami-nlp pattern --json`` may write beside counts, by its key; what was asked for most stands first."""
 
 
 def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
@@ -135,12 +149,14 @@ def load(path: str | PathLike[str]) -> Any:
     Parameters
     ----------
     path
-        A JSON file of minima or critical points.
+        A JSON file of minima, critical points, a load path, an atlas or modes of a vertex, or of counts, stable states,
+        a folding motion or a load path of a pattern.
 
     Returns
     -------
-    MinimaResult or CriticalPoints
-        By the schema that the file names.
+    Result
+        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the stable states if there are some,
+        else the load path, else the motion, else the counts.
 
     Raises
     ------
@@ -161,6 +177,11 @@ def load(path: str | PathLike[str]) -> Any:
         known = ", ".join(_READ)
         raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
     room, name = _READ[schema]
+    if name == "Overview":
+        for key, one, other in _OF_A_PATTERN:
+            if key in data:
+                room, name, data = one, other, data if key == "minima" else data[key]
+                break
     return getattr(import_module(f"origami_nlp.{room}"), name).from_dict(data)
 
 

@@ -28,6 +28,8 @@ def run(*arguments: object) -> Done:
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
     ):
+        # on a slow machine lines would come in between that say how far it is
+        patch.setattr("origami_nlp.cli.progress.INTERVAL", 1e6)
         patch.setattr(sys, "argv", ["origami-nlp", *map(str, arguments)])
         with pytest.raises(SystemExit) as stop:
             main()

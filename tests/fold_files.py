@@ -1,14 +1,28 @@
-"""FOLD files that the tests write themselves, as data: crease patterns and folded forms with every oddity."""
+"""FOLD files that the tests write themselves, as data, with every oddity; and where those of other people are."""
 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from origami_nlp import Vertex
 from origami_nlp.folding import fold_vertex
 from tests.independent.rotations import project, spin_sign
+
+OTHERS = Path(__file__).resolve().parents[2] / "shared" / "fold"
+"""Other people's files, beside the repository: they may not be copied into it."""
+
+
+def others(pattern: str = "*.fold") -> list[Path]:
+    """Return other people's files, one at least; the test is skipped where their folder is not."""
+    if not OTHERS.is_dir():
+        pytest.skip(f"other people's FOLD files are not here: {OTHERS}")
+    found = sorted(OTHERS.glob(pattern))
+    assert found, pattern
+    return found
 
 
 def disc(sectors_deg, letters=None, angles=None, turn=0.0, length=None):

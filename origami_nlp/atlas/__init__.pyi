@@ -17,14 +17,18 @@ from .figure import (
     draw_boundaries as draw_boundaries,
 )
 from .find import follow as follow, follow_family as follow_family
-from .fold_out import atlas_to_fold as atlas_to_fold, write_frames as write_frames
+from .fold_out import write_frames as write_frames
 from .judging import parts_of as parts_of
 from .plane import Plane as Plane
 from .records import (
+    BranchEnd as BranchEnd,
     Check as Check,
+    KindRange as KindRange,
+    Multiplier as Multiplier,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,
+    Residuals as Residuals,
     StateAt as StateAt,
 )
 from .regions import (
@@ -33,3 +37,4 @@ from .regions import (
     region_cells as region_cells,
 )
 from .result import Atlas as Atlas
+from .turned import turn_paths as turn_paths

@@ -5,28 +5,29 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.atlas.event_curve import EventPoint, EventTracer, follow_event
-from origami_nlp.atlas.family import Over, parse_nearby, parse_over
+from origami_nlp.atlas.event_curve import MEETS, EventPoint, EventTracer, follow_event
+from origami_nlp.atlas.family import Over, family_of, parse_nearby, parse_over
 from origami_nlp.atlas.find import follow_family
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
-from origami_nlp.atlas.result import Atlas
 from origami_nlp.numerics import BESIDE, STATIONARY
 from origami_nlp.path import Hold, Node, Tally, Web
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.programme import Contact
+from origami_nlp.programme import Contact, Model
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 
 SCHEMA = "origami-nlp/boundary/1"
 FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
 """Events that are followed over two parameters."""
-MOST_LINES = 100
+MOST_LINES, MOST_CURVES = 100, 200
+AROUND = 0.03
+"""Of a point where two events meet: share of the ranges, and fold angles [rad]."""
 
 
 @dataclass(frozen=True)
@@ -224,24 +225,33 @@ def find_boundaries(
         for u in map(float, values):
             family = plane.family(plane.overs[1 - axis].t_of(u), axis)
             atlas = follow_family(family, full_space=False, seed=seed, effort=effort)
-            counted.append(_line(plane, atlas, axis, u, curves, tally))
+            assert atlas.web is not None  # of one that was just followed
+            met = _events_on(plane, atlas.web, axis, u, curves, tally)
+            names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)
+            counted.append(CountedLine(*names, atlas.intervals, met))
+    _from_ends(plane, curves, tally)
     return Boundaries(scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin)
 
 
-def _line(
-    plane: Plane, atlas: Atlas, axis: int, u: float, curves: list[EventCurve], tally: Tally
-) -> CountedLine:
-    """Follow the events of a line that lie on no curve yet."""
+def _events_on(
+    plane: Plane, web: Web, axis: int, u: float, curves: list[EventCurve], tally: Tally
+) -> tuple[tuple[float, int], ...]:
+    """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
     met: list[tuple[float, int]] = []
-    for number, node in enumerate(atlas.web.nodes):
+    for number, node in enumerate(web.nodes):
         if node.type not in FOLLOWED or not node.located:
             continue
         t = plane.overs[axis].t_of(node.s)
         point, normal = np.full(2, u), np.zeros(2)
         point[axis], normal[axis] = node.s, 1.0
-        tracer = EventTracer(plane, *_system(atlas.web, number, node), tally)
-        first = tracer.at(point, normal, node.point[:-1])
-        if first is None or abs(first.point[axis] - node.s) > BESIDE:
+        first: EventPoint | None = None
+        for hold, contact in _systems(web, number, node):
+            tracer = EventTracer(plane, hold, contact, tally)
+            first = tracer.at(point, normal, node.point[:-1])
+            if first is not None and abs(first.point[axis] - node.s) <= BESIDE:
+                break
+            first = None
+        if first is None:
             met.append((t, 0))
             continue
         known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
@@ -259,17 +269,58 @@ def _line(
             )
             curves.append(EventCurve(known, node.type, words, found, ends))
         met.append((t, known))
+    return tuple(sorted(met))
+
+
+def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally) -> None:
+    """Follow the events that begin where a curve meets another one: on short lines from its last state."""
+    looked: list[CurvePoint] = []
+    for curve in curves:  # grows
+        for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
+            if not why.startswith(MEETS) or any(_same(plane, point, p) for p in looked):
+                continue
+            looked.append(point)
+            for axis in (0, 1):
+                web, u = _short_line(plane, point, axis)
+                if len(curves) < MOST_CURVES:
+                    _events_on(plane, web, axis, u, curves, tally)
+
+
+def _same(plane: Plane, a: CurvePoint, b: CurvePoint) -> bool:
+    apart = [abs(o.s_of(s) - o.s_of(t)) for o, s, t in zip(plane.overs, a.t, b.t, strict=True)]
+    angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
+    return bool((apart <= AROUND / 10 * plane.size).all() and angles <= AROUND)
+
+
+def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[Web, float]:
+    """Return what is followed from an event over one parameter nearby, and the value of the other."""
     over, other = plane.overs[axis], plane.overs[1 - axis]
-    return CountedLine(over.name, other.t_of(u), atlas.intervals, tuple(sorted(met)))
+    s, end = over.s_of(point.t[axis]), plane.corner[axis] + plane.size[axis]
+    low = max(s - AROUND * plane.size[axis], float(plane.corner[axis]))
+    high = min(s + AROUND * plane.size[axis], float(end))
+    near = replace(over, low=over.t_of(low), high=over.t_of(high))
+    family = family_of(family_of(plane.scene, other).scene_of(point.t[1 - axis]), near)
+    web = Web(family.line, near.s_of(near.low), near.s_of(near.high))
+    web.add(Model(family.scene(point.t[axis])).reduce(np.array(point.fold_angles)), s)
+    return web, other.s_of(point.t[1 - axis])
 
 
-def _system(web: Web, number: int, node: Node) -> tuple[Hold, Contact | None]:
-    """Return what is held at an event without the contact that closes, and that contact."""
-    arc = next(arc for arc in web.arcs if number in (arc.start, arc.end))
-    hold = arc.frames[len(arc.frames) // 2].hold
+def _systems(web: Web, number: int, node: Node) -> Iterator[tuple[Hold, Contact | None]]:
+    """Yield what is held at an event on the side that holds less, and a contact that closes there.
+
+    Several contacts may close together, and not all of them to first order.
+    """
+    holds = [
+        arc.frames[len(arc.frames) // 2].hold for arc in web.arcs if number in (arc.start, arc.end)
+    ]
+    least = min(holds, key=lambda hold: len(hold.contacts))
     if node.contact is None:
-        return hold, None
-    return Hold(tuple(c for c in hold.contacts if c != node.contact), hold.closure), node.contact
+        yield least, None
+        return
+    rest = replace(least, contacts=tuple(c for c in least.contacts if c != node.contact))
+    more = (c for hold in holds for c in hold.contacts if c not in rest.contacts)
+    for contact in dict.fromkeys((node.contact, *more)):
+        yield rest, contact
 
 
 def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:

@@ -19,7 +19,9 @@ from origami_nlp.atlas.records import (
     Residuals,
 )
 from origami_nlp.kkt import State
+from origami_nlp.numerics import TOUCHES
 from origami_nlp.path import Equilibrium, Node, Web
+from origami_nlp.programme import Contact
 
 QUIET = ("start", "range", "corner")
 """Nodes at which nothing happens."""
@@ -88,16 +90,19 @@ def branches_of(
 
 
 def _event(web: Web, number: int, node: Node, over: Over, meets: tuple[int, ...]) -> PathEvent:
-    programme = web.line.at(node.s)
+    programme, note = web.line.at(node.s), node.why
+    if node.between is not None:
+        low, high = (over.shown(over.t_of(s), 12) for s in node.between)
+        note = f"between {low} and {high}: {note}"
     return PathEvent(
         number,
         _type(web, node),
         over.t_of(node.s),
-        tuple(programme.expand(node.point[:-1]).tolist()),
+        tuple((programme.expand(node.point[:-1]) + 0.0).tolist()),
         "" if node.contact is None else programme.words(node.contact, node.point[:-1]).text,
         Residuals(node.residual, node.value),
         node.located,
-        node.why,
+        note,
         meets,
     )
 
@@ -131,8 +136,8 @@ def _branch(
         frames = arc.frames if forward else arc.frames[::-1]
         last = len(frames) - 1
         begin = len(points) - bool(points)  # arcs share the point at which they meet
-        unique = _unique(arc.frames[last // 2])
-        points += [point_of(f, over, across, unique) for f in frames[bool(points) :]]
+        dependent = _dependent(arc.frames[last // 2])
+        points += [point_of(f, over, across, dependent) for f in frames[bool(points) :]]
         for part in parts[k] if forward else reversed(parts[k]):
             a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
             t = over.t_of(frames[a].s), over.t_of(frames[b].s)
@@ -168,17 +173,21 @@ def _end(web: Web, node: int, ids: dict[int, int]) -> BranchEnd:
     return BranchEnd(why, ids.get(node))
 
 
+Pieces = tuple[tuple[Contact, ...], ...]
+
+
 def point_of(
-    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float], unique: bool
+    frame: Equilibrium, over: Over, across: Callable[[Equilibrium], float], dependent: Pieces
 ) -> PathPoint:
-    """Return a state of a branch in the scene's units; unique: whether its multipliers are."""
+    """Return a state of a branch in the scene's units; dependent: see `_dependent`."""
     p = frame.programme
     forces = []
     if frame.hold.contacts:
-        state = State(p, frame.state)
-        for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+        held = zip(frame.hold.contacts, frame.forces.tolist(), strict=True)
+        spread = _spread(State(p, frame.state), dependent) if dependent else {}
+        for contact, value in held:
             unit = p.scale / p.weight(contact)
-            low, high = (value, value) if unique else _spread(state, contact, value)
+            low, high = spread.get(contact, (value, value))
             forces.append(
                 Multiplier(
                     p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
@@ -195,24 +204,30 @@ def point_of(
     )
 
 
-def _unique(frame: Equilibrium) -> bool:
-    """Tell whether the contacts that are closed at a state determine their multipliers."""
+def _dependent(frame: Equilibrium) -> Pieces:
+    """Return the contacts that are closed at a state, piece by piece, where they do not determine their multipliers."""
     if not frame.hold.contacts:
-        return True
+        return ()
     state = State(frame.programme, frame.state)
-    return all(state.on(piece).multiplier_set.unique for piece in state.pieces)
+    unique = all(state.on(piece).multiplier_set.unique for piece in state.pieces)
+    return () if unique else tuple(state.pieces)
 
 
-def _spread(state: State, contact: object, value: float) -> tuple[float, float]:
-    """Return the smallest and largest multiplier of a contact over the set of them, scaled energy."""
-    for piece in state.pieces:
-        if contact in piece:
-            found = state.on(piece).multiplier_set
-            if not found.unique:
-                k = piece.index(contact)  # type: ignore[arg-type]
-                return float(found.lower[k]), float(found.upper[k])
-            break
-    return value, value
+def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
+    """Return the smallest and largest multiplier of each contact over the set of them, scaled energy.
+
+    pieces: of another state of the same arc; they are looked for again where they are not closed here.
+    """
+    rows = tuple(dict.fromkeys(c for piece in pieces for c in piece))
+    if np.abs(state.local.openings(rows)[0]).max(initial=0.0) > TOUCHES:
+        pieces = tuple(state.pieces)
+    out: dict[Contact, tuple[float, float]] = {}
+    for piece in pieces:
+        found = state.on(piece).multiplier_set
+        if not found.unique:
+            for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
+                out.setdefault(contact, (float(low), float(high)))
+    return out
 
 
 def widest_gap(web: Web, taken: list[float]) -> float | None:

@@ -24,8 +24,12 @@ CUSP, REACHES = (5e-4, 1e-3, 2e-3), (0.02, 0.05, 0.1, 0.2)
 """Steps back in the plane [shares], and on in the states [rad], with which a fold is looked for beyond a cusp."""
 MOST_CUSPS = 4
 """Of a curve, one way."""
+NEAR = 0.05
+"""Fold angles [rad] by which states at one place of a closed curve differ at most."""
 MOST = 1000
 """Points of a curve, one way."""
+MEETS = "meets another event"
+"""Why a curve ends where beyond it the states are none; what is met follows."""
 FOLD_STEPS = 12
 """Of the secant method for a fold."""
 
@@ -148,16 +152,35 @@ def _one_way(
         if not is_equilibrium(replace(there.frame)):
             h /= 2
             if h < SHORTEST:
-                return out, "meets another event"
+                return out, f"{MEETS}{_what(there.frame)}"
             continue
         length = float(np.linalg.norm(step))
         moved = (there.frame.state - here.frame.state) / length
         along = step / length
         out.append(there)
         here, h = there, min(LONGEST, 1.5 * h)
-        if len(out) > 3 and np.linalg.norm((here.point - first.point) / plane.size) < 0.5 * length:
+        back = float(np.linalg.norm((here.point - first.point) / plane.size))
+        # a curve with cusps may cross itself in the plane, in other states
+        apart = float(np.abs(here.frame.state - first.frame.state).max())
+        if len(out) > 3 and back < 0.5 * length and apart <= NEAR:
             return out, "closed curve"
     return out, f"more than {MOST} points"
+
+
+def _what(frame: Equilibrium) -> str:
+    """Say which other event makes a state none."""
+    p = frame.programme
+    pulls = [
+        p.words(c, frame.state).text
+        for c, force in zip(frame.hold.contacts, frame.forces, strict=True)
+        if force < 0
+    ]
+    shut = [p.words(c, frame.state).text for c in p.beyond(frame.state)]
+    if pulls or shut:
+        return ": " + (f"{pulls[0]} stops pushing" if pulls else f"{shut[0]} closes")
+    if why := p.refuses(frame.state):
+        return f": {why}"
+    return ": a contact leaves the facet that it touches"
 
 
 def _past_cusp(

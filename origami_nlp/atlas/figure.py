@@ -114,6 +114,7 @@ def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], flo
                 ls="-" if r.stable else (0, (4, 2)),
                 lw=1.6 if r.stable else 1.1,
             )
+    axes.margins(y=0.1)  # for the numbers of events
     every = np.concatenate(drawn) if drawn else np.zeros(0)
     every = every[np.isfinite(every)]
     if label.startswith("energy") and len(every) and 0 < every.min() * WIDE < every.max():

@@ -18,7 +18,7 @@ from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, find_minima, full_scene
+from origami_nlp.minima import MinimaResult, check_prove, find_minima, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
 from origami_nlp.pattern import Scene, Vertex
@@ -36,6 +36,7 @@ def follow(
     through_folds: bool = True,
     full_space: bool = True,
     morse: bool = False,
+    prove: bool | float = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
@@ -60,6 +61,9 @@ def follow(
         Whether events at which a symmetric state loses its stability without the symmetry are located.
     morse
         Whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+    prove
+        Whether it is proved at each check that no minimum is missing, or the seconds that this may take, as for
+        `find_minima`; where one freedom is left, searches are complete without it.
     effort, seed, max_starts
         Of the searches.
 
@@ -82,6 +86,7 @@ def follow(
         through_folds=through_folds,
         full_space=full_space,
         morse=morse,
+        prove=prove,
         effort=effort,
         seed=seed,
         max_starts=max_starts,
@@ -95,6 +100,7 @@ def follow_family(
     through_folds: bool = True,
     full_space: bool = True,
     morse: bool = False,
+    prove: bool | float = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
@@ -108,7 +114,8 @@ def follow_family(
         ("morse", morse),
     ):
         check_flag(name, flag)
-    search = {"effort": effort, "seed": seed, "max_starts": max_starts}
+    check_prove("prove", prove)
+    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
     survey = _Survey(family, through_folds, full_space, morse, search, steps)
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -171,7 +178,7 @@ class _Survey:
         """Search at t, follow what is new, and compare."""
         begin = time.perf_counter()
         scene = self.family.scene(t)
-        result = find_minima(scene, prove=False, **self._search)  # type: ignore[arg-type]
+        result = find_minima(scene, **self._search)  # type: ignore[arg-type]
         morse = self._identity(scene, result) if self._morse else ""
         seconds = time.perf_counter() - begin
         self._begin += seconds
@@ -208,6 +215,7 @@ class _Survey:
                 result.search.starts,
                 seconds,
                 morse,
+                _complete(result),
             )
         )
 
@@ -276,6 +284,13 @@ class _Survey:
             web,
             begun,
         )
+
+
+def _complete(result: MinimaResult) -> str:
+    """Say why the minima of a search are all, "" where that is not known."""
+    if result.completeness is not None:
+        return result.completeness.status
+    return "traced" if result.search.complete else ""
 
 
 def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import ContactForce, Kind
 
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
@@ -29,8 +30,8 @@ class Multiplier:
     range: tuple[float, float]
 
 
-@dataclass(frozen=True)
-class PathPoint:
+@dataclass(frozen=True, repr=False)
+class PathPoint(Brief):
     """One state of a branch.
 
     Attributes
@@ -113,8 +114,8 @@ class BranchEnd:
     event: int | None
 
 
-@dataclass(frozen=True)
-class PathBranch:
+@dataclass(frozen=True, repr=False)
+class PathBranch(Brief):
     """States that are followed one to the next, through events.
 
     Attributes
@@ -151,8 +152,8 @@ class Residuals:
     event: float
 
 
-@dataclass(frozen=True)
-class PathEvent:
+@dataclass(frozen=True, repr=False)
+class PathEvent(Brief):
     """A state at which something changes.
 
     Attributes
@@ -212,6 +213,9 @@ class Check:
         Of the search, wall time.
     morse
         What the Morse identity says there, "" where it was not asked.
+    complete
+        ``proved`` (or ``proved-except-singular``, ``not-proved``) where a proof was asked for, ``traced`` where one
+        freedom was traced to all its ends; "" elsewhere.
     """
 
     t: float
@@ -223,6 +227,7 @@ class Check:
     starts: int
     seconds: float
     morse: str = ""
+    complete: str = ""
 
 
 @dataclass(frozen=True)

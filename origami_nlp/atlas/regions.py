@@ -15,6 +15,8 @@ from origami_nlp.minima import find_minima
 
 CELLS = 400
 """Along each range: what is narrower than some cells is no region of its own."""
+FEWEST = 3
+"""Cells of a region that a line crosses between two events, where it says what is in it."""
 LEAST = 0.002
 """Share of the plane below which a region is left out."""
 
@@ -30,9 +32,9 @@ class Region:
     share
         Of the plane, by area in what is followed (logarithms of ratios).
     minima, kinds
-        Found by a search at its middle, by kind.
+        Number of states, by kind.
     seen
-        Number and kinds found at further points of it.
+        Number and kinds found elsewhere in it.
     """
 
     t: tuple[float, float]
@@ -43,14 +45,14 @@ class Region:
 
     @property
     def agrees(self) -> bool:
-        """Whether all searches found the same."""
+        """Whether the same was found everywhere."""
         return all(kinds == self.kinds for kinds in self.seen)
 
 
 def find_regions(
     boundaries: Boundaries, *, checks: int = 1, effort: str = "normal", seed: int = 0
 ) -> tuple[Region, ...]:
-    """Count the states between curves of events by searches.
+    """Count the states between curves of events: on the lines that cross a region, elsewhere by searches.
 
     Regions are what is left of a grid when the cells that curves pass are taken out; two that meet only through a gap
     narrower than a cell stay apart.
@@ -60,7 +62,8 @@ def find_regions(
     boundaries
         Of `find_boundaries`.
     checks
-        Further searches in each region, far from each other.
+        Places beside one at which each region is looked at: all lines that cross it count, but for those along an
+        edge of the plane, and searches far from each other make up for lines that do not.
     effort, seed
         Of the searches.
 
@@ -81,21 +84,44 @@ def find_regions(
         if inside.mean() < LEAST:
             continue
         depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
-        found = []
-        for _ in range(1 + checks):
+        deepest = np.unravel_index(int(depth.argmax()), depth.shape)
+        found = _on_lines(boundaries, plane, inside)
+        for _ in range(1 + checks - len(found)):
             at = np.unravel_index(int(depth.argmax()), depth.shape)
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
             result = find_minima(plane.family(u).scene(t), prove=False, effort=effort, seed=seed)
-            found.append(((t, u), Counter(str(m.kind) for m in result.minima)))
+            found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
             depth = np.minimum(depth, far)
-        (where, kinds), *others = found
-        seen = tuple(dict(sorted(k.items())) for _, k in others)
+        kinds, *seen = (dict(sorted(k.items())) for k in found)
+        where = plane.values(plane.corner + (np.array(deepest) + 0.5) / CELLS * plane.size)
         share = float(inside.mean())
-        out.append(Region(where, share, sum(kinds.values()), dict(sorted(kinds.items())), seen))
+        out.append(Region(where, share, sum(kinds.values()), kinds, tuple(seen)))
     return tuple(sorted(out, key=lambda r: -r.share))
+
+
+def _on_lines(boundaries: Boundaries, plane: Plane, inside: np.ndarray) -> list[dict[str, int]]:
+    """Return number and kinds of states on the parts of followed lines that lie in a region, longest first."""
+    out: list[tuple[int, dict[str, int]]] = []
+    for line in boundaries.lines:
+        axis = [over.name for over in plane.overs].index(line.over)
+        if line.t in (plane.overs[1 - axis].low, plane.overs[1 - axis].high):
+            continue  # ranges end where something is special: there may be states that neighbours have not
+        place = _cell(plane, 1 - axis, line.t)
+        cells = inside[:, place] if axis == 0 else inside[place]
+        for interval in line.intervals:
+            low, high = (_cell(plane, axis, t) for t in interval.t)
+            count = int(cells[low : high + 1].sum())
+            if count >= FEWEST:
+                out.append((count, interval.kinds))
+    return [kinds for _, kinds in sorted(out, key=lambda found: -found[0])]
+
+
+def _cell(plane: Plane, axis: int, t: float) -> int:
+    share = (plane.overs[axis].s_of(t) - plane.corner[axis]) / plane.size[axis]
+    return int(np.clip(share * CELLS, 0, CELLS - 1))
 
 
 def region_cells(boundaries: Boundaries) -> np.ndarray:

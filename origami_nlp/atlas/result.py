@@ -7,17 +7,34 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from origami_nlp.atlas.family import Family, Over
+from origami_nlp.atlas.family import Family, Over, family_of
 from origami_nlp.atlas.judging import states_at
 from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEvent, StateAt
 from origami_nlp.errors import OptionError
+from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
-from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, to_plain
+from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.show import (
+    Content,
+    Piece,
+    Table,
+    Told,
+    Turnable,
+    Words,
+    check_schema,
+    from_plain,
+    to_plain,
+)
+
+if TYPE_CHECKING:
+    from typing import Self
 
 SCHEMA = "origami-nlp/atlas/1"
+COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
+"""How it is said that a check is complete."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,8 +53,10 @@ class Atlas(Told, Turnable):
         What does not fit together, in words; empty where everything does.
     cost
         What it took.
-    family, web, branch_of_arc
-        The scenes, and what was followed, for `at`.
+    family
+        The scenes.
+    web, branch_of_arc
+        What was followed, for `at`; None and empty where the atlas was read from a file.
     """
 
     scene: Scene
@@ -48,7 +67,7 @@ class Atlas(Told, Turnable):
     alarms: tuple[str, ...]
     cost: Cost
     family: Family
-    web: Web
+    web: Web | None
     branch_of_arc: dict[int, int]
 
     PICTURE = "draw_atlas"
@@ -59,7 +78,9 @@ class Atlas(Told, Turnable):
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
         cuts = sorted({self.over.low, self.over.high, *(t for r in ranges for t in r.t)})
         out: list[Interval] = []
-        for a, b in itertools.pairwise(cuts):
+        # images of one event under a symmetry of the scene come at one value, up to rounding
+        apart = [a for a, b in itertools.pairwise(cuts) if b - a > SAME * max(1.0, abs(b))]
+        for a, b in itertools.pairwise([*apart, cuts[-1]]):
             middle = 0.5 * (a + b)
             kinds = Counter(r.kind for r in ranges if r.low < middle < r.high)
             found = Interval((a, b), sum(kinds.values()), dict(sorted(kinds.items())))
@@ -85,9 +106,14 @@ class Atlas(Told, Turnable):
         Raises
         ------
         OptionError
-            If it is outside what was followed.
+            If it is outside what was followed, or the atlas was read from a file.
         """
         over = self.over
+        if self.web is None:
+            raise OptionError(
+                "an atlas that was read from a file has its branches and events, not what was followed: follow anew "
+                "for the states at a value"
+            )
         if not over.low <= value <= over.high:
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
@@ -140,6 +166,7 @@ class Atlas(Told, Turnable):
         for c in self.checks:
             more = f", {c.missed} on branches that it missed" if c.missed else ""
             more += f"; {c.morse}" if c.morse else ""
+            more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
             yield Words(
                 f"check at {self.over.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
                 f"{c.new_branches} new",
@@ -163,6 +190,21 @@ class Atlas(Told, Turnable):
 
         return turn_branches(self.family, self.branches, self.events, self.told())
 
+    def to_fold(self) -> dict[str, Any]:
+        """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
+        over, frames = self.over, []
+        scenes: dict[float, Scene] = {}
+        for branch in self.branches:
+            for k, point in enumerate(branch.points):
+                if point.t not in scenes:
+                    scenes[point.t] = self.family.scene_of(point.t)
+                kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
+                title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
+                more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
+                scene = scenes[point.t]
+                frames.append(folded_frame(scene, point.fold_angles, title, **more, kind=kind))
+        return frames_to_fold(self.family.scene(over.low), frames)
+
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain JSON data."""
         over = self.over
@@ -183,3 +225,43 @@ class Atlas(Told, Turnable):
             "alarms": list(self.alarms),
             "cost": to_plain(self.cost),
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild an atlas from `to_dict`: all but what `at` needs.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        Atlas
+            With the same branches, events, counts and checks.
+
+        Raises
+        ------
+        OptionError
+            If it is of another schema, an entry is missing or wrong, or its parameter is none of a scene's.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        unbounded = {"range": math.inf, "expected_undiscovered": math.inf}
+        try:
+            p = data["parameter"]
+            log = p["scale"] == "log"
+            over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], log)
+            scene = scene_from_dict(data["scene"])
+            branches = [from_plain(PathBranch, b, unbounded) for b in data["branches"]]
+            events = [from_plain(PathEvent, e) for e in data["events"]]
+            checks = [from_plain(Check, c, unbounded) for c in data["checks"]]
+            cost = from_plain(Cost, data["cost"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise OptionError(f"an atlas of schema {SCHEMA} is not whole: {error!r}") from None
+        if over.name.startswith("loads"):
+            raise OptionError("an atlas over forces cannot be read back: follow it anew")
+        alarms = tuple(map(str, data.get("alarms", ())))
+        family = family_of(scene, over)
+        return cls(
+            scene, over, tuple(branches), tuple(events), tuple(checks), alarms, cost, family, None, {}
+        )  # fmt: skip

@@ -12,6 +12,7 @@ from origami_nlp.atlas.family import Family, Over
 from origami_nlp.atlas.records import PathBranch, PathEvent
 from origami_nlp.pattern import Vertex
 from origami_nlp.show import (
+    Body,
     Content,
     Line,
     Panel,
@@ -69,22 +70,59 @@ def turn_branches(
     )
     tracks = [track for b in branches for track in _tracks(family, b, label)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
-    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
-    none, first = np.empty(0), family.scene_of(over.low)
+    none = np.empty(0)
     panel = Panel(
-        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, lines, tuple(at)
+        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, (), tuple(at)
     )
+    steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
+    first = family.scene_of(over.low)
+    name, body = first.label or repr(first.vertex), vertex_body(first.vertex)
+    return turn_paths(name, body, stations, tracks, points, panel, told, steps)
+
+
+def turn_paths(
+    title: str,
+    body: Body,
+    stations: Sequence[Station],
+    tracks: Sequence[Track],
+    points: Sequence[np.ndarray],
+    panel: Panel,
+    told: Iterable[Piece],
+    steps: str,
+) -> Content:
+    """Return followed states for a page that can be turned.
+
+    Parameters
+    ----------
+    title, body
+        What is folded.
+    stations, tracks
+        Single states, and paths.
+    points
+        Of each path on the panel, [m, 2].
+    panel
+        Without the paths.
+    told
+        The report.
+    steps
+        What each step of a path is.
+
+    Returns
+    -------
+    Content
+        The page.
+    """
+    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
     content = Content(
-        first.label or repr(first.vertex),
-        vertex_body(first.vertex),
+        title,
+        body,
         tuple(stations),
-        panels=(panel,),
+        panels=(replace(panel, lines=lines),),
         pieces=tuple(told),
-        steps="Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path.",
+        note="" if tracks else "Nothing was followed.",
+        steps=steps,
     )
-    if not tracks:
-        return replace(content, note="No branch was followed.")
-    return content.with_tracks(tracks, [points])
+    return content.with_tracks(list(tracks), [list(points)])
 
 
 def _told(over: Over, t: float) -> float:

@@ -7,6 +7,7 @@ from .coverage_table import (
     coverage_markdown as coverage_markdown,
     draw_coverage as draw_coverage,
 )
+from .design_speed import DesignBench as DesignBench, measure_design as measure_design
 from .digest import rows as rows, targets as targets
 from .families import FAMILIES as FAMILIES, family_scene as family_scene
 from .figure import draw_bench as draw_bench
@@ -15,6 +16,13 @@ from .hard import run_hard as run_hard
 from .judging import Judge as Judge
 from .methods_casadi import ipopt_alone as ipopt_alone
 from .methods_ours import ours as ours
+from .pattern_problems import (
+    PatternProblem as PatternProblem,
+    pattern_problems as pattern_problems,
+)
+from .pattern_scaling import PatternScale as PatternScale, measure_scale as measure_scale
+from .patterns import PatternBench as PatternBench, run_patterns as run_patterns
+from .patterns_figure import draw_patterns as draw_patterns
 from .problems import random_vertex as random_vertex
 from .proved import (
     ProvedCounts as ProvedCounts,

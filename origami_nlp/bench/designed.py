@@ -26,10 +26,10 @@ FARTHEST_REST = 3.0
 """Rest angles [rad] are no larger."""
 
 
-def interior_states(scene: Scene, rng: np.random.Generator) -> list[np.ndarray]:
-    """Draw two closed, admissible states [N] of a scene without symmetry, away from fold limits and each other."""
+def interior_states(scene: Scene, rng: np.random.Generator, count: int = 2) -> list[np.ndarray]:
+    """Draw closed, admissible states [N] of a scene without symmetry, away from fold limits and each other."""
     model, found = Model(scene), list[np.ndarray]()
-    while len(found) < 2:
+    while len(found) < count:
         x, residual = project(model, rng.uniform(-INTERIOR, INTERIOR, model.size))
         inside = residual <= CLOSES and np.abs(x).max() <= INTERIOR and not model.refuses(x)
         if inside and all(np.abs(x - y).min() > APART for y in found):

@@ -35,11 +35,23 @@ def bench(
             "--search", help="Instead: what searches find of all that is known, and when."
         ),
     ] = False,
+    patterns: Annotated[
+        bool,
+        typer.Option("--patterns", help="Instead: whole patterns, error against time, and sizes."),
+    ] = False,
     proved: Annotated[
         int | None,
         typer.Option(
             metavar="SCENES",
             help="Instead: proved numbers of minima of so many vertices of degree 4, 5 and of the cross.",
+        ),
+    ] = None,
+    design: Annotated[
+        int | None,
+        typer.Option(
+            metavar="VERTICES",
+            help="Instead: how many states springs hold, on so many vertices of degree 4 to 8 each; times and "
+            "successes against CVXPY (where it is installed) and penalty methods.",
         ),
     ] = None,
     before: Annotated[
@@ -92,11 +104,22 @@ def bench(
     given = [name for name, value in only.items() if value]
     if given and not search:
         raise OptionError(f"{given[0]} goes with --search only")
+    others = {"--profile": profile, "--hard": hard, "--search": search}
+    others |= {"--proved": proved is not None, "--design": design is not None}
+    clash = [name for name, value in others.items() if value]
+    if patterns and clash:
+        raise OptionError(f"--patterns does not go with {clash[0]}: give one")
     if proved is not None and (search or profile or hard or quick or figure is not None):
         raise OptionError("--proved goes with --json and --markdown only")
+    if design is not None and (proved or search or profile or hard or quick or figure is not None):
+        raise OptionError("--design goes with --json and --markdown only")
     out = Output(json=json, figure=figure, markdown=markdown)
-    if proved is not None:
+    if design is not None:
+        _design(out, check_whole("--design", design, 1))
+    elif proved is not None:
         _proved(out, check_whole("--proved", proved, 1))
+    elif patterns:
+        _patterns(out, quick)
     elif search:
         _search(out, family or [], quick, before, unions, effort)
     elif profile:
@@ -169,6 +192,29 @@ def _proved(out: Output, scenes: int) -> None:
 
     with progress("bench") as report:
         found = count_proved(scenes, tell=lambda text: report(text=text))
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.write("markdown", found.to_markdown)
+
+
+def _patterns(out: Output, quick: bool) -> None:
+    """Solve whole patterns with every method (`origami_nlp.bench.patterns`)."""
+    from origami_nlp.bench import draw_patterns, run_patterns
+
+    with progress("bench") as report:
+        found = run_patterns(quick=quick, tell=lambda text: report(text=text))
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.save("figure", draw_patterns, found)
+    out.write("markdown", found.to_markdown)
+
+
+def _design(out: Output, vertices: int) -> None:
+    """Count states that springs hold, and measure designs (`origami_nlp.bench.design_speed`)."""
+    from origami_nlp.bench import measure_design
+
+    with progress("bench") as report:
+        found = measure_design(vertices, tell=lambda text: report(text=text))
     out.say(found)
     out.write("json", found.to_dict)
     out.write("markdown", found.to_markdown)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import re
 import textwrap
 from typing import Annotated, Any
 
@@ -54,11 +53,8 @@ def example(
 
     NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern that --fold writes.
     """
-    word, _, size = name.partition(":")
-    shape = re.fullmatch(r"(\d{1,6})x(\d{1,6})", size)
-    if size and not shape:
-        raise OptionError(f"NAME = {name!r}: write the size as ROWSxCOLUMNS, such as miura:4x6")
-    if size and fold is None:
+    word, cells = examples.split_size(name)
+    if ":" in name and fold is None:
         raise OptionError(f"NAME = {name!r}: a size is that of a crease pattern: give --fold FILE")
     options = {
         "alpha": alpha,
@@ -70,7 +66,6 @@ def example(
     }
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     out = Output(scene=scene if scene or fold else "-", fold=fold)
-    cells = [int(number) for number in shape.groups()] if shape else []
     if word not in examples.SHEETS or scene or not fold:
         stated = examples.by_name(word, **given)
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output
+from origami_nlp.cli.followed import follows
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 
 
 @takes_scene(o.SceneFile)
+@follows
 def load(
     scene: Source,
     crease: Annotated[
@@ -36,41 +37,19 @@ def load(
     confirm: Annotated[
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
-    full_space: Annotated[
-        bool, typer.Option(help="Locate where a state loses stability without its symmetry.")
-    ] = True,
-    effort: o.Effort = "normal",
-    seed: o.Seed = 0,
-    max_starts: o.MaxStarts = 100_000,
-    figure: o.FigureFile = None,
-    json: o.JsonFile = None,
-    fold: o.PathsFold = None,
-    html: o.HtmlFile = None,
-) -> None:
+    **search: Any,
+) -> Any:
     """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis."""
-    from origami_nlp.loading import draw_load, load_path, write_path
+    from origami_nlp.loading import load_path
 
-    out = Output(json=json, figure=figure, fold=fold, html=html)
-    path = load_path(
-        scene.read(),
-        crease,
-        to=to if to == "snap" else _number(to),
-        state=state,
-        back=back,
-        confirm=confirm,
-        full_space=full_space,
-        effort=effort,
-        seed=seed,
-        max_starts=max_starts,
+    end = to if to == "snap" else load_number(to)
+    return load_path(
+        scene.read(), crease, to=end, state=state, back=back, confirm=confirm, **search
     )
-    path.tell(out.console)
-    out.write("json", path.to_dict)
-    out.write("figure", draw_load, path)
-    out.save("fold", write_path, path)
-    out.turn(path)
 
 
-def _number(text: str) -> float:
+def load_number(text: str) -> float:
+    """Return the load that ``--to`` says."""
     try:
         return float(text)
     except ValueError:

@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.cli.group import WITHOUT_VALUE
+from origami_nlp.errors import OptionError
 
 
 def _one_of(*words: str) -> dict[str, Any]:
@@ -46,8 +47,18 @@ def wanted_proof(value: str | None) -> bool | float | None:
     return float(value) or False
 
 
-def _rest_angle(value: float | None) -> float | None:
-    return None if value is None else check_number("--rest-angle", value, 0.0, 180.0)
+def _rest_angle(value: str | None) -> str | None:
+    """Let a size in degrees stand after --rest-angle; what stands after --rest-angles is a word."""
+    if value is None:
+        return None
+    try:
+        check_number("--rest-angle", float(value), 0.0, 180.0)
+    except ValueError:
+        raise OptionError(
+            f"--rest-angle = {shown(value)} must be a number from 0 to 180 [deg], the size for creases without an "
+            "angle; whether a folded form rests as the file says or as measured is --rest-angles file|measured"
+        ) from None
+    return value
 
 
 # ---------------------------------------------------------------- what comes in
@@ -64,6 +75,12 @@ SceneUnlessPanels = Annotated[
     ),
 ]
 FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
+PatternFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="PATTERN", help="FOLD file, - for stdin, or an example by name, such as miura:8x8."
+    ),
+]
 SweepFile = Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOML).")]
 Candidates = Annotated[
     str, typer.Argument(metavar="FILE", help="Candidates: .json or .csv, or - for JSON on stdin.")
@@ -174,6 +191,15 @@ Prove = Annotated[
         help="Prove that no minimum is missing, in at most SECONDS; without it: where it is cheap. 0: do not try.",
     ),
 ]
+ProveChecks = Annotated[
+    str | None,
+    typer.Option(
+        "--prove",
+        metavar="[SECONDS]",
+        callback=_prove,
+        help="Prove at each check that no minimum is missing, in at most SECONDS.",
+    ),
+]
 CertificateFile = Annotated[
     str | None,
     typer.Option(metavar="FILE", help="Write the proof, for check-proof."),
@@ -184,6 +210,9 @@ Effort = Annotated[
         **_one_of("quick", "normal", "thorough"),
         help="Starts, and how often each minimum is to be reached before the search stops.",
     ),
+]
+FullSpace = Annotated[
+    bool, typer.Option(help="Locate where a state loses stability without its symmetry.")
 ]
 Workers = Annotated[
     int,
@@ -250,19 +279,20 @@ FoldStiffness = Annotated[
     typer.Option(metavar="K", help="FOLD file: of creases without one [N m/rad] (default 1)."),
 ]
 FoldRestAngle = Annotated[
-    float | None,
+    str | None,
     typer.Option(
-        metavar="ANGLE",
+        metavar="DEGREES",
         callback=_rest_angle,
-        help="FOLD file: size for M and V creases without an angle [deg] (default 180).",
+        help="FOLD file: a number [deg], the size of the rest angle of M and V creases for which the file gives "
+        "no angle (default 180).",
     ),
 ]
 FoldRestAngles = Annotated[
     str | None,
     typer.Option(
         **_one_of("file", "measured"),
-        help="FOLD file: a folded form rests at the angles that the file states, or at those it is folded at "
-        "(default: file where it states them).",
+        help="FOLD file: a word, whether a folded form rests at the angles that the file states or at those at which "
+        "it is folded (default: file where it states them).",
     ),
 ]
 

@@ -2,33 +2,91 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
+from origami_nlp.cli.load import load_number
 from origami_nlp.cli.output import Output
+from origami_nlp.cli.source import spring_options
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
+    from origami_nlp.sheet_loading import SheetLoadPath
     from origami_nlp.sheets import Motion, Overview, SheetResult
 
 
 def pattern(
-    file: o.FoldFile,
+    file: o.PatternFile,
     minima: Annotated[
         bool, typer.Option("--minima", help="Find its stable states, all vertices coupled.")
     ] = False,
     path: Annotated[
         bool, typer.Option("--path", help="Trace its folding motion up to the first contact.")
     ] = False,
+    load: Annotated[
+        bool,
+        typer.Option("--load", help="Load a stable state: name --crease, --pull or --force."),
+    ] = False,
+    crease: Annotated[
+        list[int] | None,
+        typer.Option(
+            metavar="K", help="With --load: torque on crease K, from 1; repeated: on each of them."
+        ),
+    ] = None,
+    pull: Annotated[
+        str | None,
+        typer.Option(
+            metavar="V,W",
+            help="With --load: forces that pull vertices V and W apart, numbered from 0 as in the file.",
+        ),
+    ] = None,
+    force: Annotated[
+        str | None,
+        typer.Option(
+            metavar="V,X,Y,Z",
+            help="With --load: a force along (X, Y, Z) on vertex V, as seen from the facet --held.",
+        ),
+    ] = None,
+    held: Annotated[
+        int, typer.Option(metavar="F", help="With --force: the facet that is held, from 1.")
+    ] = 1,
+    to: Annotated[
+        str,
+        typer.Option(
+            metavar="LOAD|snap",
+            help="With --load: torque [N m] or force [N] at which the path ends, from 0; snap: both ways to the first "
+            "snap.",
+        ),
+    ] = "snap",
+    state: Annotated[
+        int,
+        typer.Option(metavar="K", help="With --load: number of the stable state that is loaded."),
+    ] = 1,
+    back: Annotated[
+        bool, typer.Option("--back", help="With --load: let the load fall back to 0.")
+    ] = False,
+    confirm: Annotated[
+        bool, typer.Option(help="With --load: search for the states on both sides of each snap.")
+    ] = True,
     starts: Annotated[
-        int, typer.Option("--starts", metavar="N", help="Random starts of --minima.")
+        int,
+        typer.Option(
+            "--starts",
+            metavar="N",
+            help="Random starts in a row that find nothing new, then --minima ends.",
+        ),
     ] = 40,
     no_contact: Annotated[
         bool, typer.Option("--no-contact", help="With --minima: facets may cross.")
     ] = False,
+    seconds: Annotated[
+        float,
+        typer.Option("--seconds", metavar="S", help="Processor time for contact, in --minima."),
+    ] = 120.0,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
@@ -44,64 +102,141 @@ def pattern(
     rest_angle: o.FoldRestAngle = None,
     rest_angles: o.FoldRestAngles = None,
 ) -> None:
-    """Say what a crease pattern is, and with --minima or --path how it stands and folds as a sheet of rigid facets.
+    """Say what a crease pattern is; with --minima, --path or --load how it stands, folds and snaps as a rigid sheet.
 
     Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the states that were asked
-    for, or without --minima and --path the folded state at which freedoms were counted.
+    for, or without --minima, --path and --load the folded state at which freedoms were counted.
     """
-    from origami_nlp.arguments import check_whole
+    from origami_nlp.arguments import check_number, check_whole
     from origami_nlp.minima import check_mesh
+    from origami_nlp.sheet_loading import find_load_path
     from origami_nlp.sheets import find_motion, find_states, overview
 
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     if mesh:
         check_mesh(mesh)
     check_whole("--starts", starts, 0)
+    check_number("--seconds", seconds, 0.0)
+    loads = {"crease": crease, "pull": pull, "force": force}
+    given = [name for name, value in loads.items() if value]
+    if len(given) != load:
+        raise OptionError(
+            "--load needs one of --crease K, --pull V,W and --force V,X,Y,Z" if load else
+            f"--{given[0]} says what --load is: give --load too"
+        )  # fmt: skip
     sheet = _read(file, frame, stiffness, rest_angle, rest_angles, per_length)
     seen = overview(sheet, seed)
     seen.tell(out.console)
     motion = find_motion(sheet, seen, seed) if path else None
     if motion is not None:
         motion.tell(out.console)
-    found = find_states(sheet, starts, seed, not no_contact) if minima else None
+    found = find_states(sheet, starts, seed, not no_contact, seconds) if minima else None
     if found is not None:
         found.tell(out.console)
-    _Files(seen, motion, found).write(out)
+    loaded = None
+    if load:
+        loaded = find_load_path(
+            sheet,
+            _work(sheet, crease, pull, force, held),
+            to=to if to == "snap" else load_number(to),
+            state=_numbered(found, state),
+            back=back,
+            confirm=confirm,
+            starts=starts,
+            seed=seed,
+        )
+        loaded.tell(out.console)
+    _Files(seen, motion, found, loaded).write(out)
 
 
 def _read(
     file: str,
     frame: int | None,
     stiffness: float | None,
-    rest_angle: float | None,
-    rest_angles: Any,
+    rest_angle: str | None,
+    rest_angles: str | None,
     per_length: bool,
 ) -> Any:
-    from origami_nlp.pattern import read_pattern
+    from pathlib import Path
 
-    options: dict[str, Any] = {"rest_angles": rest_angles}
-    if stiffness is not None:
-        if not 0 < stiffness < math.inf:
-            raise OptionError(f"--stiffness = {stiffness:g} must be positive and finite")
-        options["stiffness"] = stiffness
-    if rest_angle is not None:
-        options["rest_angle"] = math.radians(rest_angle)
-    sheet = read_pattern(file, frame, **options)
+    from origami_nlp.pattern import examples, frame_pattern, parse_fold, read_pattern
+
+    options = spring_options(stiffness=stiffness, rest_angle=rest_angle, rest_angles=rest_angles)
+    named = file.partition(":")[0]
+    if named in {*examples.BY_NAME, *examples.SHEETS} and not Path(file).exists():
+        (drawn,) = parse_fold(
+            json.dumps(examples.crease_pattern(file)), "first" if frame is None else frame
+        )
+        sheet = frame_pattern(drawn, **options)
+    elif file != "-" and not Path(file).suffix and not Path(file).exists():
+        known = ", ".join([*examples.BY_NAME, *examples.SHEETS])
+        raise OptionError(f"PATTERN = {file!r} is no file, and no example: those are {known}")
+    else:
+        sheet = read_pattern(file, frame, **options)
     return sheet.with_springs(per_length=True) if per_length else sheet
+
+
+def _numbered(found: SheetResult | None, state: int) -> Any:
+    """Return the state of that number where states were found already, else the number."""
+    from origami_nlp.arguments import check_whole
+
+    check_whole("--state", state, 1)
+    if found is None:
+        return state
+    if state > len(found.minima):
+        raise OptionError(f"--state = {state}: {len(found.minima)} stable states were found")
+    return found.minima[state - 1]
+
+
+def _work(
+    sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
+) -> Any:
+    from origami_nlp.sheet_loading import DeadForce, Pull, Torque
+
+    if creases:
+        return Torque(sheet, tuple(creases))
+    if pull:
+        a, b = _numbers("--pull", pull, 2)
+        return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
+    v, x, y, z = _numbers("--force", force or "", 4)
+    return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+
+
+def _numbers(option: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
+    return values
+
+
+def _whole(option: str, value: float) -> int:
+    if value != int(value):
+        raise OptionError(f"{option}: vertex {value:g} must be a whole number, as in the file")
+    return int(value)
 
 
 class _Files:
     """What goes to the files of the command."""
 
-    def __init__(self, seen: Overview, motion: Motion | None, found: SheetResult | None) -> None:
-        self.seen, self.motion, self.found = seen, motion, found
+    def __init__(
+        self,
+        seen: Overview,
+        motion: Motion | None,
+        found: SheetResult | None,
+        loaded: SheetLoadPath | None,
+    ) -> None:
+        self.seen, self.motion, self.found, self.loaded = seen, motion, found, loaded
         self.pattern = seen.pattern
         self.states: list[tuple[str, Any, tuple[str, ...], dict[str, Any]]] = []
         for k, s in enumerate(found.minima if found else (), start=1):
             more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
             title = f"state {k}: {s.kind}, {s.energy:.6g} J"
-            self.states.append((title, s.fold_angles, (s.certificate,), more))
-        if found is None and motion is None:
+            words = [c.words() for c in s.contacts if c.corners]
+            self.states.append((title, s.fold_angles, (s.certificate, *words), more))
+        if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
             title = f"folded: {seen.start}" if seen.start else "as in the file"
             self.states.append((title, phi, (), {}))
@@ -121,19 +256,23 @@ class _Files:
             data |= more
         if self.motion is not None:
             data["motion"] = self.motion.to_dict()
+        if self.loaded is not None:
+            data["load"] = self.loaded.to_dict()
         return data
 
     def _figure(self) -> Any:
         from origami_nlp.sheets import draw_motion, draw_overview, draw_states
 
+        if self.loaded is not None:
+            return self.loaded.draw()
         if self.found is not None and self.states:
             shown = [(title, phi) for title, phi, _, _ in self.states]
-            return draw_states(self.pattern, shown, self.pattern.name)
+            contacts = [s.contacts for s in self.found.minima]
+            return draw_states(self.pattern, shown, self.pattern.name, contacts=contacts)
         return draw_motion(self.motion) if self.motion is not None else draw_overview(self.seen)
 
     def _fold(self) -> str:
-        import json
-
+        from origami_nlp.sheet_loading import path_states
         from origami_nlp.sheets import sheet_frame, sheet_to_fold
 
         frames = [
@@ -151,15 +290,23 @@ class _Files:
                 )
                 for number, k in enumerate(shown, start=1)
             ]
+        for title, phi, more in path_states(self.loaded) if self.loaded else ():
+            frames.append(sheet_frame(self.pattern, phi, title, path="load", **more))
         data = sheet_to_fold(self.pattern, frames)
         return json.dumps(data, indent=1, allow_nan=False) + "\n"
 
     def _mesh(self, file: str) -> None:
+        import numpy as np
+
         from origami_nlp.sheets import write_sheet_mesh
 
         states = [phi for _, phi, _, _ in self.states]
         if self.motion is not None:
             states += [self.motion.phi[k] for k in self.motion.shown(6)]
+        for snap in self.loaded.snaps if self.loaded else ():
+            states += [np.array(snap.before), np.array(snap.after)]
+        if not states and self.loaded is not None:
+            states = [np.array(leg.points[-1].fold_angles) for leg in self.loaded.legs]
         write_sheet_mesh(self.pattern, states, file)
 
     def _page(self, file: str) -> None:
@@ -171,4 +318,7 @@ class _Files:
             states = [(f"end: {self.motion.end}", self.motion.phi[-1], ())]
         told = [one for one in (self.found, self.motion, self.seen) if one is not None]
         pieces = [piece for one in told for piece in one.told()]
-        TurnedPage(sheet_content(self.pattern, states, self.motion, pieces)).save(file)
+        contents = [] if self.loaded is None else [self.loaded.turned()]
+        if states or self.motion is not None:
+            contents.append(sheet_content(self.pattern, states, self.motion, pieces))
+        TurnedPage(*contents).save(file)

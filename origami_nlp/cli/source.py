@@ -97,12 +97,19 @@ class Source:
         return frame
 
     def _spring_options(self) -> dict[str, Any]:
-        options = {k: v for k, v in self.given.items() if k not in ("vertex", "frame")}
-        if not 0 < options.get("stiffness", 1.0) < math.inf:
-            raise OptionError(f"--stiffness = {options['stiffness']:g} must be positive and finite")
-        if "rest_angle" in options:
-            options["rest_angle"] = math.radians(options["rest_angle"])
-        return options
+        return spring_options(
+            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame")}
+        )
+
+
+def spring_options(**given: Any) -> dict[str, Any]:
+    """Return the options of FOLD files that were given, those about springs checked and in radians."""
+    options = {name: value for name, value in given.items() if value is not None}
+    if not 0 < options.get("stiffness", 1.0) < math.inf:
+        raise OptionError(f"--stiffness = {options['stiffness']:g} must be positive and finite")
+    if "rest_angle" in options:
+        options["rest_angle"] = math.radians(float(options["rest_angle"]))
+    return options
 
 
 def takes_scene(argument: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:

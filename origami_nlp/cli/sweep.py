@@ -24,7 +24,7 @@ def sweep(
     ] = None,
     figure: o.FigureFile = None,
 ) -> None:
-    """Find the minima of every scene of SWEEP; run it again to go on after an interruption."""
+    """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
     from origami_nlp.files import make_folder
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 

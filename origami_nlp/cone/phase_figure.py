@@ -33,6 +33,8 @@ NEAREST_LABELS = 0.045
 """Labels are at least this far apart (share of the axes' height)."""
 WIDE = 0.42
 """How much of a distance along the width counts for that of labels, which are wider than high."""
+BESIDE = 0.93
+"""Labels of curves beyond this share of the width stand on their left."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
 
@@ -237,7 +239,7 @@ def _place_labels(
             text,
             fontsize=size,
             color=ink(curve.branches),
-            ha="center",
+            ha="right" if offset[best][0] > BESIDE else "center",  # the frame stays free
             va="center",
             bbox={"fc": "white", "ec": "none", "pad": 0.6} if curve.kind == "end" else None,
             zorder=3 if curve.kind == "end" else 4,

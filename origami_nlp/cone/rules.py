@@ -16,7 +16,7 @@ there tip to tip, neighbours or not.  With two or more steep flaps this is conta
 nothing to touch on the axis and can go on: with an even number of flaps to pi/2, where it lies on the
 flap opposite, with an odd number until its even crease meets the odd crease opposite, at
 cos v = tan(pi/N).  Without steep flaps the odd creases meet on the axis at pi/2.  Derived here;
-`tests/test_cone_kinematics.py` compares with the examination of embeddings.  The rule "contract" (the default)
+`tests/cone/test_kinematics.py` compares with the examination of embeddings.  The rule "contract" (the default)
 cuts the branches of a single steep flap at pi/2 - 2 pi/N as well, where nothing touches (`Cone.is_cut`); "contact"
 follows them.
 """

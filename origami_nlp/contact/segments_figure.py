@@ -49,7 +49,7 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
     figure = Figure(figsize=(width, 7.4 if shown else 2.0), dpi=110, layout="constrained")
     name = report.scene.label or f"degree {report.scene.degree}"
     count = len(report.segments)
-    title = f"{name}: {count or 'no'} metastable segment{'s' * (count != 1)}"
+    title = f"{name}: {count or 'no'}\u00a0metastable segment{'s' * (count != 1)}"
     if count:
         title += f", {report.length:.2f} rad"
     if left_out:

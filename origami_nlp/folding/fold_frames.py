@@ -23,7 +23,14 @@ from origami_nlp.files import write_whole
 from origami_nlp.folding.embedding import fold_vertex
 from origami_nlp.folding.layers import layer_problem, ordered
 from origami_nlp.numerics import TOUCHES
-from origami_nlp.pattern import PRELOAD_KEY, REST_KEY, STIFFNESS_KEY, Scene
+from origami_nlp.pattern import (
+    HELD_KEY,
+    LOADS_KEY,
+    PRELOAD_KEY,
+    REST_KEY,
+    STIFFNESS_KEY,
+    Scene,
+)
 from origami_nlp.version import __version__
 
 MOST_FRAMES = 61
@@ -84,8 +91,8 @@ def _loads(scene: Scene) -> dict[str, Any]:
     if scene.preload:
         out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
     if scene.loads:
-        out["origaminlp:loads"] = [load.to_dict() for load in scene.loads]
-        out["origaminlp:heldFacet"] = scene.held_facet
+        out[LOADS_KEY] = [load.to_dict() for load in scene.loads]
+        out[HELD_KEY] = scene.held_facet
     return out
 
 

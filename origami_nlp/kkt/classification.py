@@ -175,7 +175,7 @@ def _decide(state: State, accuracy: float) -> Classification:
             "isolated: the linearised contacts leave single directions, and facets cross at once "
             "along each of them (a check, not a proof)",
         )
-    if not real and thickest > 1:
+    if not real and thickest > 1 and any(b.verdict != "minimum" for b in judged):
         # no piece that the linearised contacts allow is followed by states: isolated, or beyond first order
         return _by_search(state, judged)
     decisive = real or judged  # without a real piece every cone is a point: isolated

@@ -14,13 +14,17 @@ from matplotlib.lines import Line2D
 from origami_nlp.arguments import check_type
 from origami_nlp.atlas import COLOURS, MARKS
 from origami_nlp.files import save_figure
-from origami_nlp.loading.result import LoadPath
+from origami_nlp.loading.result import LoadedPath
 from origami_nlp.show import label_text
 
+PICTURE_WIDTH = 9.6
+"""Of a picture [inches]."""
+OTHER_MARK = "P"
+"""Of events that only sheets have."""
 OTHER, PATH, SNAP = "#cc79a7", "#222222", "#c1121f"
 
 
-def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> Figure:
+def draw_load(path: LoadedPath, target: str | os.PathLike[str] | None = None) -> Figure:
     """Draw load against angle, and the energy of the states that are passed.
 
     Parameters
@@ -41,34 +45,70 @@ def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> F
     OptionError
         If `path` is none, or the file cannot be written.
     """
-    check_type("path", path, LoadPath)
-    shown = _shown_events(path)
-    lines = [f"{e.id}  {e.type} {e.t:.9g}" + (f": {e.contact}" if e.contact else "") for e in shown]
-    lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
-    rows = math.ceil(len(lines) / 2)
-    tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
-    height = 4.6 + 0.17 * tall
-    figure = Figure(figsize=(9.6, height), dpi=110, facecolor="white")
-    bottom = (0.55 + 0.17 * tall) / height
-    left, right = (
-        figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
-        for x, w in ((0.085, 0.52), (0.70, 0.28))
-    )
-    title = f"{path.scene.label or f'degree {path.scene.degree}'}: {path.driver.name}, from state #{path.state}"
-    figure.suptitle(
-        "\n".join(textwrap.wrap(label_text(title), 95)), fontsize=11, y=1 - 0.12 / height
-    )
-    _curve(left, path, [e.id for e in shown])
-    _energy(right, path)
-    for k in range(2):
-        text = "\n".join(label_text(line) for line in lines[k::2])
-        figure.text(0.085 + 0.47 * k, (0.17 * tall + 0.06) / height, text, fontsize=7.5, va="top")
+    check_type("path", path, LoadedPath)
+    figure = Figure(figsize=(PICTURE_WIDTH, load_height(path)), dpi=110, facecolor="white")
+    place_load(figure, path)
     if target is not None:
         save_figure(figure, target)
     return figure
 
 
-def _range(path: LoadPath) -> tuple[float, float]:
+def _lines(path: LoadedPath) -> tuple[list[str], float]:
+    """Return what is said of each event, and how tall it is [inches]."""
+    shown = _shown_events(path)
+    lines = [f"{e.id}  {e.type} {e.t:.9g}" + (f": {e.contact}" if e.contact else "") for e in shown]
+    lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
+    rows = math.ceil(len(lines) / 2)
+    tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
+    return lines, 0.17 * tall
+
+
+def load_height(path: LoadedPath) -> float:
+    """Return the height of the picture of a load path [inches].
+
+    Parameters
+    ----------
+    path
+        Of a vertex or of a sheet.
+
+    Returns
+    -------
+    float
+        Inches, for a width of `PICTURE_WIDTH`.
+    """
+    return 4.6 + _lines(path)[1]
+
+
+def place_load(figure: Any, path: LoadedPath) -> None:
+    """Draw a load path into a figure, or a part of one, of the width `PICTURE_WIDTH` and the height of `load_height`.
+
+    Parameters
+    ----------
+    figure
+        Of matplotlib.
+    path
+        Of a vertex or of a sheet.
+    """
+    lines, tall = _lines(path)
+    height = load_height(path)
+    bottom = (0.55 + tall) / height
+    left, right = (
+        figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
+        for x, w in ((0.085, 0.52), (0.70, 0.28))
+    )
+    begun = f", from state #{path.state}" if path.state else ""
+    title = f"{path.label}: {path.driver.name}{begun}"
+    figure.suptitle(
+        "\n".join(textwrap.wrap(label_text(title), 95)), fontsize=11, y=1 - 0.12 / height
+    )
+    _curve(left, path, [e.id for e in _shown_events(path)])
+    _energy(right, path)
+    for k in range(2):
+        text = "\n".join(label_text(line) for line in lines[k::2])
+        figure.text(0.085 + 0.47 * k, (tall + 0.06) / height, text, fontsize=7.5, va="top")
+
+
+def _range(path: LoadedPath) -> tuple[float, float]:
     """Loads that are shown: those of the path, but not far beyond its last event."""
     loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
     low, high = min(loads), max(loads)
@@ -79,18 +119,18 @@ def _range(path: LoadPath) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _shown_events(path: LoadPath) -> list[Any]:
+def _shown_events(path: LoadedPath) -> list[Any]:
     """Events at loads that are shown."""
     low, high = _range(path)
     return [e for e in path.events if low <= e.t <= high]
 
 
-def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
+def _angles(path: LoadedPath, fold_angles: Any) -> np.ndarray:
     value = path.driver.conjugate(np.array(fold_angles))
-    return np.degrees(value) if path.driver.crease else value
+    return np.degrees(value) if path.driver.coordinate.endswith("[rad]") else value
 
 
-def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
+def _curve(axes: Any, path: LoadedPath, shown: list[int]) -> None:
     for branch in path.branches:
         t = np.array([p.t for p in branch.points])
         x = _angles(path, [p.fold_angles for p in branch.points])
@@ -118,7 +158,15 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
             continue
         at = float(_angles(path, event.fold_angles))
         face = "white" if event.type == "leaves" else "black"
-        axes.plot(at, event.t, MARKS[event.type], color="black", ms=4.5, mfc=face, zorder=5)
+        axes.plot(
+            at,
+            event.t,
+            MARKS.get(event.type, OTHER_MARK),
+            color="black",
+            ms=4.5,
+            mfc=face,
+            zorder=5,
+        )
         axes.annotate(str(event.id), (at, event.t), (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
     axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
@@ -137,7 +185,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
 
 
-def _energy(axes: Any, path: LoadPath) -> None:
+def _energy(axes: Any, path: LoadedPath) -> None:
     for leg in path.legs:
         axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
     energy = path.driver.unloaded.energy
@@ -150,4 +198,5 @@ def _energy(axes: Any, path: LoadPath) -> None:
     axes.set_ylabel("energy without the load  [J]")
     axes.grid(True, lw=0.3, color="#dddddd")
     axes.tick_params(labelsize=8)
+    axes.locator_params(axis="x", nbins=4)  # its labels are wide
     axes.set_xlim(*_range(path))

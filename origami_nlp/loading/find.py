@@ -213,8 +213,8 @@ class _Job:
         snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
         legs = tuple(self._leg(way, toward, snap) for way, toward, snap in self.ways)
         return LoadPath(
-            self.driver.scene, self.driver, state, web.low, web.high, legs, snaps, branches, events,
-            tuple(dict.fromkeys(self.alarms)), web.tally.steps, web.tally.evaluations,
+            self.driver, state, web.low, web.high, legs, snaps, branches, events,
+            tuple(dict.fromkeys(self.alarms)), web.tally.steps, web.tally.evaluations, self.driver.scene,
         )  # fmt: skip
 
     def _leg(self, way: Way, toward: float, snap: int | None) -> Leg:

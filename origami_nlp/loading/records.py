@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from origami_nlp.files import Brief
+
 
 @dataclass(frozen=True)
 class Confirmed:
@@ -24,8 +26,8 @@ class Confirmed:
     found: tuple[bool, bool]
 
 
-@dataclass(frozen=True)
-class Snap:
+@dataclass(frozen=True, repr=False)
+class Snap(Brief):
     """Where a state ends, and where it goes.
 
     Attributes
@@ -63,8 +65,8 @@ class Snap:
     confirmed: Confirmed | None
 
 
-@dataclass(frozen=True)
-class LoadPoint:
+@dataclass(frozen=True, repr=False)
+class LoadPoint(Brief):
     """A stable state on the path.
 
     Attributes
@@ -88,8 +90,8 @@ class LoadPoint:
     eigenvalue: float
 
 
-@dataclass(frozen=True)
-class Leg:
+@dataclass(frozen=True, repr=False)
+class Leg(Brief):
     """Stable states that the load passes one way.
 
     Attributes

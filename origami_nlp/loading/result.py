@@ -6,17 +6,35 @@ JSON schema ``origami-nlp/load/1``: angles in radians, torques in N m, energies 
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
+from origami_nlp.errors import OptionError
+from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import Leg, Snap
-from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, to_plain
+from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.show import (
+    Content,
+    Piece,
+    Table,
+    Told,
+    Turnable,
+    Words,
+    check_schema,
+    from_plain,
+    to_plain,
+)
+
+if TYPE_CHECKING:
+    from typing import Self
+
+T = TypeVar("T")
 
 SCHEMA = "origami-nlp/load/1"
 WHY = {
@@ -26,18 +44,20 @@ WHY = {
 """Why a leg ends, in words, where the name alone does not say it."""
 
 
+MOST_ANGLES = 12
+"""Fold angles that are told of one state."""
+
+
 @dataclass(frozen=True, repr=False)
-class LoadPath(Told, Turnable):
-    """A state under a load that grows, through contacts and snaps.
+class LoadedPath(Told, Turnable):
+    """What a load path of a vertex and one of a sheet have in common.
 
     Attributes
     ----------
-    scene
-        As stated.
     driver
-        What the load is.
+        What the load is: its `name`, its `unit`, and the `coordinate` that it works on.
     state
-        Number (1-based) of the minimum of the unloaded scene that is loaded.
+        Number (1-based) of the unloaded minimum that is loaded.
     low, high
         Range of the load.
     legs, snaps
@@ -48,17 +68,9 @@ class LoadPath(Told, Turnable):
         What does not fit together, in words; empty where everything does.
     steps, evaluations
         What following cost.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15, confirm=False)
-    >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
-    ([-0.13815], ['snap', 'range'])
     """
 
-    scene: Scene
-    driver: Driver
+    driver: Any
     state: int
     low: float
     high: float
@@ -70,12 +82,23 @@ class LoadPath(Told, Turnable):
     steps: int
     evaluations: int
 
-    PICTURE = "draw_load"
+    WAY: ClassVar[str] = ""
+    TURNED: ClassVar[str] = ""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """What is loaded."""
 
     @property
     def dissipated(self) -> float:
         """Energy lost in all snaps [J]; over a closed cycle the area of the hysteresis loop."""
         return sum(snap.released for snap in self.snaps)
+
+    def turned(self) -> Content:
+        """Return legs and snaps as plain data, see `view`."""
+        content: Content = self._from_room(self.TURNED)(self)  # bodies in space are slow to import
+        return content
 
     def table(self) -> Table:
         """Return one row an event, in order of the load."""
@@ -92,9 +115,9 @@ class LoadPath(Told, Turnable):
             ]
             for e in self.events
         ]
-        head = "angle [rad]" if self.driver.crease else "position [m]"
+        head = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
         title = (
-            f"{self.scene.label or self.scene.vertex!r}: state #{self.state} under {self.driver.name}, "
+            f"{self.label}: {f'state #{self.state}' if self.state else 'a state'} under {self.driver.name}, "
             f"{self.low:.6g} to {self.high:.6g} {self.driver.unit}".rstrip()
         )
         return Table(["event", "type", f"load{unit}", "contact", head, ""], rows, title, "rlrlrl")
@@ -115,14 +138,20 @@ class LoadPath(Told, Turnable):
             yield f"energy lost in snaps: {self.dissipated:.6g} J"
         else:
             yield "no snap"
-        if not self.scene.group.is_trivial:
-            yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
+        if self.WAY:
+            yield self.WAY
+        yield from self._more()
         yield Words(f"{self.steps} steps, {self.evaluations} evaluations of the KKT system", "dim")
         yield from (Words(line, "bold") for line in self.alarms)
 
+    def _more(self) -> Iterator[str]:
+        """What else is to be told."""
+        yield from ()
+
     def _snap_lines(self, number: int) -> Iterator[str]:
         snap, unit = self.snaps[number - 1], f" {self.driver.unit}" if self.driver.unit else ""
-        after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
+        after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after[:MOST_ANGLES])
+        after += f" ... of {len(snap.after)}" if len(snap.after) > MOST_ANGLES else ""
         yield (
             f"   snap {number}, {snap.type} (event {snap.event}) at {snap.t:.12g}{unit}: loses {snap.released:.6g} J, "
             f"lands on {snap.kind} ({after}) deg: {snap.certificate}"
@@ -136,17 +165,9 @@ class LoadPath(Told, Turnable):
                 f"{c.minima[1]} at {c.t[1]:.6g}{unit}, the one after {words[1]}"
             )
 
-    def turned(self) -> Content:
-        """Return legs and snaps as plain data, see `view`."""
-        from origami_nlp.loading.turned import turn_path  # bodies in space are slow to import
-
-        return turn_path(self.driver, self.legs, self.snaps, self.told())
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
+    def _plain(self) -> dict[str, Any]:
+        """Return all but what is loaded as plain JSON data."""
         return {
-            "schema": SCHEMA,
-            "scene": scene_to_dict(self.scene),
             "parameter": {
                 "name": self.driver.name,
                 "unit": self.driver.unit,
@@ -165,3 +186,140 @@ class LoadPath(Told, Turnable):
             "alarms": list(self.alarms),
             "cost": {"steps": self.steps, "evaluations": self.evaluations},
         }
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for number, leg in enumerate(self.legs, start=1):
+            for p in leg.points:
+                row: dict[str, object] = {
+                    "leg": number,
+                    "t": p.t,
+                    "angle": p.angle,
+                    "energy": p.energy,
+                    "eigenvalue": p.eigenvalue,
+                }
+                yield row | {f"phi_{i + 1}": a for i, a in enumerate(p.fold_angles)}
+
+
+@dataclass(frozen=True, repr=False)
+class LoadPath(LoadedPath):
+    """A state under a load that grows, through contacts and snaps.
+
+    Attributes
+    ----------
+    driver
+        What the load is.
+    state
+        Number (1-based) of the minimum of the unloaded scene that is loaded.
+    low, high
+        Range of the load.
+    legs, snaps
+        What the state does, in order.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    steps, evaluations
+        What following cost.
+    scene
+        As stated.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15, confirm=False)
+    >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
+    ([-0.13815], ['snap', 'range'])
+    """
+
+    driver: Driver
+    scene: Scene
+
+    PICTURE, TURNED = "draw_load", "turn_path"
+
+    @property
+    def label(self) -> str:
+        """What is loaded."""
+        return self.scene.label or repr(self.scene.vertex)
+
+    def _more(self) -> Iterator[str]:
+        if not self.scene.group.is_trivial:
+            yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
+        frames = []
+        for number, leg in enumerate(self.legs, start=1):
+            for p in leg.points:
+                title = f"leg {number}, {self.driver.name} = {p.t:.9g} {self.driver.unit}".rstrip()
+                more = {"leg": number, "parameter": p.t, "energy": p.energy}
+                frames.append(folded_frame(self.scene, p.fold_angles, title, **more))
+        return frames_to_fold(self.scene, frames)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
+        return {"schema": SCHEMA, "scene": scene_to_dict(self.scene), **self._plain()}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild a load path from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        LoadPath
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If it is of another schema, or an entry is missing or wrong.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        try:
+            scene = scene_from_dict(data["scene"])
+            creases = data["parameter"]["creases"]
+            driver = Driver(scene, int(creases[0]) if creases else None)
+            return cls(driver=driver, scene=scene, **read_path(data))
+        except (KeyError, TypeError, ValueError) as error:
+            raise OptionError(f"a load path of schema {SCHEMA} is not whole: {error!r}") from None
+
+
+def read_path(data: dict[str, Any]) -> dict[str, Any]:
+    """Return all but what is loaded, and the driver, of a load path from its plain data.
+
+    Parameters
+    ----------
+    data
+        Of `LoadPath.to_dict`, or of that of a sheet.
+
+    Returns
+    -------
+    dict
+        Arguments of the class.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If an entry is missing or wrong.
+    """
+    unbounded = {"range": math.inf}
+
+    def read(kind: type[T], key: str) -> tuple[T, ...]:
+        return tuple(from_plain(kind, entry, unbounded) for entry in data[key])
+
+    return {
+        "state": int(data["state"]),
+        "low": float(data["parameter"]["from"]),
+        "high": float(data["parameter"]["to"]),
+        "legs": read(Leg, "legs"),
+        "snaps": read(Snap, "snaps"),
+        "branches": read(PathBranch, "branches"),
+        "events": read(PathEvent, "events"),
+        "alarms": tuple(map(str, data["alarms"])),
+        "steps": int(data["cost"]["steps"]),
+        "evaluations": int(data["cost"]["evaluations"]),
+    }

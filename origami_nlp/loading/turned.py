@@ -2,36 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from origami_nlp.loading.driver import Driver
-from origami_nlp.loading.records import Leg, Snap
+from origami_nlp.atlas import turn_paths
+from origami_nlp.loading.result import LoadedPath, LoadPath
 from origami_nlp.show import (
+    Body,
     Content,
-    Line,
+    Folded,
     Panel,
-    Piece,
     Station,
+    Track,
     vertex_body,
     vertex_folded,
     vertex_track,
     vertex_view,
 )
 
+MOST_ANGLES = 24
+"""Fold angles that are listed beside a state."""
+Angles = Sequence[float]
 
-def turn_path(
-    driver: Driver, legs: Sequence[Leg], snaps: Sequence[Snap], told: Iterable[Piece]
-) -> Content:
-    """Return the stable states of a load path, for a page that can be turned.
+
+def turn_path(path: LoadPath) -> Content:
+    """Return the stable states of a vertex's load path, for a page that can be turned.
 
     Parameters
     ----------
-    driver, legs, snaps
-        Of a `LoadPath`.
-    told
-        Its report.
+    path
+        Of `load_path`.
+
+    Returns
+    -------
+    Content
+        Of `turn_loaded`.
+    """
+    vertex, energy = path.scene.vertex, path.driver.unloaded.energy
+
+    def folded(phi: Angles) -> Folded:
+        return vertex_folded(vertex, phi, float(energy(phi)))
+
+    def track(title: str, states: list[Angles], loads: list[float], label: str) -> Track:
+        energies = [float(energy(phi)) for phi in states]
+        return vertex_track(vertex, title, states, energies, parameter=loads, label=label)
+
+    def view(phi: Angles) -> np.ndarray:
+        return vertex_view(vertex, phi)
+
+    return turn_loaded(path, vertex_body(vertex), folded, view, track)
+
+
+def turn_loaded(
+    path: LoadedPath,
+    body: Body,
+    folded: Callable[[Angles], Folded],
+    view: Callable[[Angles], np.ndarray],
+    track: Callable[[str, list[Angles], list[float], str], Track],
+) -> Content:
+    """Return the stable states of a load path, of a vertex or of a sheet, for a page that can be turned.
+
+    Parameters
+    ----------
+    path
+        The path.
+    body
+        What is folded.
+    folded, view
+        A state in space, and from where it is seen.
+    track
+        Makes a track of a title, states, their loads, and what the load is.
 
     Returns
     -------
@@ -39,26 +80,26 @@ def turn_path(
         Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
         panel: the load over what it works on.
     """
-    vertex = driver.scene.vertex
+    driver = path.driver
     label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
     named = [
         (f"leg {k} begins at {leg.points[0].t:.6g} {driver.unit}".rstrip(), leg.points[0].t, leg.points[0].fold_angles)
-        for k, leg in enumerate(legs[:1], start=1)
+        for k, leg in enumerate(path.legs[:1], start=1)
     ]  # fmt: skip
-    for k, snap in enumerate(snaps, start=1):
+    for k, snap in enumerate(path.snaps, start=1):
         at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
         named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
     stations: list[Station] = []
     places: list[tuple[int, float, float]] = []
     for title, t, phi in named:
-        energy = float(driver.unloaded.energy(phi))
-        angles = ", ".join(f"{v:.3f}" for v in np.degrees(phi) + 0.0)
+        shown = np.degrees(phi)[:MOST_ANGLES] + 0.0
+        more = ", ..." if len(phi) > MOST_ANGLES else ""
+        angles = ", ".join(f"{v:.3f}" for v in shown) + more
         words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
-        view = vertex_view(vertex, phi)
-        stations.append(Station(title, vertex_folded(vertex, phi, energy), view, lines=words))
+        stations.append(Station(title, folded(phi), view(phi), lines=words))
         places.append((len(places), float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
-    for k, leg in enumerate(legs, start=1):
+    for k, leg in enumerate(path.legs, start=1):
         if len(leg.points) < 2:
             continue
         loads = [p.t for p in leg.points]
@@ -66,21 +107,10 @@ def turn_path(
             f"leg {k}, {loads[0]:.6g} to {loads[-1]:.6g} {driver.unit}".rstrip()
             + f": ends with {leg.why}"
         )
-        states = [p.fold_angles for p in leg.points]
-        energies = [p.energy for p in leg.points]
-        tracks.append(vertex_track(vertex, title, states, energies, parameter=loads, label=label))
+        tracks.append(track(title, [p.fold_angles for p in leg.points], loads, label))
         points.append(np.array([(p.angle, p.t) for p in leg.points]))
-    lines = tuple(Line(p, t.title, "curve") for p, t in zip(points, tracks, strict=True))
     none = np.empty(0)
     axes = (driver.coordinate, label)
-    panel = Panel("The load and what it works on", axes, none, none, None, lines, tuple(places))
-    content = Content(
-        driver.scene.label or repr(vertex),
-        vertex_body(vertex),
-        tuple(stations),
-        panels=(panel,),
-        pieces=tuple(told),
-        note="" if tracks else "No leg was followed.",
-        steps="Each step is a stable state under the load; energies are those without it.",
-    )
-    return content.with_tracks(tracks, [points])
+    panel = Panel("The load and what it works on", axes, none, none, None, (), tuple(places))
+    steps = "Each step is a stable state under the load; energies are those without it."
+    return turn_paths(path.label, body, stations, tracks, points, panel, path.told(), steps)

@@ -44,6 +44,7 @@ from .multistart import (
 )
 from .one_freedom import Traced as Traced, trace as trace
 from .pinches import close_pinched as close_pinched
+from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT
 from origami_nlp.programme import Contact
@@ -53,8 +54,8 @@ class Reach:
     opening: float
 
 
-@dataclass(frozen=True)
-class Geodesic:
+@dataclass(frozen=True, repr=False)
+class Geodesic(Brief):
     """A geodesic through a state.
 
     Attributes

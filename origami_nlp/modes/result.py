@@ -5,23 +5,29 @@ JSON schema ``origami-nlp/modes/1``: angles in radians, energies and eigenvalues
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.errors import OptionError
+from origami_nlp.files import Brief
 from origami_nlp.minima import MinimaResult, Minimum
-from origami_nlp.modes.geodesic import Geodesic
+from origami_nlp.modes.geodesic import Geodesic, Reach
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Piece, Table, Told, pick
+from origami_nlp.show import Piece, Table, Told, check_schema, pick
+
+if TYPE_CHECKING:
+    from typing import Self
 
 SCHEMA = "origami-nlp/modes/1"
 BREAKING = "breaking"
 
 
-@dataclass(frozen=True)
-class Mode:
+@dataclass(frozen=True, repr=False)
+class Mode(Brief):
     """One eigenvector of the reduced Hessian, and the energy along it.
 
     Attributes
@@ -48,11 +54,25 @@ class Mode:
         """Return plain JSON data."""
         keys = ("eigenvalue", "direction", "block", "keeps", "s=along.s", "rise=along.rise")
         ends = [pick(end, "s", "rise", "why", "opening") for end in self.along.ends]
-        return {**pick(self, *keys), "ends": ends}
+        fold_angles = self.along.states.tolist()
+        return {**pick(self, *keys), "ends": ends, "fold_angles": fold_angles}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Mode:
+        """Rebuild a mode from `to_dict`; what closes at its ends is kept in words."""
+        backward, forward = (
+            Reach(float(e["s"]), float(e["rise"]), str(e["why"]), (),
+                  math.nan if e["opening"] is None else float(e["opening"]))
+            for e in data["ends"]
+        )  # fmt: skip
+        s, states, rise = (np.array(data[key], float) for key in ("s", "fold_angles", "rise"))
+        along = Geodesic(s, states, rise, (backward, forward))
+        direction = np.array(data["direction"], float)
+        return cls(float(data["eigenvalue"]), direction, data["block"], data["keeps"], along)
 
 
-@dataclass(frozen=True)
-class StateModes:
+@dataclass(frozen=True, repr=False)
+class StateModes(Brief):
     """The modes of one minimum.
 
     Attributes
@@ -159,6 +179,7 @@ class Modes(Told):
         return {
             "schema": SCHEMA,
             "scene": scene_to_dict(self.result.scene),
+            "minima": self.result.to_dict(),
             "states": [
                 {
                     **pick(s, "state=number", "energy=minimum.energy", "kind=minimum.kind"),
@@ -169,3 +190,40 @@ class Modes(Told):
                 for s in self.states
             ],
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild modes from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        Modes
+            The same; what closes at the ends of a mode is kept in words.
+
+        Raises
+        ------
+        OptionError
+            If it is of another schema, or an entry is missing or wrong.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        try:
+            result = MinimaResult.from_dict(data["minima"])
+            states = tuple(
+                StateModes(
+                    int(s["state"]),
+                    result.minima[int(s["state"]) - 1],
+                    tuple(s["held"]),
+                    tuple(Mode.from_dict(m) for m in s["modes"]),
+                    float(s["coupling"]),
+                    str(s["why"]),
+                )
+                for s in data["states"]
+            )
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise OptionError(f"modes of schema {SCHEMA} are not whole: {error!r}") from None
+        return cls(result, states)

@@ -83,7 +83,7 @@ def _snapshots(figure: Any) -> None:
     """Draw folded branches of degree 6 with the number of branches of equal energy."""
     for axes, snapshot in zip(figure.subplots(1, len(SNAPSHOTS)), SNAPSHOTS, strict=True):
         own = branch(*snapshot)
-        draw_state(axes, own.vertex, own.fold_angles(own.direction * 0.8 * own.end))
+        draw_state(axes, own.vertex, own.fold_angles(own.direction * 0.8 * own.end), crop=True)
         many = own.energy_class.multiplicity
         title = f"{own.energy_class.name}: {many} branch{'es' if many > 1 else ''}"
         axes.set_title(title, fontsize=8)
@@ -121,14 +121,14 @@ def _cone56(figure: Any) -> None:
 
 
 SHEETS: dict[str, tuple[Callable[[Any], None], tuple[float, float], str]] = {
-    "cone-3": (_cone3, (2 * WIDTH + 1, HEIGHT + 1.8), "Multistability of the 6 fold cone"),
-    "cone-3-firing": (_firing(6), (2 * WIDTH + 1, HEIGHT + 0.8), "Boundaries of the 6 fold cone"),
-    "cone-4": (_cone4, (3 * WIDTH + 0.5, HEIGHT + 0.3), "Multistability of the 8 fold cone"),
-    "cone-4-firing": (_firing(8), (2 * WIDTH + 1, HEIGHT + 0.8), "Boundaries of the 8 fold cone"),
+    "cone-3": (_cone3, (2 * WIDTH + 1, HEIGHT + 1.8), "Multistability of the 6-fold cone"),
+    "cone-3-firing": (_firing(6), (2 * WIDTH + 1, HEIGHT + 0.8), "Boundaries of the 6-fold cone"),
+    "cone-4": (_cone4, (3 * WIDTH + 0.5, HEIGHT + 0.3), "Multistability of the 8-fold cone"),
+    "cone-4-firing": (_firing(8), (2 * WIDTH + 1, HEIGHT + 0.8), "Boundaries of the 8-fold cone"),
     "cone-56": (
         _cone56,
         (3 * WIDTH + 0.5, 2 * HEIGHT + 0.4),
-        "Multistability of the 10 and 12 fold cones",
+        "Multistability of the 10- and 12-fold cones",
     ),
 }
 """Label in the paper: how it is drawn, its size [in], its title."""

@@ -74,7 +74,15 @@ def _errors(axes: Any, errors: tuple[GridErrors, ...], what: str, label: str) ->
     axes.set_ylim(low / 12 if what == "energy" else low, high)
     if what == "distance":
         axes.axhline(REACH, color="#999999", lw=0.8, ls=":")
-        axes.annotate("not found nearer", (cells[0], REACH), fontsize=6.5, ha="right", va="bottom")
+        axes.annotate(
+            "not found nearer",
+            (cells[len(cells) // 2], REACH),
+            xytext=(0, 3),
+            textcoords="offset points",
+            fontsize=6.5,
+            ha="center",
+            va="bottom",
+        )
     axes.set_xlim(cells.min() / 1.75, cells.max() * 1.12)
     axes.set_xticks(cells, [f"2π/{round(2 * np.pi / c)}" for c in cells], fontsize=6.5)
     axes.xaxis.set_minor_locator(NullLocator())

@@ -131,8 +131,8 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)
     width, height = 7.2, 7.6
-    side, bar, left, top = 1.78, 0.07, 0.72, 0.52
-    step_x, step_y = 2.2, 2.15
+    side, bar, left, top = 1.78, 0.07, 0.7, 0.52
+    step_x, step_y = 2.18, 2.15
     figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
 
     def box(x: float, y: float, w: float, h: float) -> Any:

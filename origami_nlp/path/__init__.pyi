@@ -28,5 +28,6 @@ from .tracer import (
     Trace as Trace,
     advance as advance,
     trace as trace,
+    trace_ahead as trace_ahead,
 )
-from .web import Arc as Arc, Node as Node, Web as Web
+from .web import RANGE as RANGE, Arc as Arc, Node as Node, Web as Web

@@ -10,7 +10,7 @@ follow from the state where closure and contacts are independent.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -47,7 +47,7 @@ class System:
 
     def __init__(self, line: ParameterLine, point: np.ndarray, hold: Hold) -> None:
         x, s = point[:-1], float(point[-1])
-        self.line, self.hold = line, hold
+        self.line, self.hold, self.x = line, hold, x
         self.programme: Programme = line.at(s)
         p = self.programme
         root, rows = p.root, list(hold.closure)
@@ -125,16 +125,18 @@ class Equilibrium:
     """A point of the curve, see `tracer.Frame`.
 
     x: state and parameter, (x, s) [n + 1].  tangent: of length 1 in (y, w s), shape [n + 1].  system: of this point.
+    turn: change of the tangent with the arclength as far as it is known from the point before.
     """
 
     x: np.ndarray
     tangent: np.ndarray
     system: System
+    turn: np.ndarray | None = None
 
     @property
     def bend(self) -> np.ndarray:
-        """Not known: steps are straight."""
-        return np.zeros(len(self.x))
+        """For the predictor alone: a difference of tangents; zero at a first point."""
+        return np.zeros(len(self.x)) if self.turn is None else self.turn
 
     @property
     def state(self) -> np.ndarray:
@@ -186,7 +188,7 @@ Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
 class EquilibriumCurve:
     """Equilibria over a line of parameters with contacts held; see `tracer.Curve`.
 
-    short: see `System.step`.  known: the last point that Newton reached, with its system.
+    short: see `System.step`.  known: the last point that Newton reached, with its system.  given: the last frame.
     """
 
     line: ParameterLine
@@ -194,6 +196,7 @@ class EquilibriumCurve:
     tally: Tally
     short: bool = False
     known: list[tuple[np.ndarray, System]] = field(default_factory=list)
+    given: list[Equilibrium] = field(default_factory=list)
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -240,7 +243,21 @@ class EquilibriumCurve:
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:
         """Return the point (x, s) with its tangent on the side of `along` [n + 1]; None where it has none."""
         known = [system for point, system in self.known if point is x]
-        return self.frame_of(x, known[0] if known else self.system(x), along)
+        frame = self.frame_of(x, known[0] if known else self.system(x), along)
+        if frame is not None:
+            frame = replace(frame, turn=self._turn(frame))
+            self.given[:] = [frame]
+        return frame
+
+    def _turn(self, frame: Equilibrium) -> np.ndarray | None:
+        """Return the change of the tangent since the last frame; None where that is far, or the same point."""
+        for last in self.given:
+            chord = float(np.linalg.norm(self.root * (frame.x - last.x)))
+            change = frame.tangent - last.tangent
+            if STATIONARY < chord <= LONGEST and np.linalg.norm(change) <= LONGEST:
+                forward = (self.root * (frame.x - last.x)) @ frame.tangent
+                return change / np.copysign(chord, forward)
+        return None
 
     def frame_of(self, x: np.ndarray, system: System, along: np.ndarray) -> Equilibrium | None:
         """Return the frame of a point whose system is known."""

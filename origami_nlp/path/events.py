@@ -13,6 +13,7 @@ a minimum meets a saddle there without any eigenvalue that tells: `nonsmooth-fol
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -29,7 +30,8 @@ from origami_nlp.numerics import (
     bracketed_roots,
 )
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates
+from origami_nlp.path.flat import flat_passage
+from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates, touches
 from origami_nlp.programme import Contact
 
 BISECTIONS = 24
@@ -37,6 +39,7 @@ BISECTIONS = 24
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
+Forces = Callable[[Equilibrium], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +49,7 @@ class Found:
     type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
     comes there.  contact: that closes or leaves.  value: of its own function there.  located: whether value and KKT
     residual are rounding.  why: in words, where it is not.  beyond: a point on the other side of a singular state.
+    point, residual: of the event (x, s) where it is no frame, see `flat`.  between: values of s, where that is all.
     """
 
     type: str
@@ -55,6 +59,9 @@ class Found:
     located: bool
     why: str = ""
     beyond: Equilibrium | None = None
+    point: np.ndarray | None = None
+    residual: float | None = None
+    between: tuple[float, float] | None = None
 
 
 def found_at(
@@ -147,17 +154,53 @@ def _is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -
 def _pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> Found:
     """Return the singular state at which a function passes infinity, as the nearest point that Newton reaches."""
     frame = _towards(curve, a, b, lambda f: 1.0 / value(f)) or a
+    event = _contacts_become_one(curve, a, b, frame)
+    if event is not None:
+        return event
+    back = _towards(curve, replace(b, tangent=-b.tangent), a, lambda f: 1.0 / value(f)) or b
+    between = min(frame.s, back.s), max(frame.s, back.s)
+    flat = flat_passage(curve, frame.x, min(a.s, b.s), max(a.s, b.s))
+    if flat is not None and max(abs(flat[1]), flat[2]) <= STATIONARY:
+        point, off, residual = flat
+        why = "a flat state: closure and contacts lose rank, and multipliers pass infinity"
+        return Found("singular", frame, None, off, True, why, b, point, residual)
     why = (
         f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
         "multipliers grow without bound: the equilibria on both sides are followed, each by itself"
     )
-    return Found("singular", frame, None, frame.system.least, False, why, b)
+    least = frame.system.least
+    return Found("singular", frame, None, least, False, why, b, between=between)
+
+
+def _contacts_become_one(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, near: Equilibrium
+) -> Found | None:
+    """Return the event at which held contacts become dependent because facets no longer overlap; None where none is.
+
+    There a state without one or more of them closes another; on the way to it only their sum is a force.
+    """
+    held = curve.hold.contacts
+    reach = 2 * float(np.linalg.norm(curve.root * (b.x - a.x)))
+    for count in range(len(held) - 1):
+        for rest in itertools.combinations(held, len(held) - 2 - count):
+            for contact in (c for c in held if c not in rest):
+                other = replace(curve, hold=replace(curve.hold, contacts=rest), known=[], given=[])
+                there = other.where_closed(near, contact, near.tangent)
+                if there is None or np.linalg.norm(curve.root * (there.x - a.x)) > reach:
+                    continue
+                openings = there.programme.local(there.state).openings(held)[0]
+                if np.abs(openings).max() > TOUCHES or not is_equilibrium(there):
+                    continue
+                value = float(openings[held.index(contact)])
+                frame = Equilibrium(there.x, near.tangent, curve.system(there.x))
+                return found_at("leaves", frame, value, contact)
+    return None
 
 
 def _between(frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> Equilibrium:
     """Return a branching with the tangent of its neighbours: there the system has two null vectors."""
     along = a.tangent + b.tangent
-    return replace(frame, tangent=along / np.linalg.norm(along))
+    return Equilibrium(frame.x, along / np.linalg.norm(along), frame.system)
 
 
 def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int) -> Found:
@@ -179,7 +222,7 @@ def first_contact_event(
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
     leaving = _first_leaving(curve, a, b)
     beyond = b if leaving is None else leaving.frame
-    if not beyond.programme.refuses(beyond.state) and closes(beyond):
+    if not beyond.programme.refuses(beyond.state) and closes(beyond) and touches(beyond):
         if leaving is None:
             return a, Found("refused", a, None, np.nan, False, "no event was found in a step")
         return leaving.frame, leaving
@@ -205,6 +248,29 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
         if first is None or h < first[0]:
             first = h, event
     return None if first is None else first[1]
+
+
+def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found:
+    """Return where, between a and b, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
+    found: list[Found] = []
+    state = State(b.programme, b.state)
+    for piece in state.pieces:
+
+        def forces(f: Equilibrium, piece: tuple[Contact, ...] = piece) -> np.ndarray:
+            return State(f.programme, f.state).on(piece).forces
+
+        for k in np.flatnonzero(forces(b) < PULLS * b.system.size):
+
+            def force(f: Equilibrium, k: int = int(k), forces: Forces = forces) -> float:
+                return float(forces(f)[k]) / f.system.size
+
+            frame = root_between(curve, a, b, force)
+            if frame is not None and _is_zero(force, frame, a, b):
+                found.append(found_at("leaves", frame, force(frame), piece[k]))
+    if not found:
+        why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
+        return Found("singular", a, None, np.nan, False, why)
+    return min(found, key=lambda e: _step(a, e.frame, curve.root))
 
 
 def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:

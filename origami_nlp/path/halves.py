@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import BALANCED, DEPENDENT, INDEPENDENT, RANK, STATIONARY
+from origami_nlp.numerics import BALANCED, DEPENDENT, FOLLOWED, INDEPENDENT, RANK, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.tracer import ALIGNED, advance
@@ -22,8 +22,8 @@ from origami_nlp.programme import Contact
 
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
-TRIALS = (1e-3, 1e-5)
-"""Steps after which a direction must still be an equilibrium: the second where an event follows soon."""
+TRIALS = (1e-2, 1e-3, 1e-5)
+"""Steps after which a direction must still be an equilibrium: the later ones where an event follows soon."""
 PULLS = -STATIONARY
 """A multiplier that is smaller, relative to the largest torque, pulls."""
 
@@ -32,12 +32,15 @@ PULLS = -STATIONARY
 class Half:
     """One direction in which equilibria go on.
 
-    frame: the state with the tangent that leads there.  signed: whether the signs of the multipliers tell how far it
+    frame: the state with the tangent that leads there; a short step ahead where the contacts held are dependent at the
+    state itself.  signed: whether the signs of the multipliers tell how far it
     is one; where they are zero all along, or where nothing has to balance, only the verdict of `kkt.classify` does.
+    split: whether several smooth pieces of what contacts allow meet all along it, each of which must balance.
     """
 
     frame: Equilibrium
     signed: bool
+    split: bool = False
 
     def is_like(self, other: Equilibrium, sign: float = 1.0) -> bool:
         """Tell whether it leads the way that `other` does, or comes from there (sign -1)."""
@@ -155,8 +158,8 @@ def _along(
         along = np.append(v[:n], v[-1])
         frame = Equilibrium(point, along, system)
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
-        half = Half(frame, signed)
-        if goes_on(curve, half):
+        half = goes_on(curve, Half(frame, signed), others)
+        if half is not None:
             yield half
 
 
@@ -182,9 +185,9 @@ def _frozen(
         return
     along = np.append(system.null[:n], system.null[-1])
     for sign in (1.0, -1.0):
-        frame = Equilibrium(point, sign * along, system)
-        if goes_on(curve, Half(frame, False)):
-            yield Half(frame, False)
+        half = goes_on(curve, Half(Equilibrium(point, sign * along, system), False))
+        if half is not None:
+            yield half
 
 
 def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
@@ -195,23 +198,91 @@ def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
     v = np.linalg.svd(whole)[2][-1]
     across = np.append(v[:n], v[-1])
     across = across / np.linalg.norm(across)
-    both = (Half(replace(frame, tangent=sign * across), True) for sign in (1.0, -1.0))
-    return [half for half in both if goes_on(curve, half)]
+    both = (
+        goes_on(curve, Half(Equilibrium(frame.x, sign * across, frame.system), True))
+        for sign in (1.0, -1.0)
+    )
+    return [half for half in both if half is not None]
 
 
-def goes_on(curve: EquilibriumCurve, half: Half) -> bool:
-    """Tell whether a short step in this direction ends at an equilibrium."""
+def goes_on(curve: EquilibriumCurve, half: Half, others: tuple[Contact, ...] = ()) -> Half | None:
+    """Return the half-branch if a short step in this direction ends at an equilibrium; None if not.
+
+    others: contacts of its piece that it does not hold.  One that a step passes to second order only, as where facets
+    that lie on each other begin to overlap, is held too, from the end of that step on.
+    """
     for h in TRIALS:
         moved = advance(curve, half.frame, h)
-        if moved is not None and is_equilibrium(moved[0]):
-            return half.signed or judged(moved[0]) == judged(half.frame)
-    return False
+        if moved is None or not is_equilibrium(moved[0]):
+            continue
+        frame = moved[0]
+        held = _overlapping(curve, frame, others)
+        if held is None and any(_opening(frame, c) < -FOLLOWED for c in others):
+            return None
+        frame = held or frame
+        split = len(State(frame.programme, frame.state).pieces) > 1
+        if split and not balances(frame):
+            continue
+        if half.signed or judged(frame) == judged(half.frame):
+            return Half(held or half.frame, half.signed or held is not None, split)
+    return None
+
+
+def _opening(frame: Equilibrium, contact: Contact) -> float:
+    return float(frame.programme.local(frame.state).openings((contact,))[0][0])
+
+
+def _overlapping(
+    curve: EquilibriumCurve, frame: Equilibrium, others: tuple[Contact, ...]
+) -> Equilibrium | None:
+    """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
+
+    Signs of forces tell what openings of third order in the step cannot: which contacts would be passed without them.
+    """
+    shut = tuple(c for c in others if _opening(frame, c) < FOLLOWED)
+    hold = frame.hold
+    for more in dict.fromkeys((shut, *((c,) for c in shut))):
+        if not more or len(hold.contacts) + len(more) + len(hold.closure) > len(frame.state):
+            continue
+        other = replace(
+            curve, hold=replace(hold, contacts=(*hold.contacts, *more)), known=[], given=[]
+        )
+        found = other.at(frame.x, frame.s, frame.tangent)
+        if found is None or found.system.least <= RANK or not is_equilibrium(found):
+            continue
+        pushes = (found.forces > BALANCED * found.system.size).all()
+        if pushes and all(_opening(found, c) > -FOLLOWED for c in others):
+            return found
+    return None
+
+
+def balances(frame: Equilibrium) -> bool:
+    """Tell whether the springs balance on every piece of what contacts allow, and not only on the one that is held."""
+    state = State(frame.programme, frame.state)
+    pieces = state.pieces
+    if len(pieces) == 1:
+        return True
+    size = 1.0 + float(np.abs(state.gradient).max())
+    if all(state.on(piece).multiplier_set.residual <= BALANCED * size for piece in pieces):
+        return True
+    return judged(frame) != "not stationary"
 
 
 def is_equilibrium(frame: Equilibrium) -> bool:
-    """Tell whether a point is admissible and all its contacts push."""
+    """Tell whether a point is admissible and all its contacts touch and push."""
     pulls = (frame.forces < PULLS * frame.system.size).any()
-    return not pulls and not frame.programme.refuses(frame.state) and closes(frame)
+    good = not pulls and not frame.programme.refuses(frame.state) and closes(frame)
+    return good and touches(frame)
+
+
+def touches(frame: Equilibrium) -> bool:
+    """Tell whether contacts held touch: a crease may lie in the plane of a facet, but beside it."""
+    held = {c for c in frame.hold.contacts if not c.is_limit}
+    if not held:
+        return True
+    found = State(frame.programme, frame.state).contacts
+    rows = (c for branch in found.branches for option in branch for c in option)
+    return held <= {*found.base, *rows, *(c for c, _ in found.implied)}
 
 
 def closes(frame: Equilibrium) -> bool:

@@ -13,10 +13,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
-from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Tally
-from origami_nlp.path.events import Found, first_contact_event, folds_and_branchings
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, System, Tally
+from origami_nlp.path.events import (
+    Found,
+    first_contact_event,
+    folds_and_branchings,
+    other_piece_leaves,
+)
 from origami_nlp.path.halves import (
     Half,
+    balances,
     branching_halves,
     half_branches,
     is_equilibrium,
@@ -24,10 +30,10 @@ from origami_nlp.path.halves import (
     turned,
 )
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.path.tracer import CLOSED_CURVE, End, Steps, trace_ahead
+from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
 from origami_nlp.programme import Contact
 
-STEPS = Steps(first=1e-3, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
+STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
@@ -42,7 +48,8 @@ class Node:
     ``start`` (of a state given), ``range`` (an end of what is followed) or ``corner`` (the contacts held change, the
     states do not turn) where nothing happens.
     point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
-    system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.
+    system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
+    values of s between which it lies, where only that is known.
     halves: in which directions equilibria go on.  used: those that were followed, or come from there.
     """
 
@@ -53,6 +60,7 @@ class Node:
     residual: float = 0.0
     located: bool = True
     why: str = ""
+    between: tuple[float, float] | None = None
     halves: list[Half] = field(default_factory=list)
     used: list[int] = field(default_factory=list)
 
@@ -248,7 +256,7 @@ class Web:
     def _arrive(self, number: int, frame: Equilibrium) -> None:
         """Note that a node was reached: what leads back from there is known."""
         node = self.nodes[number]
-        node.used += [k for k, h in enumerate(node.halves) if h.is_like(frame, -1.0)]
+        node.used += _likest(node.halves, -frame.tangent)
 
     def _trace(self, curve: EquilibriumCurve, half: Half) -> tuple[list[Equilibrium], Found]:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
@@ -257,13 +265,14 @@ class Web:
 
         def before(frames: Sequence[Equilibrium]) -> int:
             for k, f in enumerate(frames):
-                inside = self.low <= f.s <= self.high
-                if not inside or not is_equilibrium(f) or (verdict and judged(f) != verdict):
+                good = self.low <= f.s <= self.high and is_equilibrium(f)
+                good = good and (not half.split or balances(f))
+                if not good or (verdict and judged(f) != verdict):
                     return k
             return len(frames)
 
         def meet(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            frame, event = self._first(curve, a, b, verdict)
+            frame, event = self._first(curve, a, b, verdict, half.split)
             stop.append(event)
             return frame
 
@@ -278,7 +287,7 @@ class Web:
         return frames, Found("singular", last, None, np.nan, False, why)
 
     def _first(
-        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
     ) -> tuple[Equilibrium, Found]:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
@@ -288,6 +297,11 @@ class Web:
             if beyond is None:
                 return a, Found("singular", a, None, np.nan, False, "no state at the end")
             b = beyond
+        if split and not b.programme.refuses(b.state) and not balances(b):
+            leaving = other_piece_leaves(curve, a, b)
+            if is_equilibrium(leaving.frame):
+                return leaving.frame, leaving
+            b = leaving.frame
         if not is_equilibrium(b):
             frame, event = first_contact_event(curve, a, b)
             assert event is not None
@@ -298,7 +312,7 @@ class Web:
 
     def _node(self, event: Found) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
-        point = event.frame.x
+        point = event.frame.x if event.point is None else event.point
         for k, node in enumerate(self.nodes):
             if (node.type == START) != (event.type == START) or event.type == RANGE:
                 continue
@@ -311,14 +325,19 @@ class Web:
             point,
             event.contact,
             event.value,
-            event.frame.system.residual,
+            event.frame.system.residual if event.residual is None else event.residual,
             event.located,
             event.why,
+            between=event.between,
         )
         self.nodes.append(node)
         return len(self.nodes) - 1, False
 
     def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
+        first, point = frames[0], self.nodes[start].point
+        if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
+            system = System(self.line, point, first.hold)
+            frames = [Equilibrium(point, first.tangent, system), *frames]
         self.arcs.append(Arc(tuple(frames), start, end, signed))
 
     def _go_on(self, number: int, half: Half, stop: Found) -> list[tuple[int, int]]:
@@ -331,12 +350,7 @@ class Web:
         if not node.halves:
             node.halves = half_branches(self.line, node.point, self.tally)
         back = turned(half)
-        came = [
-            k
-            for k, h in enumerate(node.halves)
-            if h.is_like(back.frame)
-            and set(h.frame.hold.contacts) <= set(half.frame.hold.contacts) | {stop.contact}
-        ]
+        came = _likest(node.halves, back.frame.tangent)
         node.used += came
         onward = [k for k in range(len(node.halves)) if k not in came]
         ahead = [node.halves[k].frame.ahead for k in onward]
@@ -373,6 +387,13 @@ class Web:
 
 def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray, apart: float = SETTLED) -> bool:
     return float(np.abs(root * (a - b)).max()) <= apart
+
+
+def _likest(halves: Sequence[Half], along: np.ndarray) -> list[int]:
+    """Return the half-branch that leads most nearly along a direction, as a list; empty where none does."""
+    across = [float(h.frame.tangent @ along) for h in halves]
+    best = max(across, default=0.0)
+    return [across.index(best)] if best > ALIGNED else []
 
 
 def _change_of_verdict(

@@ -12,7 +12,9 @@ from .crease_pattern import (
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
+    HELD_KEY as HELD_KEY,
     LARGEST as LARGEST,
+    LOADS_KEY as LOADS_KEY,
     PRELOAD_KEY as PRELOAD_KEY,
     REST_KEY as REST_KEY,
     STIFFNESS_KEY as STIFFNESS_KEY,
@@ -35,6 +37,7 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
+from .one_vertex import scene_pattern as scene_pattern
 from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
@@ -48,4 +51,9 @@ from .scene_file import (
     scene_to_dict as scene_to_dict,
 )
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
+from .sheet_data import (
+    pattern_from_dict as pattern_from_dict,
+    pattern_to_dict as pattern_to_dict,
+)
+from .stated import as_pattern as as_pattern
 from .vertex import Vertex as Vertex

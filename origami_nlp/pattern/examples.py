@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -221,6 +222,39 @@ def by_name(name: str, **options: Any) -> Scene:
     return BY_NAME[name](**options)
 
 
+def split_size(name: str) -> tuple[str, tuple[int, int] | tuple[None, None]]:
+    """Split the name of an example from the size of its crease pattern.
+
+    Parameters
+    ----------
+    name
+        Such as ``"miura"`` or ``"miura:4x6"``.
+
+    Returns
+    -------
+    name : str
+        Without the size.
+    size : tuple
+        Rows and columns of cells; None, None where no size is given.
+
+    Raises
+    ------
+    OptionError
+        If the size is none.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.split_size("miura:4x6")
+    ('miura', (4, 6))
+    """
+    word, colon, size = name.partition(":")
+    shape = re.fullmatch(r"(\d{1,6})x(\d{1,6})", size)
+    if colon and not shape:
+        raise OptionError(f"NAME = {name!r}: write the size as ROWSxCOLUMNS, such as miura:4x6")
+    return (word, (int(shape[1]), int(shape[2]))) if shape else (word, (None, None))
+
+
 def pattern(
     name: str, rows: int | None = None, columns: int | None = None, **options: Any
 ) -> Pattern:
@@ -259,7 +293,8 @@ def crease_pattern(
     Parameters
     ----------
     name
-        One of `BY_NAME` or `SHEETS`; of the paper's families, and of the waterbomb base, the vertex alone.
+        One of `BY_NAME` or `SHEETS`, also with its size, such as ``"miura:4x6"``; of the paper's families, and of the
+        waterbomb base, the vertex alone.
     rows, columns
         Cells of a pattern in `SIZES`, 1 to 100.
     options
@@ -283,6 +318,10 @@ def crease_pattern(
     >>> examples.crease_pattern("miura", 2, 3)["edges_assignment"].count("B")
     10
     """
+    if ":" in name:
+        if (rows, columns) != (None, None):
+            raise OptionError(f"name = {shown(name)} has a size: leave out rows and columns")
+        name, (rows, columns) = split_size(name)
     if name in SHEETS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
     scene = None if name in SHEETS else by_name(name, **options)

@@ -29,6 +29,7 @@ MOST_ELEMENTS = 2_000_000
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
 PRELOAD_KEY = "edges_origaminlp:preload"
+LOADS_KEY, HELD_KEY = "origaminlp:loads", "origaminlp:heldFacet"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
@@ -36,12 +37,15 @@ _READ = (
     "vertices_coords",
     "edges_vertices",
     "faces_vertices",
+    "faceOrders",
     "edges_assignment",
     "edges_foldAngle",
     *_LEGACY,
     STIFFNESS_KEY,
     REST_KEY,
     PRELOAD_KEY,
+    LOADS_KEY,
+    HELD_KEY,
     "frame_classes",
     "frame_title",
     "file_title",
@@ -76,10 +80,14 @@ class Frame:
         [E] torque [N m] beside that of the rest angle; NaN where not given.
     faces
         Vertices of each face; empty where none are given.
+    face_orders
+        (f, g, s): face f lies on the side of the normal of face g (s = 1), or on the other (s = -1).
     conflicts
         Edges (positions in `edges`) that the file states twice in different ways.
     notes
         What is odd in the frame, one line each.
+    loads, held_facet
+        Forces on its one vertex, each a table as in a scene file, and the facet that is held; as the file states them.
     """
 
     number: int
@@ -94,8 +102,11 @@ class Frame:
     stiffness: np.ndarray = field(repr=False)
     preload: np.ndarray = field(repr=False)
     faces: tuple[tuple[int, ...], ...] = field(repr=False)
+    face_orders: tuple[tuple[int, int, int], ...] = ()
     conflicts: frozenset[int] = frozenset()
     notes: tuple[str, ...] = ()
+    loads: tuple[Any, ...] = ()
+    held_facet: Any = None
 
 
 def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
@@ -292,8 +303,11 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         stiffness[keep],
         preload[keep],
         faces,
+        _face_orders(data.get("faceOrders"), len(faces)),
         frozenset(place[k] for k in conflicts),
         tuple(notes),
+        tuple(_list(data.get(LOADS_KEY) or [], LOADS_KEY)),
+        data.get(HELD_KEY),
     )
 
 
@@ -353,6 +367,23 @@ def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
             )
         faces.append(tuple(row))
     return tuple(faces)
+
+
+def _face_orders(value: object, count: int) -> tuple[tuple[int, int, int], ...]:
+    """Return what faceOrders says of two faces; what it leaves open (0, or null) is left out."""
+    orders = []
+    for k, row in enumerate(_list(value, "faceOrders") if value is not None else []):
+        whole = isinstance(row, list) and len(row) == 3
+        if not whole or not all(_is_index(f, count) for f in row[:2]) or row[0] == row[1]:
+            range_ = f"0 to {count - 1}" if count else "but faces_vertices is missing"
+            raise FoldFileError(
+                f"faceOrders[{k}] = {_short(row)} must be [f, g, s], f and g two faces, {range_}"
+            )
+        if row[2] not in (1, -1, 0, None) or isinstance(row[2], bool):
+            raise FoldFileError(f"faceOrders[{k}] = {_short(row)}: s must be 1, -1, or 0")
+        if row[2]:
+            orders.append((row[0], row[1], int(row[2])))
+    return tuple(orders)
 
 
 def _edges(

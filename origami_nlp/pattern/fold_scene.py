@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_type, check_whole, shown
+from origami_nlp.arguments import check_type, check_whole, shown
 from origami_nlp.errors import FoldFileError, OptionError
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
-from origami_nlp.pattern.fold_file import Frame, read_fold
+from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.fold_rings import Rings
+from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
 from origami_nlp.pattern.scene import Contact, Scene
 
 NOISY = 1e-4
 """Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
-LETTERS_ONLY = (
-    "M and V without angles: creases rest at -180 and +180 degrees, so that folded flat as drawn has U = 0; "
-    "--rest-angle 90 lets them rest half way"
-)
 
 
 def _to_stderr(note: str) -> None:
@@ -305,14 +302,7 @@ def _scene(
     rest_angles: str | None = None,
 ) -> Scene:
     """Make a scene of a vertex; parameters as for `scene_at`."""
-    check_number("stiffness", stiffness)
-    check_number("rest_angle", rest_angle, 0.0, math.pi)
-    if rest_angles not in (None, "file", "measured"):
-        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
-    if rest_angles == "measured" and not frame.folded:
-        raise FoldFileError(
-            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
-        )
+    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
     if v.reason:
         raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
     at = np.searchsorted(frame.numbers, v.edges)
@@ -328,6 +318,15 @@ def _scene(
     for choice in choices[rest_angles]:
         rest = np.where(np.isnan(rest), choice, rest)
     preload = np.nan_to_num(frame.preload[at])
+    if frame.loads and len(fold_vertices(frame)[0]) > 1:
+        raise FoldFileError(
+            f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
+        )
+    if not all(isinstance(load, Mapping) for load in frame.loads):
+        raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
+    loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
+    if frame.loads and frame.held_facet is not None:
+        loads["held_facet"] = frame.held_facet
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -337,4 +336,5 @@ def _scene(
         name=f"{frame.title or 'FOLD'}, vertex {v.number}",
         symmetry_tolerance=NOISY,
         preload=tuple(preload.tolist()),
+        **loads,
     )

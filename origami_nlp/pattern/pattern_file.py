@@ -9,17 +9,18 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_type
+from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import TYPED
-from origami_nlp.pattern.crease_pattern import CLOSED
-from origami_nlp.pattern.fold_file import PRELOAD_KEY, Frame, read_fold
+from origami_nlp.pattern.crease_pattern import APART, CLOSED
+from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
+from origami_nlp.pattern.fold_parts import check_parts, check_sides
 from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
+from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
-LETTERS_ONLY = "M and V without angles: creases rest at -180 and +180 degrees; --rest-angle 90 lets them rest half way"
-
+FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 Side = tuple[int, int]
 
 
@@ -112,14 +113,7 @@ def frame_pattern(
     4
     """
     check_type("frame", frame, Frame)
-    check_number("stiffness", stiffness)
-    check_number("rest_angle", rest_angle, 0.0, math.pi)
-    if rest_angles not in (None, "file", "measured"):
-        raise FoldFileError(f"--rest-angles = {rest_angles!r} must be file or measured")
-    if rest_angles == "measured" and not frame.folded:
-        raise FoldFileError(
-            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured"
-        )
+    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
@@ -131,9 +125,11 @@ def frame_pattern(
     measured, votes = sheet.measured()
     if votes < 0:  # which side valleys open to is a matter of how faces run: the letters decide
         sheet.polygons = [p[::-1] for p in sheet.polygons]
+        sheet.orders = [(f, g, -s) for f, g, s in sheet.orders]
         sheet.notes.append("faces run the other way round than the assignments say: turned over")
         measured, _ = sheet.measured()
     given = frame.fold_angles
+    sheet.note_targets(measured)
     k = np.where(np.isnan(frame.stiffness), stiffness, frame.stiffness)
     letter = [{"M": -rest_angle, "V": rest_angle}.get(a, 0.0) for a in frame.assignment]
 
@@ -159,7 +155,8 @@ def frame_pattern(
         rest={s: rest(s, e) for s, e in edges},
         file_angles={s: float(given[e]) for s, e in edges},
         name=frame.title or f"frame {frame.number}",
-        notes=[*frame.notes, *sheet.notes],
+        notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
+        orders=sheet.orders,
     )
 
 
@@ -167,6 +164,7 @@ class _Sheet:
     """Polygons of a frame, with corners of their own on both sides of cuts, and what their sides are.
 
     edge: of each side that two polygons share, by its corners in increasing order, its edge (position in the frame).
+    orders: the frame's faceOrders, for the polygons as they are turned here.
     """
 
     def __init__(self, frame: Frame) -> None:
@@ -178,6 +176,7 @@ class _Sheet:
                 f"edges_vertices[{e}] is stated twice with different assignments or fold angles: keep one"
             )
         self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
+        self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
         self._check_faces()
         self._cut()
@@ -206,6 +205,7 @@ class _Sheet:
         for f, face in enumerate(faces):
             if len(set(face)) < len(face):
                 raise FoldFileError(f"faces_vertices[{f}] comes to a vertex twice: split the face")
+        check_sides(faces)
         if not self.frame.folded:
             area = sum(_area(x[list(face), :2]) for face in faces)
             if area < 0:
@@ -217,8 +217,13 @@ class _Sheet:
                     f"faces_vertices[{wrong[0]}] lies upside down in a flat sheet: it overlaps its neighbour, or its "
                     "vertices are in the wrong order"
                 )
+        elif 2 * against > len(faces):
+            faces, against = [face[::-1] for face in faces], len(faces) - against
         if 0 < against < len(faces):
             self.notes.append(f"{against} faces were turned over to orient all alike")
+        for f, g, s in self.frame.face_orders:
+            turned = faces[g] != self.frame.faces[g]
+            self.orders.append((f, g, -s if turned else s))
         return faces
 
     def _walked(self) -> list[tuple[int, ...]]:
@@ -289,11 +294,12 @@ class _Sheet:
                 parent[key] = key = parent[parent[key]]
             return key
 
-        cuts = 0
+        cuts, slit = 0, set()
         for side, polygons in at.items():
             known = self.number.get(side)
             if known is not None and letters[known] in "BC" and len(polygons) > 1:
                 cuts += 1
+                slit |= {*side}
                 continue
             for other in polygons[1:]:
                 for v in side:
@@ -317,6 +323,12 @@ class _Sheet:
         self.corners = np.array(corners)
         if cuts:
             self.notes.append(f"{cuts} edges B or C with facets on both sides are cuts")
+        points = sorted({*self.origin[len(self.frame.coords) :]} - slit)
+        if points:
+            self.notes.append(
+                f"paper meets in points at vertices {listed(points)}: it is not joined there"
+            )
+        check_parts(self.frame, self.polygons, self.origin)
 
     def _note_borders(self, sides: Counter[Side]) -> None:
         alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]
@@ -346,6 +358,7 @@ class _Sheet:
         normals = np.array([_normal(x[list(p)]) for p in self.polygons])
         phi, votes, unsure = {}, 0.0, []
         joined = set(self.joins)
+        lies = {_side(f, g): float(s) for f, g, s in self.orders}
         for side, e in self.edge.items():
             if side in joined or side not in left or side[::-1] not in left:
                 continue
@@ -357,6 +370,10 @@ class _Sheet:
             if said and not math.isnan(said):
                 sign = math.copysign(1.0, said)
             if math.pi - abs(angle) < CLOSED:
+                # facets of a valley lie on the sides of each other's normals
+                lie = lies.get(_side(left[side], left[side[::-1]]), 0.0)
+                votes += sign * lie
+                sign = sign or lie
                 if not sign:
                     unsure.append(int(frame.numbers[e]))
                 angle = math.copysign(math.pi, sign or 1.0)
@@ -367,6 +384,18 @@ class _Sheet:
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes
+
+    def note_targets(self, measured: dict[Side, float]) -> None:
+        """Note fold angles of a folded form that are not those of its coordinates."""
+        said = self.frame.fold_angles
+        off = {e: abs(said[e] - measured[s]) for s, e in self.edge.items() if s in measured}
+        other = sorted(int(self.frame.numbers[e]) for e, d in off.items() if d > APART)
+        if other:
+            most = math.degrees(max(d for d in off.values() if d > APART))
+            self.notes.append(
+                f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to {most:.3g} "
+                "degrees): read as rest angles, the state is measured"
+            )
 
 
 def n_at(frame: Frame, number: int) -> int:

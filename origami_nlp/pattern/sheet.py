@@ -78,6 +78,9 @@ class Pattern:
         Title.
     notes
         What was found odd, and what was made of it.
+    orders
+        How polygons lie in the state `stated`, as FOLD's faceOrders: (f, g, 1) where f lies on the side of g's normal,
+        (f, g, -1) where on the other.
 
     Examples
     --------
@@ -103,6 +106,7 @@ class Pattern:
     holes: tuple[Loop, ...]
     name: str = ""
     notes: tuple[str, ...] = field(default=())
+    orders: tuple[tuple[int, int, int], ...] = ()
 
     @property
     def facets(self) -> int:
@@ -130,6 +134,19 @@ class Pattern:
     def is_flat(self) -> bool:
         """Whether the reference state is a flat sheet."""
         return not self.reference.any()
+
+    @cached_property
+    def stated(self) -> np.ndarray | None:
+        """Fold angles of the folded state that the pattern's file describes [rad], [n]; None where it describes none.
+
+        The reference state where that is folded; otherwise the file's fold angles, and with an order of layers, where
+        angles are missing, mountains and valleys folded flat.
+        """
+        if not self.is_flat:
+            return self.reference
+        given = np.where(np.isnan(self.file_angles), math.pi * self.signs, self.file_angles)
+        whole = self.orders or not np.isnan(self.file_angles).any()
+        return given if whole and given.any() else None
 
     def with_springs(
         self,
@@ -218,6 +235,7 @@ def make_pattern(
     file_angles: dict[tuple[int, int], float] | None = None,
     name: str = "",
     notes: Sequence[str] = (),
+    orders: Sequence[tuple[int, int, int]] = (),
 ) -> Pattern:
     """Build a pattern from polygons that share sides.
 
@@ -232,7 +250,7 @@ def make_pattern(
         in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad].
     joins
         Sides across which two polygons are one facet.
-    name, notes
+    name, notes, orders
         Of the pattern.
 
     Returns
@@ -303,6 +321,7 @@ def make_pattern(
         holes,
         name,
         tuple(notes),
+        tuple((int(f), int(g), int(s)) for f, g, s in orders),
     )
 
 

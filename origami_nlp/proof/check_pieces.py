@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
@@ -43,7 +44,7 @@ def near(value: float) -> Any:
     return arb(value, ULPS * math.ulp(value))
 
 
-class Chain:
+class Chain(ABC):
     """Creases of a piece, one after the other, in balls.
 
     Parameters
@@ -180,18 +181,19 @@ class Chain:
             return self.torque(a, box)
         return add(self.torque(a, box), self.torque(b, box), -sign)
 
+    @abstractmethod
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
         """Return polynomials that vanish in every closed state of a box, and a frame in which to combine them."""
-        raise NotImplementedError
 
+    @abstractmethod
     def slopes(self, some: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
         """Determinant of C of m creases in a closed state of a box, up to a factor of all, and one of each crease."""
-        raise NotImplementedError
 
+    @abstractmethod
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
         """Tell whether c_a = sg c_b all over a stratum, and return sg; a = b: whether a turns freely with its image."""
-        raise NotImplementedError
 
+    @abstractmethod
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
@@ -210,11 +212,10 @@ class Chain:
         sheet
             Positive where the piece is a sheet of paper.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def curvature(self, i: int, j: int, bends: list[list[Balls]]) -> Balls:
         """The part of the second derivative by angles j <= i that multiplies -m, [m]."""
-        raise NotImplementedError
 
 
 class Sheet(Chain):

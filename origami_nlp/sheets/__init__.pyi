@@ -1,16 +1,15 @@
 from .branches import Branches as Branches, list_branches as list_branches
-from .closure import Closure as Closure
+from .clearance import Clearance as Clearance, Stretches as Stretches
+from .contacts import closed_contacts as closed_contacts
 from .counts import (
     Overview as Overview,
     jacobian_rank as jacobian_rank,
     overview as overview,
 )
-from .crossings import Crossings as Crossings, convex_parts as convex_parts
 from .curve import (
     Curve as Curve,
     follow_curve as follow_curve,
     tangents as tangents,
-    wells as wells,
 )
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
@@ -21,18 +20,25 @@ from .drawing import (
     sheet_view as sheet_view,
 )
 from .find import find_states as find_states
+from .flat_folded import FlatFolded as FlatFolded, list_flat_folded as list_flat_folded
 from .fold_out import (
     sheet_frame as sheet_frame,
     sheet_to_fold as sheet_to_fold,
     write_sheet_mesh as write_sheet_mesh,
 )
-from .judgement import judge as judge
-from .layers import Layers as Layers, order_layers as order_layers, overlaps as overlaps
+from .interpolant import (
+    Interpolant as Interpolant,
+    interpolate as interpolate,
+    wells as wells,
+)
+from .judgement import curvature as curvature, judge as judge
+from .labels import Labels as Labels, find_labels as find_labels
+from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
-from .pinned import Pinned as Pinned, find_pinned as find_pinned, judge_pinned as judge_pinned
-from .poses import Poses as Poses
+from .pinned import press_along as press_along, press_off as press_off
+from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
-from .sheet import Sheet as Sheet
+from .rows import Rows as Rows
 from .state import SheetContact as SheetContact, SheetState as SheetState
-from .touches import Touch as Touch, find_touch as find_touch
-from .turnable import sheet_content as sheet_content
+from .stress import Stress as Stress, find_stress as find_stress
+from .turnable import sheet_content as sheet_content, sheet_poser as sheet_poser

@@ -9,15 +9,21 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.arguments import check_whole
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import Layers, Sheet, check_orders
 from origami_nlp.numerics import CLOSES, RANK, TYPED
-from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.sheet import Sheet
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.sheets.angle_sums import angle_sums
+from origami_nlp.show import Piece, Table, Told, check_schema, from_plain
+
+if TYPE_CHECKING:
+    from typing import Self
 
 SCHEMA = "origami-nlp/pattern/1"
 MOVES = 1e-3
@@ -62,6 +68,8 @@ class Overview(Told):
         What that state was reached from.
     crossed
         Number of pairs of facets that cross in it.
+    layers
+        Of the state that the file describes, where that is folded, closes, and no facets pierce each other; else None.
 
     Examples
     --------
@@ -79,6 +87,7 @@ class Overview(Told):
     folded: np.ndarray | None
     start: str
     crossed: int
+    layers: Layers | None = None
 
     @property
     def freedoms(self) -> int | None:
@@ -111,12 +120,24 @@ class Overview(Told):
             ("rank, flat", _number(self.rank_flat), "" if p.is_flat else "reference: folded form"),
             ("rank, folded", _number(self.rank_folded), folded),
             ("freedoms", _number(self.freedoms), "creases less rank, folded"),
-            ("redundant equations", _number(self.redundant), "states of self-stress, folded"),
+            ("redundant equations", _number(self.redundant), self._stresses()),
         ]
+        if self.layers is not None and (self.layers.pairs or p.orders):
+            rows.append(("pairs of layers", str(self.layers.pairs), self.layers.words()))
         yield Table(("", "number", ""), rows, p.name, "lrL", framed=False)
         yield MODELLED
         for note in self.oddities():
             yield f"note: {note}"
+
+    def _stresses(self) -> str:
+        """Say how many stresses closure can carry that springs do not feel."""
+        said = "states of self-stress, folded"
+        return said if self.stress_flat is None else f"{said}; flat {self.stress_flat}"
+
+    @property
+    def stress_flat(self) -> int | None:
+        """Number of states of self-stress of the flat sheet, which is equations less rank."""
+        return None if self.rank_flat is None else self.closure_rows - self.rank_flat
 
     def oddities(self) -> list[str]:
         """Return what is odd about the pattern, one sentence each."""
@@ -178,6 +199,7 @@ class Overview(Told):
         return {
             "schema": SCHEMA,
             "name": p.name,
+            "pattern": pattern_to_dict(p),
             "facets": p.facets,
             "creases": p.creases,
             "interior_vertices": len(p.vertices),
@@ -187,6 +209,8 @@ class Overview(Told):
             "rank_folded": self.rank_folded,
             "freedoms": self.freedoms,
             "redundant": self.redundant,
+            "self_stress": {"flat": self.stress_flat, "folded": self.redundant},
+            "layers": None if self.layers is None else self.layers.to_dict(),
             "edges": p.numbers.tolist(),
             "assignment": p.assignment,
             "stiffness": p.stiffness.tolist(),
@@ -202,6 +226,43 @@ class Overview(Told):
             "notes": self.oddities(),
         }
 
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild an overview from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        Overview
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If it is of another schema, or an entry is missing or wrong.
+        FoldFileError
+            If its pattern is none.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        try:
+            folded, layers = data["folded"], data["layers"]
+            return cls(
+                pattern_from_dict(data["pattern"]),
+                int(data["closure_rows"]),
+                data["rank_flat"],
+                data["rank_folded"],
+                None if folded is None else np.array(folded["fold_angles"], float),
+                "" if folded is None else str(folded["start"]),
+                0 if folded is None else int(folded["crossings"]),
+                None if layers is None else from_plain(Layers, layers),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise OptionError(f"counts of schema {SCHEMA} are not whole: {error!r}") from None
+
     def _rows(self) -> Iterable[dict[str, object]]:
         names = ["name", "facets", "creases", "interior_vertices", "holes", "closure_rows"]
         names += ["rank_flat", "rank_folded", "freedoms", "redundant"]
@@ -209,7 +270,7 @@ class Overview(Told):
         yield {name: data[name] for name in names}
 
 
-def overview(pattern: Pattern, seed: int = 0) -> Overview:
+def overview(pattern: Pattern | str | Path, seed: int = 0) -> Overview:
     """Count what a pattern has, and the freedoms of its flat and of a folded state.
 
     The folded state is reached from the reference state of a folded form, the fold angles of the file, or its mountains
@@ -219,7 +280,7 @@ def overview(pattern: Pattern, seed: int = 0) -> Overview:
     Parameters
     ----------
     pattern
-        Of `read_pattern` or `make_pattern`.
+        Of `read_pattern` or `make_pattern`, the name of an example such as ``"miura:4x4"``, or a FOLD file.
     seed
         Of random starts.
 
@@ -232,6 +293,8 @@ def overview(pattern: Pattern, seed: int = 0) -> Overview:
     ------
     OptionError
         If `pattern` is none.
+    FoldFileError
+        If faceOrders of the file contradict how its facets lie.
 
     Examples
     --------
@@ -240,9 +303,10 @@ def overview(pattern: Pattern, seed: int = 0) -> Overview:
     >>> seen.freedoms, seen.rank_flat, seen.redundant
     (1, 18, 4)
     """
-    check_type("pattern", pattern, Pattern)
+    pattern = as_pattern(pattern)
     check_whole("seed", seed, 0)
     sheet = Sheet(pattern)
+    layers = check_orders(sheet)
     folded, start = _folded(sheet, np.random.default_rng(seed))
     zero = np.zeros(pattern.creases)
     off = sheet.residual(zero)
@@ -254,6 +318,7 @@ def overview(pattern: Pattern, seed: int = 0) -> Overview:
         folded,
         start,
         0 if folded is None else len(sheet.crossings.find(folded)),
+        layers,
     )
 
 
@@ -337,29 +402,6 @@ def _starts(p: Pattern, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, 
     for k in range(max(1, min(MOST_DRAWN, 3_000 // max(p.creases, 1)))):
         size = DRAWN[k % len(DRAWN)]
         yield rng.uniform(-size, size, p.creases), f"a random start, number {k + 1}"
-
-
-def angle_sums(pattern: Pattern) -> dict[int, float]:
-    """Return the sum of the angles of paper round each interior vertex [rad], by the vertex.
-
-    Parameters
-    ----------
-    pattern
-        The pattern.
-
-    Returns
-    -------
-    dict
-        A sum a vertex.
-    """
-    inside = {loop.vertex: 0.0 for loop in pattern.vertices}
-    for polygon in pattern.polygons:
-        x = pattern.corners[list(polygon)]
-        for i, v in enumerate(polygon):
-            if v in inside:
-                a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
-                inside[v] += math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
-    return inside
 
 
 def _number(value: int | None) -> str:

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from origami_nlp.facets import Factor, Normal, Sheet
 from origami_nlp.numerics import CLOSES
-from origami_nlp.sheets.linear import Factor
-from origami_nlp.sheets.sheet import Sheet
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -18,6 +17,8 @@ STILL = 1e-12
 """Reduced torque over the mean stiffness at which a descent has arrived."""
 MOST_SPECTRAL = 60
 """Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
+FAR = 4.0
+"""A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
 AT_LIMIT = 1e-12
 """A fold angle this close to pi is at its limit [rad]."""
 
@@ -36,15 +37,23 @@ class Descended:
         Taken.
     why
         How it ended.
+    saddles
+        Number of saddles that were left to one side: the other may lead elsewhere.
+    path
+        Closed states on the way, from the start on.
     """
 
     phi: np.ndarray
     arrived: bool
     steps: int
     why: str
+    saddles: int = 0
+    path: tuple[np.ndarray, ...] = ()
 
 
-def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
+def descend(
+    sheet: Sheet, phi: np.ndarray, most: int = 200, side: np.ndarray | None = None
+) -> Descended:
     """Follow the energy downhill from a closed state.
 
     Parameters
@@ -55,36 +64,41 @@ def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
         A closed state within the fold limits, [n] [rad].
     most
         Steps.
+    side
+        Direction [n] that says to which side saddles are left.
 
     Returns
     -------
     Descended
         A stationary state where it arrived: not yet judged.
     """
-    radius = TRUST
+    radius, saddles = TRUST, 0
     held = np.abs(np.abs(phi) - math.pi) <= AT_LIMIT
-    energy = sheet.energy(phi)
+    energy, path = sheet.energy(phi), [phi]
     for step in range(most):
-        lam, limits, balance = sheet.multipliers(phi, np.flatnonzero(held))
         where = np.flatnonzero(held)
+        lam, limits, balance = sheet.multipliers(phi, where)
+        normal = sheet.normal(phi, where)  # the factors of the multipliers
         if len(where) and limits.min() < -STILL:  # the limit would have to pull: let go
             held[where[int(limits.argmin())]] = False
             continue
-        d = _direction(sheet, phi, lam, held, radius)
+        d, off_saddle = _direction(sheet, phi, lam, held, radius, normal, side)
+        saddles += off_saddle
         slope = float(balance @ d)
         # beside the flat state multipliers are large, and rounding with them
         still = STILL * max(1.0, float(np.abs(lam).max(initial=0.0)))
         if np.abs(balance).max() <= still and slope > -(still**2):
-            return Descended(phi, True, step, "still")
+            return Descended(phi, True, step, "still", saddles, tuple(path))
         moved = False
         while radius > 1e-14:
             trial = _capped(d, radius)
-            new, closes = _retract(sheet, phi + trial, held)
+            new, closes = _retract(sheet, phi + trial, held, normal)
             share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
             lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * share
             tiny = np.abs(trial).max() < 1e-7 and sheet.energy(new) <= energy + 1e-14 * (1 + energy)
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
                 phi, energy, moved = new, sheet.energy(new), True
+                path.append(phi)
                 held = held | (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
                 if np.abs(trial).max() >= 0.9 * radius:
                     radius = min(TRUST, 2 * radius)
@@ -92,15 +106,23 @@ def descend(sheet: Sheet, phi: np.ndarray, most: int = 200) -> Descended:
             radius *= 0.3
         if not moved:
             at_rest = np.abs(balance).max() <= 1e-9
-            return Descended(phi, at_rest, step, "no lower state within reach")
+            return Descended(
+                phi, at_rest, step, "no lower state within reach", saddles, tuple(path)
+            )
         radius = max(radius, 1e-6)
-    return Descended(phi, False, most, "too many steps")
+    return Descended(phi, False, most, "too many steps", saddles, tuple(path))
 
 
 def _direction(
-    sheet: Sheet, phi: np.ndarray, lam: np.ndarray, held: np.ndarray, radius: float
-) -> np.ndarray:
-    """Newton's step in the tangent space with negative curvature turned round."""
+    sheet: Sheet,
+    phi: np.ndarray,
+    lam: np.ndarray,
+    held: np.ndarray,
+    radius: float,
+    normal: Normal,
+    side: np.ndarray | None,
+) -> tuple[np.ndarray, bool]:
+    """Newton's step in the tangent space with negative curvature turned round; whether it leaves a saddle."""
     free = np.flatnonzero(~held)
     out = np.zeros(sheet.size)
     g = sheet.torque(phi)
@@ -108,36 +130,41 @@ def _direction(
     if sheet.size <= MOST_SPECTRAL:
         z = sheet.kernel(phi, np.flatnonzero(held))
         if not z.shape[1]:
-            return out
+            return out, False
         values, vectors = np.linalg.eigh(z.T @ (h @ z))
         slope = vectors.T @ (z.T @ g)
         size = np.maximum(np.abs(values), 1e-8)
         y = -slope / size
-        if values[0] < -1e-9 and abs(slope[0]) < 1e-9:  # off a saddle
-            y[0] = -math.copysign(radius, slope[0] or 1.0)
-        return z @ (vectors @ y)
-    j = sheet.closure.jacobian(phi)[:, free]
-    h = h[free][:, free]
+        saddle = bool(values[0] < -1e-9 and abs(slope[0]) < 1e-9)
+        if saddle:
+            towards = slope[0] if side is None else -float(side @ (z @ vectors[:, 0]))
+            y[0] = -math.copysign(radius, towards or 1.0)
+        return z @ (vectors @ y), saddle
+    j = normal.jacobian
+    h = h[free][:, free] if held.any() else h
     unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
     shift = 0.0
     for _ in range(8):
         matrix = h + shift * unit
         d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
-        if float(d @ (matrix @ d)) > 1e-8 * float(d @ d) or not d.any():
+        bent = float(d @ (matrix @ d)) <= 1e-8 * float(d @ d) and d.any()
+        if not bent and np.abs(d).max() <= FAR * radius:
             break
-        shift = max(10 * shift, 0.1)
+        shift = max((10 if bent else 3) * shift, 0.1)
     out[free] = d
-    return out
+    return out, False
 
 
 def _capped(d: np.ndarray, radius: float) -> np.ndarray:
     return d * min(1.0, radius / max(float(np.abs(d).max(initial=0.0)), 1e-300))
 
 
-def _retract(sheet: Sheet, phi: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, bool]:
+def _retract(
+    sheet: Sheet, phi: np.ndarray, held: np.ndarray, near: Normal
+) -> tuple[np.ndarray, bool]:
     """Project back; creases that would pass a limit stop there."""
     held = held.copy()
-    phi, residual = sheet.project(np.clip(phi, -math.pi, math.pi), held)
+    phi, residual = sheet.project(np.clip(phi, -math.pi, math.pi), held, near=near)
     for _ in range(6):
         beyond = np.abs(phi) > math.pi
         if not beyond.any():

@@ -17,16 +17,19 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from origami_nlp.facets import Crossings
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
-from origami_nlp.sheets.crossings import Crossings
+from origami_nlp.sheets.marks import mark_touches, touch_legend, touch_places, touching_facets
 from origami_nlp.sheets.motion import Motion
+from origami_nlp.sheets.state import SheetContact
 from origami_nlp.show import (
     BORDER,
     FLAT,
     LIGHT,
     LOWER,
     MOUNTAIN,
+    PUSHES,
     UPPER,
     VALLEY,
     crease_legend,
@@ -47,12 +50,18 @@ DASH, PERIOD = 0.014, 0.022
 """Of valleys, as shares of the picture."""
 LAYER = 1e-5
 """Of layers that lie on each other within this share of the picture, the first is shown."""
+TINT = 0.3
+"""Share of the colour of contacts in that of facets that touch."""
 BEFORE = 4e-3
 """A line hides only behind what is nearer by more than this share of the picture."""
 
 
 def draw_sheet(
-    axes: Axes, pattern: Pattern, fold_angles: np.ndarray, named: Sequence[int] = ()
+    axes: Axes,
+    pattern: Pattern,
+    fold_angles: np.ndarray,
+    named: Sequence[int] = (),
+    contacts: Sequence[SheetContact] = (),
 ) -> None:
     """Draw a folded sheet into axes, made bare here.
 
@@ -66,7 +75,10 @@ def draw_sheet(
         Of a closed state, [n] [rad].
     named
         Facets whose numbers are written, from 0.
+    contacts
+        Of the state: places where facets touch are marked with their numbers, and these facets are tinted.
     """
+    touching = touching_facets(contacts)
     phi = np.asarray(fold_angles, float)
     crossings = Crossings(pattern)
     pieces = crossings.placed(phi)
@@ -79,7 +91,8 @@ def draw_sheet(
     low = 0.5 * (low + high) - 0.5 * size * (high - low + 0.06 * size) / size
     shape = np.maximum(1, np.ceil((high - low + 0.03 * size) / size * PIXELS)).astype(int)
     step = size / PIXELS
-    picture, nearest = _paint(seen, low, step, shape)
+    tinted = np.isin(crossings.facet, touching)
+    picture, nearest = _paint(seen, tinted, low, step, shape)
     right, top = low + step * shape
     axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
     lines, looks = _lines(pattern, [c @ view.T for c in corners], phi, size)
@@ -91,6 +104,7 @@ def draw_sheet(
         x, y, _ = view @ np.concatenate(own).mean(axis=0)
         around = [withStroke(linewidth=2.5, foreground="white")]
         axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
+    mark_touches(axes, view, touch_places(pattern, phi, contacts), contacts)
     axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
     axes.axis("off")
 
@@ -116,12 +130,12 @@ def sheet_view(polygons: list[np.ndarray]) -> np.ndarray:
 
 
 def _paint(
-    pieces: np.ndarray, low: np.ndarray, step: float, shape: np.ndarray
+    pieces: np.ndarray, tinted: np.ndarray, low: np.ndarray, step: float, shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Paint convex pieces [P, q, 3]: RGBA [y, x, 4], and the depth of what is nearest [y, x]."""
+    """Paint convex pieces [P, q, 3], some tinted [P]: RGBA [y, x, 4], and the depth of what is nearest [y, x]."""
     picture = np.zeros((shape[1], shape[0], 4), np.float32)
     nearest = np.full((shape[1], shape[0]), -np.inf, np.float32)
-    for x in pieces:
+    for x, tint in zip(pieces, tinted, strict=True):
         normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
         normal /= np.linalg.norm(normal)
         if abs(normal[2]) < 1e-3:
@@ -140,7 +154,9 @@ def _paint(
         nearest[part][front] = depth[front]
         towards = normal if normal[2] > 0 else -normal
         shade = 0.62 + 0.38 * max(0.0, float(towards @ LIGHT))
-        colour = np.minimum(1.0, shade * np.array(to_rgb(UPPER if normal[2] > 0 else LOWER)))
+        paper = np.array(to_rgb(UPPER if normal[2] > 0 else LOWER))
+        paper = (1 - TINT * tint) * paper + TINT * tint * np.array(to_rgb(PUSHES))
+        colour = np.minimum(1.0, shade * paper)
         picture[part][front] = (*colour, 1.0)
     return picture, nearest
 
@@ -284,6 +300,7 @@ def draw_states(
     title: str,
     path: Any = None,
     named: Sequence[int] = (),
+    contacts: Sequence[Sequence[SheetContact]] = (),
 ) -> Figure:
     """Draw states of a sheet side by side.
 
@@ -299,6 +316,8 @@ def draw_states(
         Where to save the picture, if anywhere.
     named
         Facets whose numbers are written into the last picture, from 0.
+    contacts
+        Of each state, if touches are to be marked.
 
     Returns
     -------
@@ -311,11 +330,15 @@ def draw_states(
     figure = Figure(figsize=(4.4 * columns, 3.5 * rows + 0.8), layout="constrained")
     for k, (name, phi) in enumerate(shown):
         axes = figure.add_subplot(rows, columns, k + 1)
-        draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else ())
+        touches = contacts[k] if k < len(contacts) else ()
+        draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else (), touches)
         axes.set_title(name, fontsize=9)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
     figure.suptitle(title + more, fontsize=11)
-    figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
+    touch = any(c.corners for held in contacts[: len(shown)] for c in held)
+    handles = crease_legend() + (touch_legend() if touch else [])
+    many = 4 if columns > 1 else 2
+    figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)
     if path is not None:
         from origami_nlp.files import save_figure
 

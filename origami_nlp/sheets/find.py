@@ -1,33 +1,112 @@
-"""Finds the stable states of a sheet: curves traced where one freedom is left, descents from starts elsewhere."""
+"""Finds the stable states of a sheet: curves traced where one freedom is left, descents from starts elsewhere.
+
+Curves leave flat-folded states, which are enumerated, and cross each other at states where closure loses rank, which
+are looked for along each; random starts, drawn by labels that do not depend on how creases are numbered, are for what
+is on none of them.
+"""
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
-from origami_nlp.arguments import check_whole
-from origami_nlp.numerics import CLOSES, RESOLVED, SAME
-from origami_nlp.pattern import Pattern
+from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.facets import Sheet, round_vertex
+from origami_nlp.minima import find_minima
+from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
+from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
-from origami_nlp.sheets.curve import STEP, Curve, follow_curve, tangents, wells
-from origami_nlp.sheets.descent import descend
+from origami_nlp.sheets.crossroads import split, ways_from
+from origami_nlp.sheets.curve import SHUT, tangents
+from origami_nlp.sheets.curves import Curves, Traced
+from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
+from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge
-from origami_nlp.sheets.pinned import find_pinned, judge_pinned
+from origami_nlp.sheets.labels import find_labels, image
+from origami_nlp.sheets.pinned import press_along, press_off
+from origami_nlp.sheets.pressing import UNTOLD
 from origami_nlp.sheets.result import SheetResult, SheetSearch
-from origami_nlp.sheets.sheet import Sheet
+from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetState
 
 OUT = 0.2
-"""First step out of the flat state, of the longest fold angle [rad]."""
+"""First step out of a state where curves meet, of the longest fold angle [rad]."""
 MOST_TRACED = 250
 """Creases up to which curves are traced; descents beyond."""
+ON_PLANE = 1e-6
+"""Planes of states that agree to this are one."""
+MOST_DRAWN = 10
+"""Random starts in all, over those that are to find nothing new."""
 MOST_CURVES = 64
-"""That are traced."""
-ON_CURVE = 1e-6
-"""A state this close to a curve is on it [rad]."""
+"""That are traced, beside images of them."""
+SECONDS = 120.0
+"""Processor time for descents into contact."""
+
+
+def find_states(
+    pattern: Pattern | str | Path,
+    starts: int = 40,
+    seed: int = 0,
+    contact: bool = True,
+    seconds: float = SECONDS,
+) -> SheetResult:
+    """Find the stable states of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
+    starts
+        Random starts in a row that find no other minimum or curve before the search ends; ten times as many in all at
+        most.
+    seed
+        Of the random starts: how creases are numbered, where the sheet lies in space, and from which side it is seen
+        change nothing.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+    seconds
+        Processor time for descents into contact: what it does not suffice for is named.
+
+    Returns
+    -------
+    SheetResult
+        Minima with their certificates, what could not be decided, and what was enumerated, sampled, and ended open.
+
+    Raises
+    ------
+    OptionError
+        If `starts` or `seed` is no count, or `seconds` is negative.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> all(state.closure_residual < 1e-12 for state in found.minima)
+    True
+    """
+    pattern = as_pattern(pattern)
+    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
+    check_number("seconds", seconds, 0.0)
+    search = _Search(pattern, contact, seconds)
+    if pattern.is_flat:
+        search.from_crossroads()
+    for start in search.given():
+        search.explore(start)
+    if len(pattern.vertices) == 1 and not pattern.holes:
+        search.round_the_vertex(seed)
+    rng = np.random.default_rng(seed)
+    for k in range(MOST_DRAWN * starts):
+        search.draw(rng, k)
+        if search.tally.since == starts:
+            break
+    search.add_images()
+    return SheetResult(pattern, search.states(), search.summary())
 
 
 @dataclass(eq=False)
@@ -38,175 +117,317 @@ class _Tally:
     open: int = 0
     flat: int = 0
     unfinished: int = 0
-    judged: list[SheetState] = field(default_factory=list)
-    curves: list[Curve] = field(default_factory=list)
+    flat_folded: int = 0
+    lines: int = 0
+    planes: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    families: int = 0
+    reasons: list[str] = field(default_factory=list)
+    traced: int = 0
+    not_traced: int = 0
+    crossroads: int = 0
     outside: int = 0
+    drawn: int = 0
+    since: int = 0
+    judged: list[SheetState] = field(default_factory=list)
+    pressed: int = 0
+    refused: list[str] = field(default_factory=list)
+    of_vertex: int = 0
+
+
+class _Search:
+    """A search on its way."""
+
+    def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
+        self.until = time.process_time() + seconds
+        self.labels, self.contact = find_labels(pattern), contact
+        self.sheet = Sheet(self.labels.arranged(pattern))
+        self.curves = Curves(self.sheet, self.labels, contact)
+        self.tally = _Tally()
+        rng = np.random.default_rng(0)
+        self._side = self.labels.drawn(rng.normal(size=pattern.creases))
+
+    # ------------------------------------------------------------ states
+
+    def known(self, phi: np.ndarray) -> bool:
+        """Tell whether a state was judged already."""
+        return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
 
     def add(self, state: SheetState) -> None:
         """Keep a state, once."""
         if state.verdict == "no state":
-            self.open += 1
-        elif not any(
-            np.abs(state.fold_angles - s.fold_angles).max() <= 10 * SAME for s in self.judged
-        ):
-            self.judged.append(state)
+            self.tally.open += 1
+        elif not self.known(state.fold_angles):
+            self.tally.judged.append(state)
 
-
-def find_states(
-    pattern: Pattern, starts: int = 40, seed: int = 0, contact: bool = True
-) -> SheetResult:
-    """Find the stable states of a pattern.
-
-    Parameters
-    ----------
-    pattern
-        With its springs.
-    starts
-        Random starts, beside those that the pattern itself gives.
-    seed
-        Of the random starts.
-    contact
-        Whether facets must not cross; without, only fold limits count.
-
-    Returns
-    -------
-    SheetResult
-        Minima with their certificates, what could not be decided, and what was enumerated, sampled, and ended open.
-
-    Raises
-    ------
-    OptionError
-        If `starts` or `seed` is no count.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
-    >>> all(state.closure_residual < 1e-12 for state in found.minima)
-    True
-    """
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
-    sheet, tally = Sheet(pattern), _Tally()
-    branches = list_branches(pattern)
-    if pattern.is_flat:
-        tally.add(judge(sheet, np.zeros(pattern.creases), contact))
-    known = len(branches.lines)
-    for k, start in enumerate(_starts(sheet, branches, starts, np.random.default_rng(seed))):
-        tally.starts += 1
-        phi, residual = sheet.project(np.clip(start, -math.pi, math.pi))
-        if residual > CLOSES or not sheet.closure.on_sheet(phi) or np.abs(phi).max() > math.pi:
-            tally.open += 1
-        elif pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            tally.flat += 1
-        else:
-            _explore(sheet, phi, tally, k >= known, contact)
-    return SheetResult(
-        pattern, tuple(sorted(tally.judged, key=lambda s: s.energy)), _search(branches, tally)
-    )
-
-
-def _search(branches: Branches, tally: _Tally) -> SheetSearch:
-    """Sum up what was done."""
-    return SheetSearch(
-        tally.starts,
-        tally.open,
-        tally.flat,
-        tally.unfinished,
-        len(branches.lines),
-        len(branches.families),
-        branches.reason,
-        len(tally.curves),
-        sum(c.complete for c in tally.curves),
-        tally.outside,
-    )
-
-
-def _starts(
-    sheet: Sheet, branches: Branches, count: int, rng: np.random.Generator
-) -> Iterator[np.ndarray]:
-    """Yield fold angles [n] to be closed: what is enumerated, what the file says, what is drawn."""
-    pattern = sheet.pattern
-    for d in branches.lines:
-        yield OUT * d / np.abs(d).max()
-    for basis in branches.families:
-        for _ in range(2):
-            d = basis @ rng.normal(size=basis.shape[1])
-            yield from (OUT * d / np.abs(d).max(), -OUT * d / np.abs(d).max())
-    for d in branches.lines:  # the other way, should a walk not have come through the flat state
-        yield -OUT * d / np.abs(d).max()
-    if not np.isnan(pattern.file_angles).any():
-        yield pattern.file_angles
-    if pattern.reference.any():
-        yield pattern.reference
-    if pattern.signs.any():
-        yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
-    if pattern.rest.any():
-        yield from (0.3 * pattern.rest, pattern.rest)
-    for k in range(count):
-        if k % 2 or not pattern.is_flat:
-            size = rng.uniform(0.3, math.pi)
-            yield rng.uniform(-size, size, pattern.creases)
-        else:
-            yield _grown(sheet, rng)
-
-
-def _grown(sheet: Sheet, rng: np.random.Generator) -> np.ndarray:
-    """Grow a state out of the flat one by steps along what closure leaves free: for patterns with many freedoms."""
-    phi, residual = sheet.project(rng.uniform(-0.3, 0.3, sheet.size))
-    way = phi
-    for _ in range(int(rng.integers(0, 8))):
-        way = sheet.along(phi, way + 0.5 * rng.normal(size=sheet.size) * np.abs(way).max())
-        size = float(np.abs(way).max())
-        if residual > CLOSES or size < RESOLVED:
-            break
-        new, residual = sheet.project(phi + 0.3 * way / size)
-        if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
-            break
-        phi = new
-    return phi
-
-
-def _explore(sheet: Sheet, phi: np.ndarray, tally: _Tally, drawn: bool, contact: bool) -> None:
-    """Trace the curve of a closed state, or go downhill from it, and judge what is found."""
-    if sheet.size <= MOST_TRACED and len(tally.curves) < MOST_CURVES:
-        z = tangents(sheet, phi)
-        if z.shape[1] == 1:
-            if not any(_on(sheet, c, phi) for c in tally.curves):
-                tally.outside += drawn
-                _trace(sheet, phi, z[:, 0], tally, contact)
+    def settle(self, phi: np.ndarray) -> None:
+        """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
+        closed = self._closed(phi)
+        if closed is None or self.known(closed):
+            self.tally.open += closed is None
             return
-    end = descend(sheet, phi)
-    if not end.arrived:
-        tally.unfinished += 1
-        return
-    tally.add(judge(sheet, end.phi, contact))
+        for side in (self._side, -self._side):
+            end = descend(self.sheet, closed, side=side)
+            if not end.arrived:
+                self.tally.unfinished += 1
+            elif not self.known(end.phi):
+                self.add(self._judged(end.phi))
+            held = press_off(self.sheet, end.path, self.until) if self.contact else None
+            if held is not None:
+                self.press(held)
+            if not end.saddles:
+                return
 
+    def _judged(self, phi: np.ndarray) -> SheetState:
+        """Judge the end of a descent; where torque is left over, solve for the state beside it."""
+        sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
+        if state.verdict in ("minimum", "undecided") and state.kkt_residual > STATIONARY:
+            limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+            better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
+            if better is not None and np.abs(better - phi).max() < BESIDE:
+                return judge(sheet, better, self.contact)
+        return state
 
-def _trace(sheet: Sheet, phi: np.ndarray, along: np.ndarray, tally: _Tally, contact: bool) -> None:
-    """Trace a curve; its wells are polished and judged, and so are states that touching facets hold."""
-    curve = follow_curve(sheet, phi, along)
-    tally.curves.append(curve)
-    for well, _ in wells(sheet, curve):
-        end = descend(sheet, well)
-        if not end.arrived:
-            tally.unfinished += 1
-            continue
-        tally.add(judge(sheet, end.phi, contact))
-    if contact:
-        for pinned in find_pinned(sheet, curve):
-            if pinned.falls:
-                tally.add(judge_pinned(sheet, pinned))
+    def press(self, end: Descended) -> None:
+        """Judge where a descent into contact ended."""
+        self.tally.pressed += 1
+        if end.arrived:
+            self.add(judge(self.sheet, end.phi))
+        elif end.why != UNTOLD:
+            self.tally.refused.append(end.why)
+        else:
+            why = f"not decided: pressed down to where {end.why}"
+            state = judge(self.sheet, end.phi)
+            self.add(replace(state, verdict="undecided", kind=None, certificate=why))
 
+    def states(self) -> tuple[SheetState, ...]:
+        """Return what was judged, by energy; states of one energy in an order that labels do not change."""
+        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
+        return tuple(sorted(by_key, key=lambda s: s.energy))
 
-def _on(sheet: Sheet, curve: Curve, phi: np.ndarray) -> bool:
-    """Tell whether a closed state is on a curve: the curve's state closest to it is found by Newton."""
-    distance = np.linalg.norm(curve.phi - phi, axis=1)
-    i = int(distance.argmin())
-    if distance[i] > 2 * STEP * math.sqrt(sheet.size):
-        return False
-    here = curve.phi[i]
-    for _ in range(4):
-        here, residual = sheet.project(here + sheet.along(here, phi - here))
-        if residual > CLOSES:
-            return False
-    return bool(np.abs(here - phi).max() < ON_CURVE)
+    def add_images(self) -> None:
+        """Judge images of minima under symmetries of the sheet with its springs."""
+        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
+        for to, sign in self.labels.images:
+            if np.abs(k[to] - k).max() > SAME or np.abs(rest[to] - sign * rest).max() > SAME:
+                continue
+            for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
+                self.settle(image((to, sign), state.fold_angles))
+
+    # ------------------------------------------------------------ what is enumerated
+
+    def from_crossroads(self) -> None:
+        """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
+        pattern, tally = self.sheet.pattern, self.tally
+        self.add(judge(self.sheet, np.zeros(pattern.creases), self.contact))
+        flat = list_branches(pattern)
+        if flat.reason:
+            tally.reasons.append(f"ways out of the flat state: not enumerated, {flat.reason}")
+            return
+        tally.lines, tally.families = len(flat.lines), len(flat.families)
+        folded = list_flat_folded(pattern, self.contact)
+        states = folded.states
+        if folded.reason:
+            tally.reasons.append(f"flat-folded states: not enumerated, {folded.reason}")
+            states = np.zeros((1, pattern.creases))
+        tally.flat_folded = len(states)
+        order = sorted(
+            range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
+        )
+        for phi, ways in ways_out(pattern, states[order]):
+            self._leave(phi, split(self.sheet, phi, ways))
+        met: list[np.ndarray] = []
+        for traced in self.curves.found:  # which grows
+            for phi in traced.crossroads:
+                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
+                    met.append(phi)
+                    self._leave(phi, ways_from(self.sheet, phi))
+        tally.crossroads = len(met)
+
+    def _leave(self, phi: np.ndarray, ways: Branches) -> None:
+        """Go all ways out of a state."""
+        if ways.reason:
+            self.tally.reasons.append(f"ways out of a state where curves meet: {ways.reason}")
+            return
+        lines = sorted(ways.open(phi), key=self.labels.key)
+        for d in lines:
+            self.explore(phi + OUT * d / np.abs(d).max())
+        for basis in ways.families:
+            self._leave_family(phi, basis)
+        if not lines and not ways.families and not self.known(phi):
+            self.add(judge(self.sheet, phi, self.contact))
+
+    def _leave_family(self, phi: np.ndarray, basis: np.ndarray) -> None:
+        """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
+        sheet, tally = self.sheet, self.tally
+        off = phi - basis @ (basis.T @ phi)
+        for other, there in tally.planes:
+            if other.shape == basis.shape and np.abs(off - there).max() < ON_PLANE:
+                if np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE:
+                    return
+        d = basis @ (basis.T @ self._side)
+        d /= np.abs(d).max()
+        if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
+            tally.planes.append((basis, off))
+            lowest = self._lowest(phi, basis)
+            if lowest is not None and not self.known(lowest):
+                self.add(judge(sheet, lowest, self.contact))
+            return
+        inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
+        for k in range(4):
+            d = basis @ (basis.T @ ((-1.0) ** k * np.roll(self._side, k // 2)))
+            d = inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
+            self.explore(phi + OUT * d / np.abs(d).max())
+
+    def _lowest(self, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
+        """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
+        root = np.sqrt(self.sheet.stiffness)[:, None]
+        _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
+        y0 = np.linalg.lstsq(
+            root * basis, root[:, 0] * (self.sheet.pattern.rest - phi), rcond=None
+        )[0]
+        rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
+        y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
+        if y is None:
+            return None
+        state = phi + basis @ np.linalg.solve(r, y)
+        shut = math.pi - np.abs(state) < 10 * SAME
+        state[shut] = np.copysign(math.pi, state[shut])
+        state[np.abs(state) < 10 * SAME] = 0.0
+        return self._closed(state)
+
+    def round_the_vertex(self, seed: int) -> None:
+        """Judge the minima that the search for single vertices finds, where there is but one."""
+        pattern = self.sheet.pattern
+        (loop,) = pattern.vertices
+        vertex, creases = round_vertex(pattern, loop), list(loop.creases)
+        if vertex is None or len(creases) < pattern.creases:
+            return
+        contact: Contact = "full" if self.contact else "fold-limits"
+        stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
+        scene = Scene(vertex, stiffness, rest, "none", contact)
+        for found in find_minima(scene, seed=seed, prove=False).minima:
+            phi = np.zeros(pattern.creases)
+            phi[creases] = found.fold_angles
+            self.tally.of_vertex += 1
+            if not self.known(phi):
+                self.add(self._judged(phi))
+
+    # ------------------------------------------------------------ starts
+
+    def given(self) -> Iterator[np.ndarray]:
+        """Yield fold angles [n] that the pattern itself gives."""
+        pattern = self.sheet.pattern
+        if not np.isnan(pattern.file_angles).any():
+            yield pattern.file_angles
+        if pattern.reference.any():
+            yield pattern.reference
+        if pattern.signs.any():
+            yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
+        if pattern.rest.any():
+            yield from (0.3 * pattern.rest, pattern.rest)
+
+    def draw(self, rng: np.random.Generator, k: int) -> None:
+        """Make a random start."""
+        before = self._found()
+        n = self.sheet.size
+        if k % 3 == 0 and self.sheet.pattern.is_flat:
+            self.explore(self._grown(rng))
+        else:
+            size = rng.uniform(0.3, math.pi)
+            start = rng.uniform(-size, size, n)
+            if k % 3 == 2:  # some creases shut, which is kept as long as their springs push
+                shut = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
+                start[shut] = rng.choice([-math.pi, math.pi], len(shut))
+            self.explore(self.labels.drawn(start))
+        self.tally.drawn += 1
+        self.tally.outside += len(self.curves.found) - before[1]
+        self.tally.since = self.tally.since + 1 if self._found() == before else 0
+
+    def _found(self) -> tuple[int, int]:
+        """Return how many minima and curves are known."""
+        return sum(s.verdict == "minimum" for s in self.tally.judged), len(self.curves.found)
+
+    def _grown(self, rng: np.random.Generator) -> np.ndarray:
+        """Grow a state out of the flat one by steps along what closure leaves free."""
+        sheet, n = self.sheet, self.sheet.size
+        phi, residual = sheet.project(self.labels.drawn(rng.uniform(-0.3, 0.3, n)))
+        way = phi
+        for _ in range(int(rng.integers(0, 8))):
+            aside = self.labels.drawn(rng.normal(size=n))
+            way = sheet.along(phi, way + 0.5 * aside * np.abs(way).max())
+            size = float(np.abs(way).max())
+            if residual > CLOSES or size < RESOLVED:
+                break
+            new, residual = sheet.project(phi + 0.3 * way / size)
+            if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
+                break
+            phi = new
+        return phi
+
+    def explore(self, start: np.ndarray) -> None:
+        """Close a start, trace its curve or go downhill from it, and judge what is found."""
+        sheet, tally = self.sheet, self.tally
+        tally.starts += 1
+        phi = self._closed(start)
+        if phi is None:
+            tally.open += 1
+        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
+            tally.flat += 1
+        elif sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+            self.settle(phi)
+        elif phi not in self.curves:
+            if tally.traced == MOST_CURVES:
+                tally.not_traced += 1
+                self.settle(phi)
+                return
+            tally.traced += 1
+            for traced in self.curves.trace(phi, z[:, 0]):
+                self._along(traced)
+
+    def _closed(self, start: np.ndarray) -> np.ndarray | None:
+        """Close a start within the fold limits, creases that are shut left so if they can be; None where it is not."""
+        start = np.clip(start, -math.pi, math.pi)
+        shut = np.abs(start) == math.pi
+        for held in (shut, None) if shut.any() else (None,):
+            phi, residual = self.sheet.project(start, held)
+            within = np.abs(phi).max(initial=0.0) <= math.pi + SHUT
+            phi = np.clip(phi, -math.pi, math.pi)
+            if residual <= CLOSES and within and self.sheet.closure.on_sheet(phi):
+                return phi
+        return None
+
+    def _along(self, traced: Traced) -> None:
+        """Polish and judge the wells of a curve, and states of it that touching facets hold."""
+        for well in wells(self.sheet, traced.curve):
+            self.settle(well)
+        if traced.stretches is None:
+            return
+        for end in press_along(self.sheet, traced.stretches, self.until):
+            self.press(end)
+
+    # ------------------------------------------------------------ what was done
+
+    def summary(self) -> SheetSearch:
+        """Sum up what was done."""
+        t, found = self.tally, self.curves.found
+        return SheetSearch(
+            starts=t.starts,
+            open=t.open,
+            flat=t.flat,
+            unfinished=t.unfinished,
+            lines=t.lines,
+            families=t.families,
+            flat_folded=t.flat_folded,
+            crossroads=t.crossroads,
+            not_enumerated="; ".join(dict.fromkeys(t.reasons)),
+            curves=len(found),
+            complete=sum(c.complete for c in found),
+            not_traced=t.not_traced,
+            outside=t.outside,
+            unclear=sum(c.stretches.unclear for c in found if c.stretches is not None),
+            drawn=t.drawn,
+            since=t.since,
+            pressed=t.pressed,
+            refused=tuple(t.refused),
+            of_vertex=t.of_vertex,
+        )

@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import Crossings, Poses, Sheet, order_layers
 from origami_nlp.files import write_whole
 from origami_nlp.minima import check_mesh
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
-from origami_nlp.sheets.crossings import Crossings
-from origami_nlp.sheets.poses import Poses
 from origami_nlp.version import __version__
 
 ROOM = 1.25
@@ -67,6 +66,7 @@ def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> di
         "edges_assignment": letters,
         "edges_foldAngle": _degrees(p.rest if p.is_flat else p.reference, len(others)),
         "faces_vertices": [list(q) for q in p.polygons],
+        **({} if p.is_flat or not p.orders else {"faceOrders": [list(o) for o in p.orders]}),
         STIFFNESS_KEY: [*p.stiffness.tolist(), *none],
         REST_KEY: [*np.degrees(p.rest).tolist(), *none],
         "file_frames": list(frames),
@@ -77,6 +77,8 @@ def sheet_frame(
     pattern: Pattern, fold_angles: Sequence[float] | np.ndarray, title: str, **more: Any
 ) -> dict[str, Any]:
     """Return a folded state as a frame of FOLD that inherits from the pattern's own.
+
+    Where facets lie on each other, ``faceOrders`` holds one order that is free of crossings, if one was found.
 
     Parameters
     ----------
@@ -99,15 +101,17 @@ def sheet_frame(
     others = _other_edges(pattern)
     x = Poses(pattern).corners(phi)
     x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
+    layers = order_layers(Sheet(pattern), phi)
     return {
         "frame_title": title,
         "frame_classes": ["foldedForm"],
-        "frame_attributes": ["3D"],
+        "frame_attributes": ["3D", *(["selfTouching"] if layers.pairs else [])],
         "frame_parent": 0,
         "frame_inherit": True,
         "vertices_coords": x.tolist(),
         "edges_assignment": [*letters, *(letter for _, letter in others)],
         "edges_foldAngle": _degrees(phi, len(others)),
+        "faceOrders": [list(order) for order in layers.orders],
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
 

@@ -1,7 +1,8 @@
 """Judges a state of a sheet: does it close, do facets cross, is it a minimum.
 
-A minimum is certified by second-order sufficient conditions: torque = J'lam + moments mu >= 0 of contacts, and
-d'H(lam)d > 0 for every d != 0 with J d = 0 that leaves loaded contacts closed.  Directions in which closed states leave
+A minimum is certified by second-order sufficient conditions: torque = J'lam + A'mu with moments and forces mu >= 0 of
+contacts, A the slopes of fold limits and gaps, and d'H(lam, mu)d > 0 for every d != 0 with J d = 0 that leaves loaded
+contacts closed, where H has the curvature of closure and that of the gaps.  Directions in which closed states leave
 a state lie in the kernel of J whatever its rank, and the conditions ask for some multipliers, not for unique ones: they
 are sufficient whether or not rows of closure depend on each other.  Positivity on the kernel is shown by
 H + rho J'J > 0 (Finsler), so that no rank is decided either.
@@ -21,19 +22,19 @@ import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
+from origami_nlp.facets import MOST_DENSE, Matrix, Sheet, dense, order_layers
 from origami_nlp.numerics import CLOSES, CURVED, EPS, RANK, STATIONARY, nonnegative_least_squares
 from origami_nlp.sheets.branches import list_branches
-from origami_nlp.sheets.closure import Matrix
-from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.layers import order_layers
-from origami_nlp.sheets.linear import dense
-from origami_nlp.sheets.sheet import MOST_DENSE, Sheet
-from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
+from origami_nlp.sheets.contacts import Balance, balance, closed_contacts, told_contacts
+from origami_nlp.sheets.rows import LOADED, Rows, put_back
+from origami_nlp.sheets.state import SheetState, Verdict
 
 PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10, 1e12
 """Weights rho with which positivity on the kernel is tried."""
-LOADED = 1e-9
-"""Moments over the mean stiffness above which a contact is loaded."""
+MOST_CHOICES = 20
+"""Forces with which a certificate is tried, where they are not unique."""
+UNSTRESSED = 1e-4
+"""Torques over the mean stiffness [rad] below which residuals are not relative to them: all may be rounding."""
 REACHES = 1e-1, 1e-2, 1e-3, 1e-4
 """Distances at which lower states are looked for [rad]."""
 
@@ -74,7 +75,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
         return replace(
             blank, verdict="crosses", crossings=crossings, certificate=f"{many} through each other"
         )
-    judged = _flat(sheet, blank) if not phi.any() else _mechanics(sheet, blank)
+    judged = _flat(sheet, blank, contact) if not phi.any() else _mechanics(sheet, blank, contact)
     if judged.verdict != "minimum" or not contact:
         return judged
     layers = order_layers(sheet, phi)
@@ -84,7 +85,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     return replace(judged, verdict=verdict, kind=None, certificate=layers.reason)
 
 
-def _flat(sheet: Sheet, blank: SheetState) -> SheetState:
+def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
     """Judge the flat state, by what the head of this file says of it."""
     phi = blank.fold_angles
     torque = sheet.torque(phi)
@@ -108,7 +109,7 @@ def _flat(sheet: Sheet, blank: SheetState) -> SheetState:
         *drawn,
     ]
     # states come in pairs, phi and -phi: one of them is lower wherever the torque is not orthogonal
-    if any(_lower(sheet, phi, sign * way) for way in ways for sign in (1.0, -1.0)):
+    if any(_lower(sheet, phi, sign * way, None, contact) for way in ways for sign in (1.0, -1.0)):
         why = "flat: springs pull along folding, and with every way the opposite way is open"
         return replace(blank, verdict="not a minimum", certificate=why)
     return replace(
@@ -126,55 +127,69 @@ def _lowest(sheet: Sheet, phi: np.ndarray, hessian: Matrix) -> float:
     return float(np.linalg.eigvalsh(z.T @ (hessian @ z))[0]) if z.shape[1] else math.inf
 
 
-def _mechanics(sheet: Sheet, blank: SheetState) -> SheetState:
+def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
     """Judge stationarity and curvature of a closed state."""
     phi = blank.fold_angles
-    held = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-    moments, lam, balance = _balance(sheet, phi, held)
-    largest = max(float(np.abs(sheet.torque(phi)).max()), 1e-300)
-    missing = float(np.abs(balance).max(initial=0.0)) / largest
-    contacts = tuple(
-        SheetContact("fold-limit", (int(i),), float(mu * sheet.scale))
-        for i, mu in zip(held, moments, strict=True)
-    )
-    blank = replace(blank, kkt_residual=missing, contacts=contacts)
+    rows = closed_contacts(sheet, phi, contact and sheet.size <= MOST_DENSE)
+    z = sheet.kernel(phi) if len(rows.gaps) and sheet.size <= MOST_DENSE else None
+    if z is None:
+        found = _by_limits(sheet, phi, rows)
+    else:
+        found = balance(sheet, phi, rows, z)
+    if rows.gaps.min(initial=0.0) < -10 * CLOSES:
+        why = f"not decided: facets reach into each other by {-rows.gaps.min():.1e} of the sheet's size"
+        return replace(blank, verdict="undecided", certificate=why)
+    largest = max(float(np.abs(sheet.torque(phi)).max()), UNSTRESSED)
+    missing = float(np.abs(found.left).max(initial=0.0)) / largest
+    blank = replace(blank, kkt_residual=missing, contacts=told_contacts(sheet, rows, found))
+
+    def lower(way: np.ndarray) -> bool:
+        return _lower(sheet, phi, way, rows, contact)
+
     if missing > STATIONARY * 10:
-        if _lower(sheet, phi, -balance):
+        if lower(-found.left):
             return replace(blank, verdict="not a minimum", certificate="torque along a free motion")
         why = f"not decided: torque of {missing:.1e} is left, but no lower state was found"
         return replace(blank, verdict="undecided", certificate=why)
-    loaded = held[moments > LOADED]
-    hessian = sheet.hessian(phi, lam)
-    lowest, way, proved = curvature(sheet, phi, hessian, loaded)
+    choices, _, most = found.choices()
+    lowest, way, proved, loaded = math.nan, np.zeros(0), False, np.zeros(0, bool)
+    for forces in [found.forces, *choices[:MOST_CHOICES]]:
+        loaded = forces > LOADED
+        pushing = rows.slopes.T @ np.where(loaded, forces, 0.0)
+        lam = sheet.normal(phi).multipliers(sheet.torque(phi) - pushing)
+        hessian = sheet.hessian(phi, lam)
+        if rows.touches:
+            hessian = dense(hessian) - rows.bent(sheet, phi, forces)
+        many = len(rows.limits)
+        lowest, way, proved = curvature(
+            sheet, phi, hessian, rows.limits[loaded[:many]], rows.slopes[many:][loaded[many:]]
+        )
+        if proved:
+            break
     blank = replace(blank, eigenvalue=lowest)
     if proved:
-        every = len(loaded) == len(held)
-        kind = "interior" if not len(held) else "contact-pinned" if every else "contact-touching"
+        every = bool((most > LOADED).all())
+        kind = "interior" if not len(most) else "contact-pinned" if every else "contact-touching"
         what = f"curvature {lowest:.3g}" if math.isfinite(lowest) else "nothing is left free"
         why = f"strict minimum: torque balanced, {what} along what loaded contacts leave free"
         return replace(blank, verdict="minimum", kind=kind, certificate=why)  # type: ignore[arg-type]
-    if lowest < 0 and (_lower(sheet, phi, way) or _lower(sheet, phi, -way)):
+    if lowest < 0 and (lower(way) or lower(-way)):
         why = f"lower states beside it: curvature {lowest:.3g}"
         return replace(blank, verdict="not a minimum", certificate=why)
     why = f"not decided: curvature {lowest:.3g} along a free motion proves nothing"
     return replace(blank, verdict="undecided", certificate=why)
 
 
-def _balance(
-    sheet: Sheet, phi: np.ndarray, held: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Balance the springs by closure and by limits that push: moments >= 0, multipliers [m], torque left [n]."""
-    lam, moments, balance = sheet.multipliers(phi, held)
-    if not len(held) or (moments > -LOADED).all():
-        return np.maximum(moments, 0.0), lam, balance
-    # rows may depend on limits: moments are not unique, look for some that push
-    sides = np.zeros((sheet.size, len(held)))
-    sides[held, np.arange(len(held))] = -np.sign(phi[held])
-    z = sheet.kernel(phi) if sheet.size <= MOST_DENSE else np.eye(sheet.size)
-    moments = nonnegative_least_squares(z.T @ sides, z.T @ sheet.torque(phi))
-    rest = sheet.torque(phi) - sides @ moments
-    lam = sheet.normal(phi).multipliers(rest)
-    return moments, lam, sheet.along(phi, rest)
+def _by_limits(sheet: Sheet, phi: np.ndarray, rows: Rows) -> Balance:
+    """Balance the springs of a sheet without contacts, or of one too large for a kernel, by its fold limits."""
+    _, moments, left = sheet.multipliers(phi, rows.limits)
+    if (
+        len(moments) and moments.min() <= -LOADED
+    ):  # rows may depend on limits: look for moments that push
+        moments = nonnegative_least_squares(rows.slopes.T, sheet.torque(phi))
+        left = sheet.along(phi, sheet.torque(phi) - rows.slopes.T @ moments)
+    moments = np.maximum(moments, 0.0)
+    return Balance(moments, left, np.eye(len(moments)), np.ones(len(moments)))
 
 
 def curvature(
@@ -195,7 +210,7 @@ def curvature(
     held
         Creases that stay.
     extra
-        Further rows that must stay 0 to first order, [r, n].
+        Further rows that must stay 0 to first order, [r, n]; of no sheet beyond `MOST_DENSE`.
 
     Returns
     -------
@@ -217,7 +232,7 @@ def curvature(
         way[free] = vector
         return smallest, way, smallest > CURVED
     j, h = dense(j), dense(h)
-    if extra is not None:
+    if extra is not None and len(extra):
         j = np.vstack([j, extra[:, free]])
     _, values, vt = np.linalg.svd(j, full_matrices=True)
     z = vt[int((values > RANK).sum()) :].T
@@ -254,17 +269,26 @@ def _smallest(h: Matrix, j: Matrix, free: np.ndarray) -> tuple[float, np.ndarray
     return float(values[0] - left), vector
 
 
-def _lower(sheet: Sheet, phi: np.ndarray, way: np.ndarray) -> bool:
+def _lower(
+    sheet: Sheet, phi: np.ndarray, way: np.ndarray, rows: Rows | None = None, contact: bool = False
+) -> bool:
     """Find a closed state within the limits beside phi, lower than rounding, along a direction."""
     size = float(np.abs(way).max(initial=0.0))
     if not size:
         return False
-    for reach in REACHES:
+    for reach in reversed(REACHES):
         start = np.clip(phi + reach * way / size, -math.pi, math.pi)
-        held = np.abs(start) == math.pi
-        new, residual = sheet.project(start, held)
+        if rows is not None and rows.touches:
+            back = put_back(sheet, start, rows)
+            if back is None:
+                continue
+            new, residual = back, sheet.residual(back)
+        else:
+            new, residual = sheet.project(start, np.abs(start) == math.pi)
         if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
             continue
+        if contact and (sheet.crossings.find(new) or order_layers(sheet, new).verdict != "ordered"):
+            return False  # what lies further that way would be reached through facets
         drop = sheet.energy(phi) - sheet.energy(new)
         if np.abs(new - phi).max() <= 3 * reach and drop > 1e-13 * (1 + sheet.energy(phi)):
             return True

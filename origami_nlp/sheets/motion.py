@@ -9,17 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import Sheet
 from origami_nlp.numerics import BESIDE, CLOSES
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.counts import Overview, overview
 from origami_nlp.sheets.curve import Curve, follow_curve
-from origami_nlp.sheets.sheet import Sheet
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.show import Piece, Table, Told, check_schema
+
+if TYPE_CHECKING:
+    from typing import Self
 
 SCHEMA = "origami-nlp/motion/1"
 MOST_TRACED = 480
@@ -120,6 +124,7 @@ class Motion(Told):
         return {
             "schema": SCHEMA,
             "name": self.pattern.name,
+            "pattern": pattern_to_dict(self.pattern),
             "freedoms": self.freedoms,
             "fold_angles": self.phi.tolist(),
             "arc": self.arc.tolist(),
@@ -128,19 +133,60 @@ class Motion(Told):
             "touching": None if self.touching is None else [f + 1 for f in self.touching],
         }
 
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild a motion from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        Motion
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If it is of another schema, or an entry is missing or wrong.
+        FoldFileError
+            If its pattern is none.
+        """
+        check_schema(data, SCHEMA, OptionError)
+        try:
+            a = data["touching"]
+            phi, arc, energy = (
+                np.array(data[key], float) for key in ("fold_angles", "arc", "energy")
+            )
+            return cls(
+                pattern_from_dict(data["pattern"]),
+                int(data["freedoms"]),
+                phi,
+                arc,
+                energy,
+                str(data["end"]),
+                None if a is None else (int(a[0]) - 1, int(a[1]) - 1),
+            )
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise OptionError(f"a motion of schema {SCHEMA} is not whole: {error!r}") from None
+
     def _rows(self) -> Iterable[dict[str, object]]:
         for k, phi in enumerate(self.phi):
             angles = {f"phi_{i + 1}": float(a) for i, a in enumerate(phi)}
             yield {"state": k + 1, "arc": self.arc[k], "energy": self.energy[k], **angles}
 
 
-def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -> Motion:
+def find_motion(
+    pattern: Pattern | str | Path, seen: Overview | None = None, seed: int = 0
+) -> Motion:
     """Trace the folding motion of a sheet up to its first contact.
 
     Parameters
     ----------
     pattern
-        The sheet.
+        The sheet; the name of an example such as ``"miura:4x4"``, or a FOLD file.
     seen
         Of `overview`, if it is known.
     seed
@@ -162,6 +208,7 @@ def find_motion(pattern: Pattern, seen: Overview | None = None, seed: int = 0) -
     >>> o.find_motion(o.examples.pattern("miura", 2, 3)).end
     'creases 1, 2, 3, 4, 5, 6, 7 are shut, at their fold limits'
     """
+    pattern = as_pattern(pattern)
     if pattern.creases > MOST_TRACED:
         raise OptionError(
             f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.pattern import Pattern
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.sheets.stress import find_stress
+from origami_nlp.show import Piece, Table, Told, check_schema, from_plain
+
+if TYPE_CHECKING:
+    from typing import Self
 
 SCHEMA = "origami_nlp.sheet_states/1"
 
@@ -31,12 +38,28 @@ class SheetSearch:
         Descents that did not arrive.
     lines, families
         Ways out of the flat state that were enumerated: with one freedom, with more.
+    flat_folded
+        States with every crease open or shut, the flat one among them, all ways out of which were gone.
+    crossroads
+        Other states at which curves meet, found along curves, all ways out of which were gone.
     not_enumerated
-        Why they were not; empty where they were.
+        What of these was not enumerated, and why; empty where all were.
     curves, complete
-        Curves of states with one freedom that were traced; how many of them from limit to limit, or round.
+        Curves of states with one freedom that are known; how many of them from limit to limit, or round.
+    not_traced
+        Starts whose curves were not traced any more: descents began there instead.
     outside
         Of the curves, those that only random starts led to.
+    unclear
+        Parts of steps along curves in which facets may touch and part again unseen.
+    drawn, since
+        Random starts; how many of them were made since one led to a new minimum or curve.
+    pressed
+        Descents into contact, from where descents that let facets cross ended in crossing.
+    refused
+        Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
+    of_vertex
+        Minima that the search for single vertices found, where there is but one.
     """
 
     starts: int
@@ -45,37 +68,69 @@ class SheetSearch:
     unfinished: int
     lines: int
     families: int
+    flat_folded: int
+    crossroads: int
     not_enumerated: str
     curves: int
     complete: int
+    not_traced: int
     outside: int
+    unclear: int
+    drawn: int
+    since: int
+    pressed: int = 0
+    refused: tuple[str, ...] = ()
+    of_vertex: int = 0
 
     def words(self) -> Iterator[str]:
         """Say it."""
-        if self.not_enumerated:
-            yield f"ways out of the flat state: not enumerated, {self.not_enumerated}"
-        else:
+        if self.lines or self.families:
             more = f" and {self.families} families with more freedoms" if self.families else ""
             yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
+        if self.flat_folded > 1:
+            yield f"flat-folded states: {self.flat_folded} enumerated, and the ways out of each"
+        if self.crossroads:
+            yield f"states where curves meet others: {self.crossroads} found along curves, and the ways out of each"
+        if self.not_enumerated:
+            yield self.not_enumerated
         if self.curves:
-            lost = self.curves - self.complete
-            yield (
-                f"one freedom: {self.curves} curves traced"
-                + (f", {lost} of them lost on the way" if lost else ", each to its ends")
-                + (
-                    f"; {self.outside} of them known from random starts only"
-                    if self.outside
-                    else ""
-                )
-            )
+            yield from self._of_curves()
         yield (
             f"{self.starts} starts: {self.open} could not be closed, {self.flat} fell back flat, "
             f"{self.unfinished} descents did not arrive"
         )
-        if not self.curves or self.families or self.not_enumerated or self.outside:
+        if self.of_vertex:
+            what = "minimum" if self.of_vertex == 1 else "minima"
+            yield (
+                f"one vertex: {self.of_vertex} {what} of the search for single vertices, judged as states of the sheet"
+            )
+        if self.pressed:
+            what = "descent" if self.pressed == 1 else "descents"
+            yield f"contact: {self.pressed} {what} along states that do not cross"
+            for why, many in Counter(self.refused).items():
+                yield f"not decided: {many} of them gave up, {why}"
+        if self.curves and self.complete == self.curves and not self.not_traced:
+            yield "every well on these curves is listed; other curves are sampled only"
+        else:
             yield "sampled, not exhausted: there may be further states"
-        elif self.complete == self.curves:
-            yield "every well on these curves is listed; curves that miss the flat state are sampled only"
+        if self.since:
+            yield (
+                f"the last {self.since} of {self.drawn} drawn starts found no other minimum: those not found draw less "
+                f"than {min(1.0, 3 / self.since):.2g} of such starts (95 %)"
+            )
+        elif self.drawn:
+            yield "the last drawn start found another minimum or curve: draw more (starts)"
+
+    def _of_curves(self) -> Iterator[str]:
+        lost = self.curves - self.complete
+        yield (
+            f"one freedom: {self.curves} curves traced"
+            + (f", {lost} of them lost on the way" if lost else ", each to its ends")
+            + (f"; {self.outside} of them known from random starts only" if self.outside else "")
+            + (f"; {self.not_traced} starts on others" if self.not_traced else "")
+        )
+        if self.unclear:
+            yield f"{self.unclear} parts of steps along them in which facets may touch and part again unseen"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -121,13 +176,32 @@ class SheetResult(Told):
     def _with(self, verdict: str) -> tuple[SheetState, ...]:
         return tuple(s for s in self.states if s.verdict == verdict)
 
+    def _stressed(self, state: SheetState) -> dict[str, Any]:
+        """Return a state as plain data, with what closure carries in it."""
+        rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
+        data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
+        if self.pattern.creases > MOST_DENSE or any(c.type != "fold-limit" for c in state.contacts):
+            return data
+        held = [c.where[0] for c in state.contacts]
+        stress = find_stress(Sheet(self.pattern), state.fold_angles, held)
+        return {
+            **data,
+            "multipliers": stress.multipliers.tolist(),
+            "closure_torques": stress.torque.tolist(),
+            "closure_torques_unique": stress.unique,
+        }
+
     def table(self) -> Table:
         """Return the minima as a table."""
         rows = []
         for k, s in enumerate(self.minima, 1):
             curved = "rigid" if np.isinf(s.eigenvalue) else f"{s.eigenvalue:.4g}"
             limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
-            words = [c.words() for c in s.contacts if c.type != "fold-limit"][:1]
+            pairs = [
+                f"{a + 1}|{b + 1}" for a, b in (c.where for c in s.contacts if len(c.where) == 2)
+            ]
+            more = ", ..." if len(pairs) > 3 else ""
+            words = [f"facets {', '.join(pairs[:3])}{more} touch"] if pairs else []
             if limits:
                 shown = ", ".join(map(str, limits[:3])) + (", ..." if len(limits) > 3 else "")
                 words.append(f"fold limit of {shown}")
@@ -146,27 +220,68 @@ class SheetResult(Told):
     def told(self) -> Iterable[Piece]:
         """Say what was found, what was not decided, and how it was looked for."""
         yield self.table() if self.minima else self._title()
+        for k, state in enumerate(self.minima, 1):
+            touches = [c.words() for c in state.contacts if c.type != "fold-limit"]
+            if touches:
+                yield f"state {k} touches: " + "; ".join(touches)
         for s in self.crossing:
             yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
         for s in self.undecided:
             yield f"energy {s.energy:.6g}: {s.certificate}"
-        if any(s.freedoms > 1 or not self.search.curves for s in self.crossing):
-            yield (
-                "not decided: states that facets in contact hold, where more than one freedom is left or curves are "
-                "not traced: crossing is tested there, contact is not solved"
-            )
         yield from self.search.words()
+        rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
+        spare = sorted({rows - self.pattern.creases + s.freedoms for s in self.minima})
+        if spare and spare[-1]:
+            many = " or ".join(map(str, spare))
+            yield (
+                f"states of self-stress: {many}; torques about creases are unique, moments across creases are not "
+                "(rigid facets leave them open)"
+            )
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data."""
         return {
             "schema": SCHEMA,
-            "minima": [s.to_dict() for s in self.minima],
+            "pattern": pattern_to_dict(self.pattern),
+            "minima": [self._stressed(s) for s in self.minima],
             "undecided": [s.to_dict() for s in self.undecided],
             "crossing": [s.to_dict() for s in self.crossing],
+            "refuted": [s.to_dict() for s in self._with("not a minimum")],
             "search": asdict(self.search),
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        SheetResult
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If it holds no states of a sheet, or an entry is missing or wrong.
+        FoldFileError
+            If its pattern is none.
+        """
+        if not isinstance(data, dict) or "minima" not in data:
+            check_schema(data, SCHEMA, OptionError)
+        try:
+            groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
+            states = [SheetState.from_dict(s) for group in groups for s in group]
+            pattern = pattern_from_dict(data["pattern"])
+            search = from_plain(SheetSearch, data["search"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise OptionError(f"states of schema {SCHEMA} are not whole: {error!r}") from None
+        return cls(pattern, tuple(sorted(states, key=lambda s: s.energy)), search)
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         for s in self.minima:

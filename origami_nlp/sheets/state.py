@@ -23,20 +23,59 @@ class SheetContact(Brief):
     type
         ``"fold-limit"``, ``"vertex-face"`` or ``"edge-edge"``.
     where
-        Creases at a fold limit, or the two facets that touch; 0-based.
+        The crease at a fold limit, or the two facets that touch, that of the face first; 0-based.
     force
         Moment of a fold limit [N m], force of a touch [N m per unit of the corners]; positive where it pushes.
+    corners
+        Of a touch: the corner that is on a face and three of the face, or two ends of each side; 0-based.
+    between
+        The least and the largest force that balance the springs, where others balance them as well; inf where there is
+        no largest.
     """
 
     type: str
     where: tuple[int, ...]
     force: float
+    corners: tuple[int, ...] = ()
+    between: tuple[float, float] | None = None
 
     def words(self) -> str:
-        """Say what touches, 1-based."""
+        """Say what touches and what it carries, 1-based."""
         if self.type == "fold-limit":
-            return f"crease {self.where[0] + 1} at its fold limit"
-        return f"facets {self.where[0] + 1} and {self.where[1] + 1} touch, {self.type}"
+            return f"crease {self.where[0] + 1} at its fold limit: moment {self._carried()}"
+        a, b = (f + 1 for f in self.where)
+        p, q, r, s = (c + 1 for c in self.corners)
+        what = f"corner {p} of facet {b} on facet {a}"
+        if self.type == "edge-edge":
+            what = f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
+        return f"{what}: force {self._carried()}"
+
+    def _carried(self) -> str:
+        if self.between is None:
+            return f"{self.force:.6g}"
+        low, high = self.between
+        return f"{self.force:.6g}, not unique: {low:.4g} to {high:.4g}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data; facets, creases and corners 1-based."""
+        low, high = self.between or (self.force, self.force)
+        return {
+            "type": self.type,
+            "where": [i + 1 for i in self.where],
+            "corners": [i + 1 for i in self.corners],
+            "force": self.force,
+            "force_least": low,
+            "force_most": high if math.isfinite(high) else None,
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> SheetContact:
+        """Rebuild a contact from `to_dict`."""
+        force, low = float(data["force"]), float(data["force_least"])
+        high = math.inf if data["force_most"] is None else float(data["force_most"])
+        where, corners = (tuple(int(i) - 1 for i in data[key]) for key in ("where", "corners"))
+        between = None if low == high == force else (low, high)
+        return cls(data["type"], where, force, corners, between)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,10 +133,43 @@ class SheetState(Brief):
             "closure_residual": self.closure_residual,
             "kkt_residual": self.kkt_residual if math.isfinite(self.kkt_residual) else None,
             "eigenvalue": self.eigenvalue if math.isfinite(self.eigenvalue) else None,
-            "contacts": [
-                {"type": c.type, "where": [i + 1 for i in c.where], "force": c.force}
-                for c in self.contacts
-            ],
+            "rigid": math.isinf(self.eigenvalue),
+            "contacts": [c.to_dict() for c in self.contacts],
             "crossings": [[a + 1, b + 1] for a, b in self.crossings],
             "certificate": self.certificate,
         }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> SheetState:
+        """Rebuild a state from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        SheetState
+            The same.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If an entry is missing or wrong.
+        """
+        unknown = math.inf if data.get("rigid") else math.nan
+        missing, lowest = data["kkt_residual"], data["eigenvalue"]
+        return cls(
+            np.array(data["fold_angles"], float),
+            float(data["energy"]),
+            data["verdict"],
+            data["kind"],
+            int(data["freedoms"]),
+            float(data["closure_residual"]),
+            math.nan if missing is None else float(missing),
+            unknown if lowest is None else float(lowest),
+            tuple(SheetContact.from_dict(c) for c in data["contacts"]),
+            tuple((int(a) - 1, int(b) - 1) for a, b in data["crossings"]),
+            str(data["certificate"]),
+        )

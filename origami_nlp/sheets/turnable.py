@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from origami_nlp.facets import Crossings
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.crossings import Crossings
 from origami_nlp.sheets.drawing import sheet_view
 from origami_nlp.sheets.motion import Motion
 from origami_nlp.show import Body, Content, Crease, Folded, Piece, Station, Track
 
 LONG = 0.8
 """Mean length of a crease on a page, whose lines are as wide as for a vertex with creases of length 1."""
+
+
+def sheet_poser(
+    pattern: Pattern,
+) -> tuple[Body, Callable[[np.ndarray], Folded], Callable[[np.ndarray], np.ndarray]]:
+    """Return a sheet as a body, and what puts its states into space and says from where they are seen.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+
+    Returns
+    -------
+    tuple
+        The body; functions of fold angles [n] [rad].
+    """
+    crossings = Crossings(pattern)
+    parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
+    left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
+    creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
+    scale = LONG / float(pattern.lengths.mean())
+
+    def folded(phi: np.ndarray) -> Folded:
+        phi = np.asarray(phi, float)
+        x = np.nan_to_num(crossings.poses.corners(phi))
+        middle = x[crossings.pieces.ravel()].mean(axis=0)
+        shifts = np.zeros((len(parts), 3))
+        return Folded((x - middle) * scale, phi, float(pattern.energy(phi)), shifts)
+
+    def view(phi: np.ndarray) -> np.ndarray:
+        return sheet_view(crossings.poses.polygons(np.asarray(phi, float)))
+
+    return Body(tuple(parts), creases), folded, view
 
 
 def sheet_content(
@@ -40,27 +74,7 @@ def sheet_content(
     Content
         The page's content.
     """
-    crossings = Crossings(pattern)
-    parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
-    left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
-    creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
-    body = Body(tuple(parts), creases)
-
-    scale = LONG / float(pattern.lengths.mean())
-
-    def folded(phi: np.ndarray) -> Folded:
-        x = np.nan_to_num(crossings.poses.corners(phi))
-        middle = x[crossings.pieces.ravel()].mean(axis=0)
-        return Folded(
-            (x - middle) * scale,
-            np.asarray(phi, float),
-            float(pattern.energy(phi)),
-            np.zeros((len(parts), 3)),
-        )
-
-    def view(phi: np.ndarray) -> np.ndarray:
-        return sheet_view(crossings.poses.polygons(phi))
-
+    body, folded, view = sheet_poser(pattern)
     stations = tuple(
         Station(title, folded(phi), view(phi), (), tuple(lines)) for title, phi, lines in states
     )

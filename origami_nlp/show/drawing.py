@@ -31,6 +31,8 @@ ARC = math.radians(7)
 """Borders are drawn as straight pieces of at most this angle."""
 DASH, GAP = 0.085, 0.055
 """Of valley creases [of the unit radius]."""
+PALE = 0.5
+"""Strength of the number of a crease whose end is hidden."""
 LIGHT = np.array([-0.35, 0.55, 0.76])
 """Towards the light, in the picture's frame."""
 
@@ -100,6 +102,7 @@ def draw_pose(
     )
     hidden = _hidden_ends(pose)
     for number, (x, y) in enumerate(labels, start=1):
+        colour = np.array(_crease_colour(phi[number - 1])[0])
         axes.text(
             x,
             y,
@@ -107,8 +110,8 @@ def draw_pose(
             ha="center",
             va="center",
             fontsize=size,
-            alpha=0.45 if hidden[number - 1] else 1.0,
-            color=_crease_colour(phi[number - 1])[0],
+            # pale, not transparent: what lies below would show through
+            color=1 - PALE * (1 - colour) if hidden[number - 1] else colour,
             path_effects=[withStroke(linewidth=2.2, foreground="white")],
         )
     axes.set(xlim=(corner[0], right), ylim=(corner[1], top), aspect="equal")
@@ -307,7 +310,7 @@ def label_places(pose: Pose) -> np.ndarray:
     shift = (pose.offsets + np.roll(pose.offsets, 1, axis=0)) / 2
     ends = (pose.creases + shift)[:, :2]
     length = np.maximum(np.linalg.norm(ends, axis=1, keepdims=True), 1e-9)
-    out = np.where(length > 0.2, ends / length, [[0.0, -1.0]])
+    out = np.where(length > 0.05, ends / length, [[0.0, -1.0]])
     places = ends + 0.15 * out
     for _ in range(60):
         moved = False

@@ -7,6 +7,7 @@ rich for the screen and a colour for HTML (`Words`); both are dropped where they
 from __future__ import annotations
 
 import io
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -132,7 +133,7 @@ class Table:
 Piece: TypeAlias = Table | Cell
 
 
-class Told(Full, Result):
+class Told(Full, Result, ABC):
     """A result that tells itself: a class says `told`, and is printed everywhere from that.
 
     ``print(result)``, IPython and Jupyter show all of it; in lists, and in the plain Python prompt, it is one line.
@@ -156,9 +157,9 @@ class Told(Full, Result):
     BRIEF = 150
     """Characters of the one line, at most."""
 
+    @abstractmethod
     def told(self) -> Iterable[Piece]:
         """Return what there is to say: tables and lines, in order."""
-        raise NotImplementedError
 
     def tell(self, console: Console) -> None:
         """Print; lines are as long as they are.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from html import escape
@@ -99,12 +100,12 @@ class TurnedPage:
         write_whole(path, turned_page(*self.contents).encode())
 
 
-class Turnable:
+class Turnable(ABC):
     """A result that can be turned in space: a class says `turned`, the rest follows."""
 
+    @abstractmethod
     def turned(self) -> Content:
         """Return what there is to see, as plain data."""
-        raise NotImplementedError
 
     def view(self) -> TurnedPage:
         """Return a page that can be turned (extra ``view``); the last line of a cell of Jupyter shows it.

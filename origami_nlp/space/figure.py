@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
 from origami_nlp.files import save_figure
-from origami_nlp.show import HANDLE, INKS, RING, pi_label
+from origami_nlp.show import HANDLE, INKS, RING, label_text, pi_label
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
@@ -190,7 +190,7 @@ def _sub(number: int) -> str:
 
 def _title(space: Space) -> str:
     name = space.scene.label or f"degree {space.scene.degree}"
-    name = name.split(", r_k")[0].replace("alpha_1", "α₁").replace("pi", "π").replace("$", r"\$")
+    name = label_text(name.split(", r_k")[0])
 
     def many(count: int, what: str) -> str:
         return f"{count} {what}{'' if count == 1 else 's'}"

@@ -9,7 +9,8 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import OptionError
-from origami_nlp.springs.convex import Posed, solve
+from origami_nlp.springs.convex import Posed
+from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.reasons import without
 from origami_nlp.springs.targets import Targets
 

@@ -15,6 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.errors import OptionError
+from origami_nlp.numerics import BALANCED, DEPENDENT
 
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
 
@@ -146,7 +147,6 @@ class Programme:
         """
         clarabel = solver()
         cones = {
-            EQUAL: clarabel.ZeroConeT,
             POSITIVE: clarabel.NonnegativeConeT,
             BALL: clarabel.SecondOrderConeT,
             DEFINITE: lambda r: clarabel.PSDTriangleConeT(round((math.sqrt(8 * r + 1) - 1) / 2)),
@@ -154,27 +154,68 @@ class Programme:
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
-        a = sparse.csc_matrix(np.vstack([-self.matrix(r) for r in self.rows]))
-        b = np.concatenate([r.b for r in self.rows])
-        kinds = [cones[r.cone](len(r.b)) for r in self.rows]
         c = np.pad(c, (0, self.size - len(c)))
-        none = sparse.csc_matrix((self.size, self.size))
+        point, along, contradiction = self._on_equal()
+        if contradiction is not None:
+            return self._answer("PrimalInfeasible", point, c, np.zeros(0), contradiction, 0)
+        # v = point + along u: without equal rows it needs fewer digits
+        some = [r for r in self.rows if r.cone != EQUAL]
+        a = np.vstack([self.matrix(r) for r in some])
+        b = np.concatenate([r.b for r in some]) + a @ point
+        matrix = sparse.csc_matrix(-a @ along)
+        kinds = [cones[r.cone](len(r.b)) for r in some]
+        none = sparse.csc_matrix((along.shape[1],) * 2)
         for accuracy in ACCURACIES:
             settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = accuracy
-            found = clarabel.DefaultSolver(none, -c, a, b, kinds, settings).solve()
+            found = clarabel.DefaultSolver(none, -along.T @ c, matrix, b, kinds, settings).solve()
             if str(found.status) in ("Solved", "PrimalInfeasible"):
                 break
-        z = np.array(found.z)
-        ends = np.cumsum([len(r.b) for r in self.rows])
-        duals = tuple(np.split(z, ends[:-1]))
-        status = str(found.status)
-        pull = self._pull(duals)
+        v = point + along @ np.array(found.x)
+        return self._answer(str(found.status), v, c, np.array(found.z), None, int(found.iterations))
+
+    def _on_equal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Return a point [V] of the equal rows, a basis [V, u] along them, and their dual where they contradict."""
+        equal = [r for r in self.rows if r.cone == EQUAL]
+        if not equal:
+            return np.zeros(self.size), np.eye(self.size), None
+        a, b = np.vstack([self.matrix(r) for r in equal]), np.concatenate([r.b for r in equal])
+        u, values, vt = np.linalg.svd(a)
+        rank = int((values > DEPENDENT * values[0]).sum())
+        point = vt[:rank].T @ ((u[:, :rank].T @ -b) / values[:rank])
+        left = a @ point + b
+        off = float(np.abs(left).max()) > BALANCED * (1.0 + float(np.abs(point).max()))
+        return point, vt[rank:].T, -left / (left @ left) if off else None
+
+    def _answer(
+        self,
+        status: str,
+        v: np.ndarray,
+        c: np.ndarray,
+        z: np.ndarray,
+        equal: np.ndarray | None,
+        iterations: int,
+    ) -> Answer:
+        """Complete the dual z of the other rows by that of the equal ones, which makes its sum vanish best."""
+        aim = np.zeros_like(c) if status == "PrimalInfeasible" else c
+        others = [r for r in self.rows if r.cone != EQUAL]
+        if not len(z):
+            z = np.zeros(sum(len(r.b) for r in others))
+        ends = np.cumsum([len(r.b) for r in others])
+        parts = dict(zip(map(id, others), np.split(z, ends[:-1]), strict=True))
+        rows = [r for r in self.rows if r.cone == EQUAL]
+        if rows:
+            if equal is None:
+                pull = aim + sum(self.matrix(r).T @ parts[id(r)] for r in others)
+                a = np.vstack([self.matrix(r) for r in rows])
+                equal = np.linalg.lstsq(a.T, -pull, rcond=DEPENDENT)[0]
+            ends = np.cumsum([len(r.b) for r in rows])
+            parts |= zip(map(id, rows), np.split(equal, ends[:-1]), strict=True)
+        duals = tuple(parts[id(r)] for r in self.rows)
+        left = float(np.abs(aim + self._pull(duals)).max())
         work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
         if status == "PrimalInfeasible":
-            residual = float(np.abs(pull).max() / max(abs(work), 1e-300))
-        else:
-            residual = float(np.abs(c + pull).max())
-        return Answer(status, np.array(found.x), duals, work, residual, int(found.iterations))
+            left /= max(abs(work), 1e-300)
+        return Answer(status, v, duals, work, left, iterations)
 
     def _pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:
         return sum(

@@ -6,7 +6,6 @@ bounds and energies in the scene's units stay linear.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
 from origami_nlp.pattern import Scene
+from origami_nlp.programme import Contact
 from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, Rows
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.springs.targets import Targets
@@ -33,8 +33,6 @@ LEAST_MARGIN = 0.01
 """Of a design that makes barriers largest: at 0 its wells would be none."""
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
-MOST_CHOICES = 64
-"""Choices of states that touch without moment."""
 MOST_PIECES = 16
 """Smooth pieces of the feasible set at one state, each with conditions of its own."""
 
@@ -47,7 +45,10 @@ class Posed:
     targets
         The question.
     touching
-        Which states are to hold still without moments in their contacts, by number from 0.
+        Contacts without which states are to hold still, each with the number of its state from 0.
+    loose
+        Ask only for what every minimum fulfils: whichever of its contacts press (see `Balance`), and of singular states
+        nothing.  Where that has no answer, no springs hold the states.
     more
         Further rows over the springs and the margin, see `Springs`.
     heights
@@ -59,12 +60,13 @@ class Posed:
     def __init__(
         self,
         targets: Targets,
-        touching: frozenset[int] = frozenset(),
+        touching: frozenset[tuple[int, Contact]] = frozenset(),
         more: Sequence[Rows] = (),
         heights: Sequence[np.ndarray] = (),
         elastic: float = 0.0,
+        loose: bool = False,
     ) -> None:
-        self.targets, self.touching = targets, touching
+        self.targets, self.touching, self.loose = targets, touching, loose
         self.every_refuted = False
         kinds = int(targets.kinds.max()) + 1
         self.places = Springs.of(kinds)
@@ -73,7 +75,7 @@ class Posed:
         self.balances: list[tuple[int, Balance, slice]] = []
         self._bounds(kinds)
         for i, placed in enumerate(targets.placed):
-            self._hold(i, placed.state, placed.target.margin, placed.target.name)
+            self._hold(i, placed.target.margin, placed.target.name)
         self._energies()
         for rows in more:
             self.programme.add(rows.cone, rows.a, rows.b, rows.words)
@@ -156,19 +158,19 @@ class Posed:
             tuple(f"{n}: rest angle at most {math.degrees(most):g} deg" for n in names),
         )
 
-    def _hold(self, i: int, state: State, share: float, name: str) -> None:
+    def _hold(self, i: int, share: float, name: str) -> None:
         t = self.targets
-        there = (
-            state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
-        )
         kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
-        pieces = balances(there, kind, i not in self.touching)
+        touching = {contact for j, contact in self.touching if j == i}
+        pieces = balances(standing(t, i), kind, touching, self.loose)
         if len(pieces) > MOST_PIECES:
             raise OptionError(
                 f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
                 f"{MOST_PIECES} are the most"
             )
         for piece in pieces:
+            if self.loose and not piece.regular:
+                continue
             where = piece.pose(self.programme, self.places, share, name)
             self.balances.append((i, piece, where))
 
@@ -236,55 +238,20 @@ class Posed:
     def refuted(self) -> bool:
         """Whether it is proved that no springs hold the states so, with a margin that is more than rounding.
 
-        Not where a state is singular (flat, or flat-folded with creases that lose rank): there the conditions prove a
-        minimum, but a minimum need not fulfil them.
+        Not where a state is singular (flat-folded with creases that lose rank, say) or its contacts depend on each
+        other: there the conditions prove a minimum, but a minimum need not fulfil them (`Balance.regular`).
         """
-        if any(balance.lost.shape[1] for _, balance, _ in self.balances):
+        if not all(balance.regular for _, balance, _ in self.balances):
             return False
         a = self.answer
         proved = a.infeasible or (a.solved and self.margin <= DESIGN_MARGIN)
         return proved and a.residual <= PROVED
 
 
-def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndarray] = ()) -> Posed:
-    """Pose and solve a question, with contacts pressed, or else touching without moment.
-
-    A fold limit at a rest angle of +-pi carries no moment: such a state can hold still only by the stiffness of all
-    its directions.  Each choice of touching states is a convex programme; the first that is feasible, fewest touching,
-    is returned, else the one of largest margin.
-
-    Parameters
-    ----------
-    targets
-        The question.
-    more, heights
-        See `Posed`.
-
-    Returns
-    -------
-    Posed
-        Solved; where not feasible, `every_refuted` tells whether all choices were refuted.
-    """
-    having = [
-        i
-        for i, p in enumerate(targets.placed)
-        if p.state.contacts.base or p.state.contacts.branches
-    ]
-    best = None
-    choices = itertools.chain.from_iterable(
-        itertools.combinations(having, k) for k in range(len(having) + 1)
-    )
-    refuted = 2 ** len(having) <= MOST_CHOICES
-    for touching in itertools.islice(choices, MOST_CHOICES):
-        posed = Posed(targets, frozenset(touching), more, heights)
-        if posed.feasible:
-            return posed
-        refuted = refuted and posed.refuted
-        if best is None or posed.margin > best.margin:
-            best = posed
-    assert best is not None
-    best.every_refuted = refuted
-    return best
+def standing(targets: Targets, i: int) -> State:
+    """Return a state, numbered from 0, in the programme in which it is to stand."""
+    state, t = targets.placed[i].state, targets
+    return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
 
 
 @dataclass(frozen=True)

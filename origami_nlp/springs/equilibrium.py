@@ -3,23 +3,25 @@
 At fixed fold angles x the KKT conditions are linear in the stiffness k and the torque tau = k phi0 + preload of each
 crease, the moments mu of its closed contacts and the forces w of closure equations that are dependent there:
 
-    Z_J' (root (k x - tau) - A' mu) = 0,    mu >= m t,
+    Z_J' (root (k x - tau) - A' mu) = 0,    mu >= m t (pressed), mu >= 0 (touching),
     Z' (diag k - sum lam_i C_i - sum mu_j G_j) Z >= m t 1,    lam = (J')^+ (root (k x - tau) - A' mu) + W w.
 
 J is the Jacobian of closure, A the gradients of the openings of the closed contacts, C and G their Hessians, all in the
-metric of all fold angles; Z_J spans the kernel of J, Z that of J and A, W the left kernel of J.  A state that closes
-regularly has no w; flat and flat-folded states do, and any w that makes the matrix positive proves a minimum.
+metric of all fold angles; Z_J spans the kernel of J, Z that of J and of A of the pressed contacts, W the left kernel of
+J.  A state that closes regularly has no w; flat and flat-folded states do, and any w that makes the matrix positive
+proves a minimum.  Contacts that touch may carry moments or none: the state holds still without them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import INDEPENDENT, RANK
-from origami_nlp.programme import Model
+from origami_nlp.programme import Contact, Model
 from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 
 
@@ -62,10 +64,24 @@ class Balance:
         The state with the contacts of the piece held.
     kind
         Which kind of crease each variable of its model is, shape [n].
+    touching
+        Contacts that need not press.
+    loose
+        Ask no contact to press, and still for stiffness only where all contacts stay closed: what every minimum
+        fulfils, whichever of its contacts press.
     """
 
-    def __init__(self, stratum: Stratum, kind: np.ndarray) -> None:
+    def __init__(
+        self,
+        stratum: Stratum,
+        kind: np.ndarray,
+        touching: Collection[Contact] = (),
+        loose: bool = False,
+    ) -> None:
         self.stratum, self.kind = stratum, kind
+        self.pressed = np.array(
+            [not loose and c not in touching for c in stratum.contacts], dtype=float
+        )
         state = stratum.state
         model, self.root = state.programme, state.programme.root
         j, self.kernel = state.jacobian, state.kernel
@@ -73,7 +89,8 @@ class Balance:
         rank = int((values > RANK).sum())
         self.lost = u[:, rank:]
         self.to_closure = u[:, :rank] @ (vt[:rank] / values[:rank, None])
-        self.tangent = stratum.tangent
+        held = stratum.contacts if loose else [c for c in stratum.contacts if c not in touching]
+        self.tangent = state.on(tuple(held)).tangent
         unit = np.outer(self.root, self.root)
         m, r = len(j), len(stratum.contacts)
         self.curvatures = np.array(
@@ -82,6 +99,29 @@ class Balance:
                 for e in np.eye(m + r)
             ]
         ).reshape(m + r, len(state.x), len(state.x))
+
+    @property
+    def regular(self) -> bool:
+        """Whether every minimum there fulfils the conditions.
+
+        It does where closure keeps its rank and contacts are independent along it, so that there are multipliers.  And
+        it does in a state like the flat one: no contact, one equation lost, whose curvature C along the kernel of J is
+        not singular and of both signs.  Closed motions then leave along all v with v C v = 0; these span the kernel,
+        and an energy that does not fall along them has some w with H - w C >= 0 (Finsler's lemma).
+        """
+        along = self.stratum.slopes @ self.kernel
+        if not self.lost.shape[1]:
+            return not len(along) or int(np.linalg.matrix_rank(along, INDEPENDENT)) == len(along)
+        if self.lost.shape[1] > 1 or len(along):
+            return False
+        values = self.lost_curvature
+        return bool(values[0] < 0 < values[-1] and np.abs(values).min() > RANK)
+
+    @property
+    def lost_curvature(self) -> np.ndarray:
+        """Eigenvalues of the curvature of the one equation that is lost, along the kernel of J, ascending."""
+        c = np.tensordot(self.lost[:, 0], self.curvatures[: len(self.lost)], 1)
+        return np.linalg.eigvalsh(self.kernel.T @ c @ self.kernel)
 
     @property
     def free(self) -> int:
@@ -130,9 +170,10 @@ class Balance:
         if r:
             push = np.zeros((r, programme.size))
             push[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
-            push[:, places.margin] = -share
+            push[:, places.margin] = -share * self.pressed
             words = tuple(
-                f"{name} presses on {model.words(c, x).text}" for c in self.stratum.contacts
+                f"{name} {'presses on' if p else 'does not pull at'} {model.words(c, x).text}"
+                for c, p in zip(self.stratum.contacts, self.pressed, strict=True)
             )
             programme.add(POSITIVE, push, np.zeros(r), words)
         z = self.tangent
@@ -159,7 +200,9 @@ def _independent(rows: np.ndarray) -> np.ndarray:
     return values[:rank, None] * vt[:rank]
 
 
-def balances(state: State, kind: np.ndarray, pressed: bool = True) -> list[Balance]:
+def balances(
+    state: State, kind: np.ndarray, touching: Collection[Contact] = (), loose: bool = False
+) -> list[Balance]:
     """Return the conditions of a state, one for each smooth piece of the feasible set that meets there.
 
     Parameters
@@ -168,11 +211,10 @@ def balances(state: State, kind: np.ndarray, pressed: bool = True) -> list[Balan
         The state.
     kind
         Which kind of crease each variable of its model is, shape [n].
-    pressed
-        Whether its contacts carry moments; otherwise it is to hold still without them, touching.
+    touching, loose
+        See `Balance`.
     """
-    pieces = state.pieces if pressed else [()]
-    return [Balance(Stratum(state, tuple(piece)), kind) for piece in pieces]
+    return [Balance(state.on(tuple(p)), kind, touching, loose) for p in state.pieces]
 
 
 def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:

@@ -17,8 +17,11 @@ from origami_nlp.springs.ways import curve_of
 
 FALLS = 0.1
 """Slope that a cut asks for, over the margin."""
-STEPS, FEW, STEP = 60, 3, 0.1
-"""Numbers and length [rad] of the steps from a minimum that shall lead down: to a wanted state, or a few."""
+STEPS, FEW = 60, (9, 6)
+"""Numbers of steps from a minimum that shall lead down: to a wanted state, or a few, fewer where that is too much."""
+FIRST, GROWTH, STEP = 0.003, 1.8, 0.1
+"""Length of the first step [rad], of each further one over the last, and of the longest: a minimum may stand in a
+narrow basin, which longer steps would lead over."""
 NEAR = 0.05
 """A curve passes a state where a sample comes this near [rad]."""
 
@@ -57,16 +60,18 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
                 out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
         return [out]
     whole: list[tuple[Rows, ...]] = []
-    few: list[tuple[Rows, ...]] = []
+    few: list[list[tuple[Rows, ...]]] = [[] for _ in FEW]
     for walk, arrives in _downhill(targets, x, wanted):
         energies = [energy_row(model, y, kind, places) for y in walk]
         rows = np.array([a - b for a, b in itertools.pairwise(energies)])
-        rows[:, places.margin] -= FALLS * STEP
+        lengths = np.linalg.norm(model.root * np.diff(walk, axis=0), axis=1)
+        rows[:, places.margin] -= FALLS * lengths
         if arrives:
             whole.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-        rows = rows[:FEW]
-        few.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
-    return [whole, few]
+        for some, count in zip(few, FEW, strict=True):
+            part = rows[:count]
+            some.append((Rows(POSITIVE, part, np.zeros(len(part)), words),))
+    return [whole, *few]
 
 
 def _falling(
@@ -110,7 +115,7 @@ def _downhill(
     model = targets.model
     z = State(model, x).kernel
     ways = [(w, STEPS) for w in wanted]
-    ways += [(x + s * v / model.root, FEW) for v in z.T for s in (1.0, -1.0)]
+    ways += [(x + s * v / model.root, FEW[0]) for v in z.T for s in (1.0, -1.0)]
     for towards, most in ways:
         walk = _walk(targets, x, towards, most)
         if len(walk) > 1:
@@ -126,17 +131,18 @@ def _downhill(
 def _walk(targets: Targets, x: np.ndarray, towards: np.ndarray, most: int) -> list[np.ndarray]:
     """Closed states from x towards another, as far as that comes nearer."""
     model = targets.model
-    walk = [x]
+    walk, step = [x], FIRST
     for _ in range(most):
         ahead = towards - walk[-1]
         size = float(np.linalg.norm(model.root * ahead))
-        if size < 1.5 * STEP:
+        if size < 1.5 * step:
             break
-        y, residual = project(model, walk[-1] + STEP / size * ahead)
-        nearer = float(np.linalg.norm(model.root * (towards - y))) < size - STEP / 20
-        if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW):
+        y, residual = project(model, walk[-1] + step / size * ahead)
+        nearer = float(np.linalg.norm(model.root * (towards - y))) < size - step / 20
+        if residual > CLOSES or model.refuses(y) or not (nearer or most == FEW[0]):
             break
         walk.append(y)
+        step = min(GROWTH * step, STEP)
     return walk
 
 

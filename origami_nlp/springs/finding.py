@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,10 +15,12 @@ from origami_nlp.minima import find_minima
 from origami_nlp.programme import Model
 from origami_nlp.springs.checking import check
 from origami_nlp.springs.conic import Rows
-from origami_nlp.springs.convex import Posed, scene_of, solve, springs_of
+from origami_nlp.springs.convex import Posed, scene_of, springs_of
 from origami_nlp.springs.extras import cuts
+from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.reasons import why_not
 from origami_nlp.springs.result import Design
+from origami_nlp.springs.robustness import Tolerance, line_of, lost_at, tolerance_of
 from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.targets_file import Ask
 from origami_nlp.springs.ways import Passes
@@ -186,27 +189,44 @@ class _Work:
         return posed
 
     def most_tolerant(self, best: Design) -> Design:
-        """Change how the margin is shared among the states as long as the tolerance grows."""
-        self.say("tolerance of springs")
+        """Change how the margin is shared among the states as long as the tolerance grows; check the last."""
         shares = np.ones(len(self.targets.states))
-        if len(shares) < 2:
+        if len(shares) < 2 or not best.verified or best.tolerance is None:
             return best
+        self.say("springs of larger tolerance")
+        first, tolerance, posed = best, best.tolerance, None
         for _ in range(IMPROVEMENTS):
-            for i in range(len(shares)):
-                for factor in SHARES:
-                    tried = shares.copy()
-                    tried[i] *= factor
-                    states = tuple(
-                        replace(t, margin=t.margin * float(f))
-                        for t, f in zip(self.targets.states, tried, strict=True)
-                    )
-                    posed = self.solved(replace(self.targets, states=states))
-                    if not posed.feasible:
-                        continue
-                    found = self.made(posed)
-                    if _tolerance(found) > _tolerance(best):
-                        best, shares = found, tried
-        return best
+            for i, factor in itertools.product(range(len(shares)), SHARES):
+                tried = shares.copy()
+                tried[i] *= factor
+                other = self.solved(self._shared(tried))
+                if not other.feasible:
+                    continue
+                found = self._tolerance(other, tolerance)
+                if found is not None and found.percent > tolerance.percent:
+                    tolerance, posed, shares = found, other, tried
+        if posed is None:
+            return first
+        better = self.made(posed)
+        return better if _tolerance(better) > _tolerance(first) else first
+
+    def _shared(self, shares: np.ndarray) -> Targets:
+        states = tuple(
+            replace(t, margin=t.margin * float(f))
+            for t, f in zip(self.targets.states, shares, strict=True)
+        )
+        return replace(self.targets, states=states)
+
+    def _tolerance(self, posed: Posed, known: Tolerance) -> Tolerance | None:
+        """Return the tolerance of a candidate; None where a direction that is known makes it no larger."""
+        scene, t = scene_of(self.targets, springs_of(posed)), self.targets
+        at = {p.target.name: t.model.expand(p.state.x) for p in t.placed}
+        most = math.log1p(known.percent / 100.0)
+        for loss in known.losses:
+            line = line_of(scene, np.array(loss.stiffness), np.array(loss.rest_angles))
+            if any(lost_at(line, phi, most).event != "kept" for phi in at.values()):
+                return None
+        return tolerance_of(scene, at, seed=self.seed)
 
 
 def _tolerance(found: Design) -> float:

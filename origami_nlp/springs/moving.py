@@ -13,7 +13,8 @@ from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.kkt import State, classify, project
 from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import Model
-from origami_nlp.springs.convex import Posed, scene_of, solve, springs_of
+from origami_nlp.springs.convex import Posed, scene_of, springs_of
+from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.targets import Targets
 
 PRICE = 100.0

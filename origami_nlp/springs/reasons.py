@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.springs.convex import Posed, solve
+from origami_nlp.numerics import SETTLED
+from origami_nlp.springs.convex import Posed
+from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.targets import TURNS, Targets
 
 WEIGHTY = 1e-4
@@ -99,8 +101,10 @@ def why_not(posed: Posed, tried: Works = works) -> Reason:
 def proof_of(posed: Posed) -> str:
     """Say what the dual proves, and how well its arithmetic closes."""
     a = posed.answer
-    touching = [posed.targets.states[i].name for i in sorted(posed.touching)]
-    how = f", {', '.join(touching)} touching without moment" if touching else ""
+    touching = sorted({posed.targets.states[i].name for i, _ in posed.touching})
+    how = f", with contacts of {', '.join(touching)} that need not press" if touching else ""
+    if posed.loose:
+        how = ", whichever contacts press" if posed.balances else ""
     if a.infeasible:
         return f"a combination of the conditions is contradictory{how}; residual {a.residual:.0e}"
     if a.solved:
@@ -130,13 +134,13 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
         size = max(-low, high)
 
         def wound(f: float) -> Targets:
-            return replace(targets, preload=True, rest_angles=(f * low, f * high))
+            far = f * size > math.pi * (1 + SETTLED)
+            return replace(targets, preload=far, rest_angles=(f * low, f * high))
 
         least = _least(tried, wound, 1.0, TURNS / size, steps)
         if least is not None:
-            out.append(
-                f"let rest angles reach {math.degrees(least * size):.4g} deg (preload = true)"
-            )
+            how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
+            out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
     low, high = targets.stiffness
 
     def wider(f: float) -> Targets:

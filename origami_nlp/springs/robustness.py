@@ -1,22 +1,24 @@
 """How far springs may be off before a state is gone: followed to its event along the worst directions found.
 
-Each stiffness is multiplied by (1 + p)^(+-1), each rest angle (wound angles included) by 1 +- p.  A direction is a sign
-for each of these numbers; along it a state is followed as a curve of equilibria, through contacts that close and leave,
-to the p at which it ceases to be a minimum.  The worst direction is looked for by descent over the signs: the number is
-exact along the direction that is named, and an upper bound of what all directions allow.
+Each stiffness is multiplied by (1 + p)^(+-1) = e^(+-s), each rest angle (wound angles included) by 1 +- s, where
+s = ln(1 + p) <= p.  A direction is a sign for each of these numbers; along it a state is followed as a curve of
+equilibria, through contacts that close and leave, to the p at which it ceases to be a minimum.  The worst direction is
+looked for by descent over the signs: the number is exact along the direction that is named, and an upper bound of what
+all directions allow.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.kkt import State, classify
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import ParameterLine, Web
+from origami_nlp.path import RANGE, Arc, EquilibriumCurve, ParameterLine, Tally, Web
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model, Parameters
 
@@ -24,6 +26,8 @@ MOST = 0.5
 """Largest tolerance that is looked at."""
 DRAWS = 8
 """Random directions that the descent over signs begins with."""
+BISECTIONS = 45
+"""Of a step, down to rounding."""
 FOLLOWS = 120
 """Curves that are followed for one state."""
 
@@ -43,6 +47,8 @@ class Loss:
         further, which need not be its end.
     stiffness, rest_angles
         The direction, a sign for each crease, shape [N].
+    fold_angles
+        Of the state where it is lost, shape [N] [rad]; or as far as it was followed.
     """
 
     state: str
@@ -50,6 +56,18 @@ class Loss:
     event: str
     stiffness: tuple[float, ...]
     rest_angles: tuple[float, ...]
+    fold_angles: tuple[float, ...] = ()
+
+    def scene(self, design: Scene, percent: float) -> Scene:
+        """Return a design with springs that are off by so much [%] in this direction."""
+        s = math.log1p(percent / 100.0)
+        k = np.array(design.stiffness) * np.exp(s * np.array(self.stiffness))
+        wound = np.array(design.wound_angles) * (1.0 + s * np.array(self.rest_angles))
+        rest = np.clip(wound, -math.pi, math.pi)
+        preload = tuple((k * (wound - rest)).tolist()) if np.any(wound != rest) else ()
+        return replace(
+            full_scene(design), stiffness=tuple(k), rest_angles=tuple(rest), preload=preload
+        )
 
 
 @dataclass(frozen=True)
@@ -75,7 +93,7 @@ class Tolerance:
 
 
 def line_of(scene: Scene, stiffness: np.ndarray, rest: np.ndarray) -> ParameterLine:
-    """Return the line of programmes at s = ln(1 + p), without symmetry.
+    """Return the line of programmes over s = ln(1 + p), without symmetry.
 
     Parameters
     ----------
@@ -87,29 +105,58 @@ def line_of(scene: Scene, stiffness: np.ndarray, rest: np.ndarray) -> ParameterL
     model = Model(full_scene(scene))
     p = model.parameters
     still = np.zeros_like(p.load)
-    # rest angles: 1 + p = e^s up to s^2 / 2; `percent_of` says p by the angles, stiffness is off by as much or less
     direction = Parameters(np.zeros_like(p.sectors), stiffness, rest * p.rest, still)
     return ParameterLine(model, p, direction)
 
 
-def lost_at(line: ParameterLine, x: np.ndarray, most: float) -> tuple[float, str]:
-    """Follow a minimum x [N] to where it is none, at most to s = `most`; return s and the event, or ``kept``."""
+class Ended(NamedTuple):
+    """Where a minimum is none any more: s, what happens there, and the state [N]."""
+
+    s: float
+    event: str
+    state: np.ndarray
+
+
+def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
+    """Follow a minimum `start` [N] to where it is none, at most to s = `most`; the event is ``kept`` there."""
     web = Web(line, 0.0, most, through_folds=False)
-    if not web.add(x, 0.0, "minimum"):
-        return 0.0, "singular"
+    if not web.add(start, 0.0, "minimum"):
+        return Ended(0.0, "singular", start)
     node, s = 0, 0.0
     for _ in range(len(web.arcs) + 1):
         ahead = [
-            (a.high, a.end if a.frames[-1].s >= a.frames[0].s else a.start)
-            for a in web.arcs
+            (a.high, k)
+            for k, a in enumerate(web.arcs)
             if a.index == 0 and node in (a.start, a.end) and a.low >= s - SETTLED and a.high > s
         ]
         if not ahead:
-            return s, web.nodes[node].type
-        s, node = max(ahead)
-        if s >= most - SETTLED:
-            return most, "kept"
-    return s, web.nodes[node].type
+            break
+        arc = web.arcs[max(ahead)[1]]
+        node, s = arc.end if arc.frames[-1].s >= arc.frames[0].s else arc.start, arc.high
+        if s > most:  # one step led over the end of the range and back, around a fold
+            x = _on(arc, most, web.tally)
+            return Ended(most, "kept", x) if x is not None else Ended(arc.low, "singular", start)
+        if web.nodes[node].type == RANGE:
+            return Ended(most, "kept", web.nodes[node].point[:-1])
+    return Ended(s, web.nodes[node].type, web.nodes[node].point[:-1])
+
+
+def _on(arc: Arc, s: float, tally: Tally) -> np.ndarray | None:
+    """Return the state [n] of an arc at s, found along its length: next to a fold Newton at s may take another."""
+    for a, b in itertools.pairwise(arc.frames):
+        if min(a.s, b.s) <= s <= max(a.s, b.s):
+            curve = EquilibriumCurve(a.system.line, a.hold, tally)
+            low, high = 0.0, float(a.tangent @ (curve.root * (b.x - a.x)))
+            state: np.ndarray | None = None
+            for _ in range(BISECTIONS):
+                middle = 0.5 * (low + high)
+                frame = curve.beside(a, middle)
+                if frame is None:
+                    return None
+                low, high = (middle, high) if (frame.s < s) == (a.s < b.s) else (low, middle)
+                state = frame.state
+            return state
+    return None
 
 
 def tolerance_of(
@@ -152,15 +199,15 @@ def tolerance_of(
 def _worst(scene: Scene, name: str, phi: np.ndarray, rng: np.random.Generator, draws: int) -> Loss:
     """Search over the signs: random ones, then from the worst of them flips of one, as long as one is worse."""
     n = scene.degree
-    known: dict[tuple[float, ...], tuple[float, str]] = {}
+    known: dict[tuple[float, ...], Ended] = {}
 
     def look(signs: np.ndarray, most: float) -> float:
         key = tuple(signs.tolist())
         if key not in known and len(known) < FOLLOWS:
             known[key] = lost_at(line_of(scene, signs[:n], signs[n:]), phi, most)
-        return known.get(key, (math.inf, ""))[0]
+        return known[key].s if key in known else math.inf
 
-    most = MOST
+    most = math.log1p(MOST)
     best = np.ones(2 * n)
     for signs in rng.choice([-1.0, 1.0], size=(draws, 2 * n)):
         found = look(signs, most)
@@ -175,8 +222,9 @@ def _worst(scene: Scene, name: str, phi: np.ndarray, rng: np.random.Generator, d
             found = look(signs, most)
             if found < most - SETTLED:
                 best, most, better = signs, found, True
-    event = known.get(tuple(best.tolist()), (MOST, "kept"))[1]
-    return Loss(name, 100.0 * most, event, tuple(best[:n].tolist()), tuple(best[n:].tolist()))
+    end = known.get(tuple(best.tolist()), Ended(most, "kept", phi))
+    k, rest = np.split(best, 2)
+    return Loss(name, 100.0 * math.expm1(most), end.event, tuple(k), tuple(rest), tuple(end.state))
 
 
 def _survives(
@@ -185,14 +233,9 @@ def _survives(
     """Try one random change of all springs, at most the tolerance in any of them."""
     n = scene.degree
     off = rng.uniform(-1.0, 1.0, 2 * n)
-    most = 0.99 * percent / 100.0
+    most = math.log1p(0.99 * percent / 100.0)
     line = line_of(scene, off[:n], off[n:])
     for phi in states.values():
-        if lost_at(line, phi, most)[1] != "kept":
+        if lost_at(line, phi, most).event != "kept":
             return False
     return True
-
-
-def is_minimum_near(scene: Scene, x: np.ndarray) -> bool:
-    """Tell whether a state x [N] is a minimum without the symmetry."""
-    return classify(State(Model(full_scene(scene)), x)).verdict == "minimum"

@@ -24,6 +24,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.sweep.patterns import PatternSweep, run_pattern
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Store
 from origami_nlp.workers import worker_pool
@@ -56,6 +57,8 @@ class SweepReport:
 
 def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> Outcome:
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
+    if isinstance(sweep, PatternSweep):
+        return run_pattern(sweep, index)
     begin = time.perf_counter()
     try:
         scene = sweep.scene(index)

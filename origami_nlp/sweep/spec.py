@@ -15,6 +15,7 @@ scale = "log"                  # linear (default) or log; or values = [...] in p
 
 [[axes]]
 set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several places take the same value
+                               # of a load: "loads[1].force[3]", "loads[1].distance", "loads[1].torque"
 values = ["pi/4", 1.2]
 
 [search]
@@ -41,15 +42,15 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import SweepError
-from origami_nlp.files import parse_toml, read_limited
+from origami_nlp.files import parse_toml
 from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict
 
 MOST_SCENES = 10_000_000
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
 _EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
 _PLACE = re.compile(r"(vertex|creases|model)\.([a-z_]+)(?:\[(\d{1,4})\])?")
+_LOAD = re.compile(r"loads\[(\d{1,3})\]\.([a-z_]+)(?:\[(\d)\])?")
 _SEARCH = {
     "mode": "grid",
     "effort": "normal",
@@ -59,7 +60,6 @@ _SEARCH = {
     "full": False,
     "follow": False,
 }
-_LARGEST = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -162,41 +162,13 @@ class Sweep:
         return json.dumps({"scene": self.base, "axes": axes, "search": search}, sort_keys=True)
 
 
-def read_sweep(path: str | Path) -> Sweep:
-    """Read a sweep file.
-
-    Parameters
-    ----------
-    path
-        TOML, as the module `sweep.spec` describes it; a scene ``file`` in it is found beside it.
-
-    Returns
-    -------
-    Sweep
-        The sweep.
-
-    Raises
-    ------
-    SweepError
-        If the file cannot be read, or a key is unknown, missing or wrong.
-    AngleError, VertexError, SceneError, SceneFileError
-        If its scene is wrong.
-    """
-    raw = read_limited(path, _LARGEST, "sweep", SweepError)
-    try:
-        data = parse_toml(raw.decode(), "sweep", SweepError)
-    except UnicodeDecodeError as error:
-        raise SweepError(f"sweep {str(path)!r} is not UTF-8 text: {error.reason}") from None
-    return parse_sweep(data, Path(path).parent)
-
-
-def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
-    """Make a sweep from the tables of a sweep file.
+def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
+    """Make a sweep of scenes from tables ``scene``, ``axes`` and ``search``.
 
     Parameters
     ----------
     data
-        Tables ``scene``, ``axes`` and ``search``.
+        The tables.
     folder
         Where a scene ``file`` is looked for.
 
@@ -209,35 +181,9 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     ------
     SweepError
         If a key is unknown, missing or wrong.
-
-    Examples
-    --------
-    >>> from origami_nlp.sweep import parse_sweep
-    >>> sweep = parse_sweep({
-    ...     "scene": {"example": "degree6", "alpha": "pi/4"},
-    ...     "axes": [{"set": "ratio", "from": 0.01, "to": 100, "count": 5, "scale": "log"}],
-    ... })
-    >>> sweep.count, sweep.scene(0).label
-    (5, 'degree 6, alpha_1 = pi/4, r_k = 0.01')
     """
-    if not isinstance(data, Mapping):
-        raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
-    if folder is not None:
-        check_path("folder", folder)
-    for key in data:
-        if key not in ("scene", "axes", "search"):
-            raise SweepError(f"unknown table [{key}]: a sweep has [scene], [[axes]], [search]")
-    base = _base(data.get("scene"), None if folder is None else Path(folder))
-    stated = data.get("axes")
-    if (
-        not isinstance(stated, list)
-        or not stated
-        or not all(isinstance(a, Mapping) for a in stated)
-    ):
-        raise SweepError(
-            "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
-        )
-    axes = tuple(_axis(a, k, base) for k, a in enumerate(stated, start=1))
+    base = _base(data.get("scene"), folder)
+    axes = tuple(_axis(a, k, base) for k, a in enumerate(check_axes(data.get("axes")), start=1))
     names = [a.name for a in axes]
     if len(set(names)) < len(names):
         raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
@@ -283,7 +229,40 @@ def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
         raise SweepError(f"{what} is not UTF-8 text: {error.reason}") from None
 
 
+def check_axes(stated: Any) -> list[Mapping[str, Any]]:
+    """Return the [[axes]] of a sweep file.
+
+    Raises
+    ------
+    SweepError
+        If there is none.
+    """
+    if (
+        not isinstance(stated, list)
+        or not stated
+        or not all(isinstance(a, Mapping) for a in stated)
+    ):
+        raise SweepError(
+            "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
+        )
+    return stated
+
+
 def _axis(stated: Mapping[str, Any], number: int, base: dict[str, Any]) -> Axis:
+    axis = read_axis(stated, number)
+    for place in axis.places:
+        _check_place(place, f"axes[{number}]", base)
+    return axis
+
+
+def read_axis(stated: Mapping[str, Any], number: int) -> Axis:
+    """Read one of the [[axes]], whatever its places are.
+
+    Raises
+    ------
+    SweepError
+        If a key is unknown, missing or wrong.
+    """
     where = f"axes[{number}]"
     for key in stated:
         if key not in ("name", "set", "values", "from", "to", "count", "scale"):
@@ -294,8 +273,6 @@ def _axis(stated: Mapping[str, Any], number: int, base: dict[str, Any]) -> Axis:
     places = [places] if isinstance(places, str) else places
     if not isinstance(places, list) or not places or not all(isinstance(p, str) for p in places):
         raise SweepError(f'{where}.set must name what it changes, such as "creases.stiffness[1]"')
-    for place in places:
-        _check_place(place, where, base)
     scale = stated.get("scale", "linear")
     if scale not in ("linear", "log"):
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
@@ -337,6 +314,12 @@ def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
         return
     match = _PLACE.fullmatch(place)
     table = base.get(match[1], {}) if match else None
+    if (load := _LOAD.fullmatch(place)) is not None:
+        loads = base.get("loads")
+        if not isinstance(loads, list) or not 1 <= int(load[1]) <= len(loads):
+            many = len(loads) if isinstance(loads, list) else 0
+            raise SweepError(f"{where}.set = {place!r}: the scene has {many} [[loads]]")
+        match, table = load, loads[int(load[1]) - 1]
     if place.startswith("creases.preload[") and isinstance(table, dict):  # none stated: zeros
         table.setdefault("preload", [0.0] * len(table.get("stiffness", ())))
     if match is None or not isinstance(table, Mapping) or match[2] not in table:
@@ -356,7 +339,13 @@ def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
 
 def _put(data: dict[str, Any], place: str, value: float) -> None:
     match = _PLACE.fullmatch(place)
-    if match is None:
+    if (load := _LOAD.fullmatch(place)) is not None:
+        table = data["loads"][int(load[1]) - 1]
+        if load[3] is None:
+            table[load[2]] = value
+        else:
+            table[load[2]][int(load[3]) - 1] = value
+    elif match is None:
         data[place] = value
     elif match[3] is None:
         data[match[1]][match[2]] = value

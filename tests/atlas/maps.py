@@ -1,36 +1,55 @@
 """The number and kind of stable states over (alpha_1, r_k) for both families of the paper, drawn for `docs/paths.md`.
 
-``python -m tests.atlas.maps`` writes ``docs/figures/states_degree6.png`` and ``states_degree8.png``: some three
-minutes of processor time, most of them for the full space of degree 6.
+``python -m tests.atlas.maps`` writes ``docs/figures/states_degree6.png`` and ``states_degree8.png``: some fifteen
+minutes of processor time, most of them for the full space of degree 8; names of families after it make only those.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
 import origami_nlp as o
 from origami_nlp.atlas import Boundaries, Region, find_boundaries, find_regions, region_cells
 
 FIGURES = Path(__file__).parents[2] / "docs" / "figures"
 RATIO = "ratio=0.01:100"
-FAMILIES = {  # scene, range of alpha, lines in the symmetric space and, where it is drawn, in the full one
-    "degree6": (
-        (lambda: o.examples.degree6("pi/4"), "alpha=30deg:59.9deg", 4, 4),
-        (lambda: o.examples.degree6("5*pi/12"), "alpha=60.1deg:89.5deg", 6, 5),
-    ),
-    "degree8": ((lambda: o.examples.degree8("pi/6"), "alpha=5deg:85deg", 5),),
+BELOW, ABOVE = "alpha=30deg:59.9deg", "alpha=60.1deg:89.5deg"
+HALF, WHOLE = "alpha=5deg:44.9deg", "alpha=5deg:85deg"
+FAMILIES = {  # in the symmetric space, and in the full one: scene, range of alpha, lines
+    "degree6": {
+        False: (("degree6", "pi/4", BELOW, 4), ("degree6", "5*pi/12", ABOVE, 6)),
+        True: (("degree6", "pi/4", BELOW, 4), ("degree6", "5*pi/12", ABOVE, 5)),
+    },
+    "degree8": {
+        False: (("degree8", "pi/6", WHOLE, 5),),
+        True: (("degree8", "pi/6", HALF, 4),),
+    },
 }
-COLOURS = {1: "#f0f0f0", 2: "#cfe3f3", 3: "#fbe2b8", 4: "#cfe8cf", 5: "#f3cfd8", 6: "#ddd2ee"}
+MIRRORED = {("degree8", True)}
+"""Where 90 deg - alpha_1 is the same vertex with other labels, and drawn from what is known of alpha_1."""
+UNDECIDED = (42.4, 47.6), (0.01, 0.07)
+"""Of alpha_1 [deg] and r_k, where curves of degenerate states of degree 8 have loose ends."""
+COLOURS = {1: "#f7f7f7", 2: "#dcebf7", 3: "#fbd9a0", 4: "#a9d8ab", 5: "#dd96b0", 6: "#9a86c4"}
+"""By the number of states; darker the more there are, in grey as well."""
 SPACES = {"in the symmetric space": False, "in the full space": True}
-UNSURE = "#bdbdbd"
+UNSURE = {"facecolor": "white", "edgecolor": "#777777", "hatch": "////", "linewidth": 0.0}
+LINES = {
+    True: ({"color": "#b2182b", "lw": 1.4}, "states meet (fold)"),
+    False: ({"color": "#222", "lw": 0.9}, "a contact closes or leaves"),
+}
+"""Curves that are folds, and others."""
 SHORT = {"interior": "i", "contact-pinned": "p", "contact-touching": "t", "degenerate": "d"}
 Map = tuple[Boundaries, Sequence[Region]]
 
@@ -38,10 +57,10 @@ Map = tuple[Boundaries, Sequence[Region]]
 def maps(family: str, full: bool) -> list[Map]:
     """Return curves and regions of each part of a family."""
     out = []
-    for make, alpha, *lines in FAMILIES[family]:
-        scene = make()
+    for name, at, alpha, lines in FAMILIES[family][full]:
+        scene = getattr(o.examples, name)(at)
         scene = replace(scene, symmetry="none", mirror=None) if full else scene
-        found = find_boundaries(scene, RATIO, alpha, lines=lines[full], across=3)
+        found = find_boundaries(scene, RATIO, alpha, lines=lines, across=1 if HALF == alpha else 3)
         out.append((found, find_regions(found)))
     return out
 
@@ -51,80 +70,108 @@ def words(kinds: dict[str, int]) -> str:
     return " ".join(f"{n}{SHORT[k]}" for k, n in sorted(kinds.items(), key=lambda k: SHORT[k[0]]))
 
 
-def draw_map(axes: Axes, found: Boundaries, regions: Sequence[Region]) -> set[int]:
-    """Draw one part; return the numbers of states on it."""
+def draw_map(
+    axes: Axes, found: Boundaries, regions: Sequence[Region], mirrored: bool = False
+) -> None:
+    """Draw one part; mirrored: at 90 deg - alpha_1."""
+
+    def place(alpha: float) -> float:
+        return 90 - math.degrees(alpha) if mirrored else math.degrees(alpha)
+
     up, across = found.overs
     numbers = region_cells(found)
     sides = [
         np.linspace(over.s_of(over.low), over.s_of(over.high), len(numbers) + 1)
         for over in (up, across)
     ]
-    seen = set()
     for region in regions:
         at = [
             int(np.searchsorted(side, over.s_of(t))) - 1
             for side, over, t in zip(sides, (up, across), region.t, strict=True)
         ]
-        if region.agrees:
-            seen.add(region.minima)
-        colour = COLOURS[min(region.minima, 6)] if region.agrees else UNSURE
+        look = {"colors": [COLOURS[min(region.minima, 6)]]}
+        if not region.agrees:
+            look = {"colors": "white", "hatches": [UNSURE["hatch"]]}
         axes.contourf(
-            *(np.degrees(0.5 * (sides[1][1:] + sides[1][:-1])), np.exp(0.5 * (sides[0][1:] + sides[0][:-1]))),
+            [place(v) for v in 0.5 * (sides[1][1:] + sides[1][:-1])],
+            np.exp(0.5 * (sides[0][1:] + sides[0][:-1])),
             numbers == numbers[tuple(at)],
             levels=[0.5, 1.5],
-            colors=[colour],
             antialiased=False,
-        )  # fmt: skip
+            **look,
+        )
         if region.share >= 0.02:
             text = f"{region.minima}\n{words(region.kinds)}" if region.agrees else "?"
             axes.text(
-                math.degrees(region.t[1]), region.t[0], text, ha="center", va="center", fontsize=7
+                place(region.t[1]),
+                region.t[0],
+                text,
+                ha="center",
+                va="center",
+                fontsize=7,
+                zorder=5,
+                path_effects=[withStroke(linewidth=2.2, foreground="white")],
             )
     for curve in found.curves:
-        x, y = [math.degrees(p.t[1]) for p in curve.points], [p.t[0] for p in curve.points]
-        fold = "fold" in curve.type
-        axes.plot(x, y, color="#b2182b" if fold else "#222", lw=1.4 if fold else 0.9)
-    return seen
+        x, y = [place(p.t[1]) for p in curve.points], [p.t[0] for p in curve.points]
+        axes.plot(x, y, **LINES["fold" in curve.type][0])
 
 
 def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
     """Draw a family: one column a space."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
-    seen: set[int] = set()
     for axes, (title, parts) in zip(
         figure.subplots(1, len(columns), sharey=True, squeeze=False)[0],
         columns.items(),
         strict=True,
     ):
         for found, regions in parts:
-            seen |= draw_map(axes, found, regions)
+            draw_map(axes, found, regions)
+            if (family, SPACES[title]) in MIRRORED:
+                draw_map(axes, found, regions, mirrored=True)
+                (left, right), (low, high) = UNDECIDED
+                axes.fill_between([left, right], low, high, **UNSURE, zorder=3)
         axes.set_yscale("log")
         axes.set_ylim(parts[0][0].overs[0].low, parts[0][0].overs[0].high)
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("$\\alpha_1$ [deg]")
         axes.set_xlim(
-            *(math.degrees(v) for v in (parts[0][0].overs[1].low, parts[-1][0].overs[1].high))
+            math.degrees(parts[0][0].overs[1].low),
+            85 if family == "degree8" else math.degrees(parts[-1][0].overs[1].high),
         )
         if len(parts) > 1:
             axes.axvline(60, color="black", ls=":", lw=1)
     figure.axes[0].set_ylabel("$r_k$")
-    patches = [Patch(color=COLOURS[k], label=f"{k} states") for k in sorted(seen)]
-    patches.append(Patch(color=UNSURE, label="searches in it differ"))
-    lines = [
-        figure.axes[0].plot([], [], color=c, label=t)[0]
-        for c, t in (("#b2182b", "states meet (fold)"), ("#222", "a contact closes or leaves"))
-    ]
     figure.legend(
-        handles=[*patches, *lines], loc="outside lower center", ncols=8, frameon=False, fontsize=8
+        handles=legend([part for parts in columns.values() for part in parts]),
+        loc="outside lower center",
+        ncols=8,
+        frameon=False,
+        fontsize=8,
     )
     return figure
 
 
+def legend(parts: Sequence[Map]) -> list[Artist]:
+    """Return entries for what occurs."""
+    regions = [region for _, own in parts for region in own]
+    most = max(COLOURS)
+    seen = sorted({min(region.minima, most) for region in regions if region.agrees})
+    entries: list[Artist] = [
+        Patch(color=COLOURS[k], label=f"{k}{' or more' * (k == most)} states") for k in seen
+    ]
+    if not all(region.agrees for region in regions):
+        entries.append(Patch(**UNSURE, label="not decided"))
+    for fold in sorted({"fold" in curve.type for found, _ in parts for curve in found.curves}):
+        look, label = LINES[fold]
+        entries.append(Line2D([], [], **look, label=label))
+    return entries
+
+
 def main() -> None:
     """Write both figures, and say what is in the regions."""
-    for family in FAMILIES:
-        spaces = len(FAMILIES[family][0]) - 2
-        columns = {title: maps(family, full) for title, full in list(SPACES.items())[:spaces]}
+    for family in sys.argv[1:] or FAMILIES:
+        columns = {title: maps(family, full) for title, full in SPACES.items()}
         for title, parts in columns.items():
             for _, regions in parts:
                 for r in regions:

@@ -11,7 +11,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.atlas import Family, draw_atlas, family_of, follow, follow_family, parse_over
-from origami_nlp.atlas.fold_out import atlas_to_fold
 from origami_nlp.bench import random_vertex
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.minima import judge_in_full_space
@@ -100,7 +99,7 @@ def test_plain_data_have_the_stated_keys(atlas):
 def test_a_picture_frames_and_words(atlas, tmp_path):
     draw_atlas(atlas, tmp_path / "atlas.png")
     assert (tmp_path / "atlas.png").stat().st_size > 10_000
-    frames = atlas_to_fold(atlas)["file_frames"]
+    frames = atlas.to_fold()["file_frames"]
     assert len(frames) == sum(len(b.points) for b in atlas.branches)
     assert "nonsmooth-fold" in str(atlas) and "isolated branches" in str(atlas)
     assert "3 branches, 2 events" in repr(atlas)
@@ -136,12 +135,32 @@ def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
 
 
-def test_a_curve_through_the_flat_state_is_named_there():
+def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
+    """By an equation at the flat state alone; by the points of the curve on both sides, whose size is linear in t."""
     atlas = follow(generic(1, 5), "creases.rest_angles[1]=-1:pi", checks=2)
     (event,) = [e for e in atlas.events if e.type == "singular"]
-    assert not event.located and "lose rank" in event.note
-    assert np.abs(event.fold_angles).max() < 0.02
-    assert not [e for e in atlas.events if not e.located and e is not event]
+    assert all(e.located for e in atlas.events)
+    assert set(event.fold_angles) == {0.0} and "flat" in event.note
+    near = [
+        (p.t - event.t, np.copysign(np.linalg.norm(p.fold_angles), p.t - event.t))
+        for b in atlas.branches
+        for p in b.points
+        if abs(p.t - event.t) < 0.25 and np.abs(p.fold_angles).max() < 0.2
+    ]
+    apart, size = np.array(near).T
+    assert apart.min() < 0 < apart.max() and len(near) > 4
+    assert np.polyfit(apart, size, 2)[-1] == pytest.approx(0, abs=1e-4)
+
+
+def test_where_a_contact_leaves_the_curve_may_turn_back_by_a_small_angle():
+    """Pinned and free states both go on to larger t: a snap, with a minimum more beyond it than before."""
+    atlas = follow(generic(2, 6), "creases.rest_angles[1]=1.2:1.4", checks=1)
+    (event,) = atlas.events
+    assert event.type == "nonsmooth-fold" and event.located
+    counts = [
+        compare(atlas, event.t + e) + len(minima(atlas.at(event.t + e))) for e in (-0.05, 0.05)
+    ]
+    assert counts[1] == counts[0] + 1
 
 
 def test_a_symmetry_that_is_lost_is_located():
@@ -215,6 +234,13 @@ def test_a_pitchfork_is_passed_and_its_branches_are_followed():
     pair = [b for b in before if abs(b[0] - b[2]) > 0.1]
     assert len(pair) == 2 and pair[0] == pytest.approx(np.roll(pair[1], 2), abs=1e-9)
     assert compare(atlas, event.t - 0.05) == compare(atlas, event.t + 0.05) == 0
+
+
+def test_a_check_says_whether_it_is_complete():
+    one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
+    assert one.checks[0].complete == "traced" and "its one freedom" in str(one)
+    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full_space=False)
+    assert two.checks[0].complete == "proved" and "proved to be all" in str(two)
 
 
 def test_families_that_jump_are_refused():
@@ -295,3 +321,13 @@ def test_the_number_of_minima_changes_only_at_events(seed):
             extra = compare(atlas, a + share * (b - a))
             assert extra >= 0
             assert len(minima(atlas.at(a + share * (b - a)))) == interval.minima
+
+
+def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
+    o.save(atlas, tmp_path / "atlas.json")
+    back = o.load(tmp_path / "atlas.json")
+    assert back.to_dict() == atlas.to_dict() and back.events == atlas.events
+    assert back.intervals == atlas.intervals
+    assert len(draw_atlas(back).axes) == len(draw_atlas(atlas).axes)
+    with pytest.raises(OptionError, match="follow anew"):
+        back.at(1.0)

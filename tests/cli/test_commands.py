@@ -78,3 +78,12 @@ def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, 
     assert capsys.readouterr().err == ""
     assert origami_nlp.read_fold_scene(file, stiffness=2.0) == scene
     assert capsys.readouterr().err == "".join(f"note: {note}\n" for note in told)
+
+
+def test_a_pattern_is_taken_by_name_as_it_is_from_a_file(tmp_path):
+    file = tmp_path / "miura.fold"
+    assert run("example", "miura:3x3", "--fold", str(file)).code == 0
+    one, two = run("pattern", "miura:3x3", "--json", "-"), run("pattern", str(file), "--json", "-")
+    assert one.code == two.code == 0 and one.out == two.out
+    wrong = run("pattern", "kresling")
+    assert wrong.code == 2 and "no example: those are miura" in wrong.err

@@ -32,7 +32,7 @@ def test_no_branch_holds_two_interior_minima_up_to_degree_22(degree):
 
 
 def test_the_proof_fails_where_two_minima_exist():
-    """Degree 24, eight valleys in four runs, up: see test_cone_counts."""
+    """Degree 24, eight valleys in four runs, up: see `test_isolation`."""
     assert undecided(24, 8, 8, 1, levels=6) > 0
     assert undecided(24, 8, 6, 1, levels=6) == 0
 

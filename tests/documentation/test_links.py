@@ -1,10 +1,11 @@
 """Every link of the pages and the notebooks leads somewhere; those to other sites have the form of an address."""
 
+import re
 from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from tests.documentation.pages import anchors, links, markdown, name_of, notebooks
+from tests.documentation.pages import ROOT, anchors, links, markdown, name_of, notebooks
 
 
 @pytest.mark.parametrize("page", [*markdown(), *notebooks()], ids=name_of)
@@ -23,6 +24,17 @@ def test_links_resolve(page):
             if parts.fragment not in anchors(target):
                 broken.append(f"{link}: no such heading")
     assert not broken, "\n".join(broken)
+
+
+def test_tests_that_pages_and_docstrings_name_exist():
+    code = [path for room in ("origami_nlp", "symbolic") for path in (ROOT / room).rglob("*.py")]
+    named = {
+        (name_of(page), test)
+        for page in (*markdown(), *notebooks(), *code)
+        for test in re.findall(r"\btests/[\w/]+\.py\b", page.read_text())
+    }
+    assert len(named) > 15
+    assert not [f"{page}: {test}" for page, test in sorted(named) if not (ROOT / test).is_file()]
 
 
 def test_the_check_sees_broken_links(tmp_path):

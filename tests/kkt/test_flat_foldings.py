@@ -10,7 +10,8 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
-from tests.independent.stands import Sheet, judge
+from tests.independent.sheet import Sheet
+from tests.independent.stands import judge
 
 SECTORS = {
     "Miura": ("pi/3", "pi/3", "2*pi/3", "2*pi/3"),

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.errors import OptionError
-from origami_nlp.loading import Driver, path_to_fold
+from origami_nlp.loading import Driver
 from origami_nlp.path import Steps
 from tests.command_line import run
 from tests.independent.rotations import fold
@@ -171,7 +171,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
     frames = json.loads((tmp_path / "path.fold").read_text())["file_frames"]
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
-    assert len(path_to_fold(LOOP)["file_frames"]) == sum(len(leg.points) for leg in LOOP.legs)
+    assert len(LOOP.to_fold()["file_frames"]) == sum(len(leg.points) for leg in LOOP.legs)
     assert len(draw(LOOP, tmp_path / "load.png").axes) == 2
     assert "lands on contact-pinned" in str(LOOP)
 

@@ -7,7 +7,6 @@ nearly singular scenes, of other people's files, and of scenes on which false st
 import math
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,16 +14,18 @@ import pytest
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from tests.computed_once import panel_result, thinned
+from tests.fold_files import OTHERS, others
 from tests.independent.closing import EXTENDED, PI, close
+from tests.independent.exact_states import base
 from tests.independent.nearly_singular import KINDS, nearly_singular
 from tests.independent.relations import exact_sectors
-from tests.independent.stands import CLOSES, RADII, Sheet, base, judge, product_of_folds
+from tests.independent.sheet import Sheet, product_of_folds
+from tests.independent.stands import CLOSES, RADII, judge
 
 pytestmark = pytest.mark.skipif(not EXTENDED, reason="no extended precision on this machine")
 
 COUNT = 2000
 """Admissible neighbours at each radius."""
-FILES = Path(__file__).resolve().parents[2].parent / "shared" / "fold"
 pi = math.pi
 
 
@@ -309,21 +310,15 @@ def places():
     """(file, frame, vertex) of every interior vertex that can be analysed."""
     return tuple(
         (path.name, frame.number, v.number)
-        for path in sorted(FILES.glob("*.fold"))
+        for path in sorted(OTHERS.glob("*.fold"))
         for frame in read_fold(path)
         for v in fold_vertices(frame)[0]
         if not v.reason
     )
 
 
-@pytest.fixture
-def files():
-    if not FILES.is_dir():
-        pytest.skip("other people's FOLD files (../shared/fold) are not here")
-    return FILES
-
-
-def scene_in(path, vertex, frame="first"):
+def scene_in(name, vertex, frame="first"):
+    (path,) = others(name)
     (chosen,) = read_fold(path, frame)
     return scene_at(chosen, vertex)
 
@@ -339,36 +334,34 @@ SEEN_FALSE = [
 
 
 @pytest.mark.parametrize(("name", "vertex"), thinned(SEEN_FALSE[:2], 2))
-def test_vertices_of_files_where_false_states_were_seen(files, name, vertex):
-    result = find_minima(scene_in(files / name, vertex))
+def test_vertices_of_files_where_false_states_were_seen(name, vertex):
+    result = find_minima(scene_in(name, vertex))
     assert result.minima and not failures(result, 600)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE)
-def test_three_seeds_find_the_same_energies(files, name, vertex):
-    scene = scene_in(files / name, vertex)
+def test_three_seeds_find_the_same_energies(name, vertex):
+    scene = scene_in(name, vertex)
     energies = [[m.energy for m in find_minima(scene, seed=s).minima] for s in range(3)]
     assert len({len(e) for e in energies}) == 1
     assert np.ptp(energies, axis=0).max() <= 1e-12 * scene.degree * pi**2
 
 
-def test_no_vertex_of_the_files_is_left_out(files):
+def test_no_vertex_of_the_files_is_left_out():
     reasons = [
-        v.reason
-        for path in files.glob("*.fold")
-        for frame in read_fold(path)
-        for v in fold_vertices(frame)[0]
+        v.reason for path in others() for frame in read_fold(path) for v in fold_vertices(frame)[0]
     ]
     assert len(places()) == sum(not r for r in reasons) >= 30
-    assert len({name for name, _, _ in places()}) == len(list(files.glob("*.fold")))
+    assert len({name for name, _, _ in places()}) == len(others())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("place", places() if FILES.is_dir() else [None], ids=str)
-def test_every_minimum_of_every_vertex_of_the_files_stands(files, place):
+@pytest.mark.parametrize("place", places() or [None], ids=str)
+def test_every_minimum_of_every_vertex_of_the_files_stands(place):
+    others()
     name, frame, vertex = place
-    scene = scene_in(files / name, vertex, frame)
+    scene = scene_in(name, vertex, frame)
     seen = {}
     for seed in range(3):
         result = find_minima(scene, seed=seed)

@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +9,10 @@ import pytest
 from origami_nlp import find_minima
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
-from tests.fold_files import closed_state, disc, folded, in_space, miura
+from tests.fold_files import closed_state, disc, folded, in_space, miura, others
 from tests.independent.neighbours import Problem, look_around
 from tests.independent.rotations import fold, spin_sign
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "fold"
 OURS = {
     "degree 4": disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80]),
     "degree 4, letters only": disc([60, 100, 120, 80], "MVVV"),
@@ -89,11 +87,7 @@ def test_states_of_our_files(name):
 )
 def test_states_of_published_files(name):
     """One vertex of each kind (sector angles and assignment up to rotation) in each published file."""
-    if not SHARED.is_dir():
-        pytest.skip(
-            "../shared/fold is not there: other people's files are not part of this repository"
-        )
-    (path,) = SHARED.glob(f"*{name}*")
+    (path,) = others(f"*{name}*")
     for frame in parse_fold(path.read_bytes()):
         seen = set()
         for v in fold_vertices(frame)[0]:

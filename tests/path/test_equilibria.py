@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, State, classify, examples, find_minima
-from origami_nlp.kkt import follow
+from origami_nlp.kkt import follow, project
 from origami_nlp.path import Web, line_between, load_line
+from origami_nlp.path.equilibrium import System
+from origami_nlp.path.halves import touches
 from origami_nlp.path.web import STEPS
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029
@@ -202,3 +204,56 @@ def test_a_contact_that_never_carries_leaves_at_the_first_load():
     assert web.add(book, 0.0, "minimum")
     halves = {np.sign(h.frame.ahead): h.frame.hold.contacts for h in web.nodes[0].halves}
     assert len(halves[-1.0]) == 2 and len(halves[1.0]) < 2
+
+
+def facets_that_begin_to_overlap(ratio, low, high):
+    """The web of degree 8 without symmetry, alpha = 30 deg, from the state whose creases 3 and 7 are about to meet."""
+    scenes = [
+        replace(examples.degree8("pi/6", math.exp(s)), symmetry="none", mirror=None)
+        for s in (0.0, 1.0)
+    ]
+    line = line_between(*map(Model, scenes), 1.0)
+    web = Web(line, math.log(low), math.log(high))
+    angles = np.radians([-65.5, 142.2, -58.2, 142.0, -65.5, 142.2, -58.2, 142.0])
+    start = follow(line.at(math.log(ratio)), angles).end
+    assert web.add(start, math.log(ratio))
+    return web
+
+
+def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
+    """Two creases meet, and beyond two facets lie on each other, either way round; held by one contact they cross."""
+    web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)
+    (event,) = events(web)
+    assert event.type == "closes" and event.located
+    for ratio, contacts in ((3.19, (0,)), (3.271, (2, 2)), (3.3, (2, 2)), (3.5, (2, 2))):
+        found = [f for _, f in web.states_at(math.log(ratio))]
+        assert tuple(len(f.hold.contacts) for f in found) == contacts
+        for f in found:
+            assert (f.forces > 0).all()
+            assert classify(State(f.programme, f.state)).verdict == "minimum"
+    for f in (f for _, f in web.states_at(math.log(3.5))):
+        # by descent from beside it, which knows nothing of curves
+        aside = (
+            project(f.programme, f.state + 1e-4 * np.sin(k + np.arange(8.0)), ())[0]
+            for k in range(20)
+        )
+        start = next(x for x in aside if not f.programme.refuses(x))
+        assert np.abs(follow(f.programme, start).end - f.state).max() < 1e-7
+    back = facets_that_begin_to_overlap(3.5, 3.1, 3.6)
+    (again,) = events(back)
+    assert again.located and again.s == pytest.approx(event.s, abs=1e-11)
+    assert len(back.states_at(math.log(3.19))) == 1 and len(back.states_at(math.log(3.49))) == 2
+
+
+def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
+    web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)
+    arc = next(a for a in web.arcs if a.frames[1].hold.contacts)
+    frame = arc.frames[-1]
+    assert touches(frame)
+    # the other way round the creases lie off these facets: in their planes at most
+    other = next(
+        a for a in web.arcs if a.frames[1].hold != arc.frames[1].hold and a.frames[1].hold.contacts
+    )
+    assert not touches(
+        replace(other.frames[-1], system=System(web.line, other.frames[-1].x, frame.hold))
+    )

@@ -2,14 +2,14 @@
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from origami_nlp import OrigamiError, find_minima
+from origami_nlp import OrigamiError, Scene, Vertex, find_minima
 from origami_nlp.cli import app
+from origami_nlp.folding import frames_to_fold
 from origami_nlp.pattern import (
     REST_KEY,
     STIFFNESS_KEY,
@@ -18,10 +18,9 @@ from origami_nlp.pattern import (
     read_fold,
     scene_at,
 )
-from tests.fold_files import closed_state, disc, folded, in_space, miura
+from tests.fold_files import closed_state, disc, folded, in_space, miura, others
 from tests.independent.rotations import fold
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "fold"
 RUN = CliRunner()
 
 
@@ -240,11 +239,7 @@ def test_folds_flat_agrees_with_counting_layers(letters, folds):
     "name", ["squaretwist", "box", "miura", "deg4.fold", "deg6", "deg8.fold", "noB", "not_fold"]
 )
 def test_published_files(name):
-    if not SHARED.is_dir():
-        pytest.skip(
-            "../shared/fold is not there: other people's files are not part of this repository"
-        )
-    for path in sorted(SHARED.glob(f"*{name}*")):
+    for path in others(f"*{name}*"):
         for one in read_fold(path):
             found, notes = fold_vertices(one)
             stated = path.stem.split("_")
@@ -263,11 +258,7 @@ def test_published_files(name):
 
 
 def test_minima_of_a_published_vertex():
-    path = SHARED / "fold_squaretwist_4xdeg4.fold"
-    if not path.is_file():
-        pytest.skip(
-            "../shared/fold is not there: other people's files are not part of this repository"
-        )
+    (path,) = others("fold_squaretwist_4xdeg4.fold")
     (one,) = read_fold(path)
     scene = scene_at(one, 2, symmetry="none")
     result = find_minima(scene)
@@ -345,10 +336,29 @@ def test_bad_options_get_one_line(tmp_path):
         ([str(file), "--vertex", "0"], ["--vertex 0", "border", "there are 5, 6"]),
         ([str(file), "--vertex", "5", "--frame", "3"], ["--frame 3"]),
         ([str(file), "--vertex", "5", "--stiffness", "-1"], ["--stiffness"]),
-        ([str(file), "--vertex", "5", "--rest-angle", "400"], ["--rest-angle"]),
+        ([str(file), "--vertex", "5", "--rest-angle", "400"], ["--rest-angle = '400'", "180"]),
+        ([str(file), "--rest-angle", "file"], ["--rest-angle = 'file'", "--rest-angles file"]),
         ([str(scene), "--vertex", "5"], ["FOLD"]),
         ([str(tmp_path / "no.fold")], ["cannot read"]),
     ]:
         done = RUN.invoke(app, ["minima", *args])
         assert isinstance(done.exception, OrigamiError), (args, done.output)
         assert all(w in str(done.exception) for w in words), done.exception
+
+
+def test_forces_come_back_from_a_file():
+    stated = Scene(
+        Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), held_facet=1,
+        loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
+    )  # fmt: skip
+    data = frames_to_fold(stated, [])
+    read = scene_at(frame(data), 0)
+    assert read.loads == stated.loads and read.held_facet == stated.held_facet
+    phi = np.array([0.3, -0.2, 0.1, 0.4])
+    assert math.isclose(read.energy(phi), stated.energy(phi), rel_tol=1e-12)
+    with pytest.raises(OrigamiError, match="objects"):
+        scene_at(frame(data | {"origaminlp:loads": [3]}), 0)
+    with pytest.raises(OrigamiError, match="array"):
+        frame(data | {"origaminlp:loads": 3})
+    with pytest.raises(OrigamiError, match="facet"):
+        scene_at(frame(data | {"origaminlp:heldFacet": 9}), 0)

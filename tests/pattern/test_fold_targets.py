@@ -140,6 +140,7 @@ def test_choices_that_cannot_be_are_refused(tmp_path):
     for file, choice, words in (
         (pattern, "measured", "crease pattern"),
         (form, "both", "file or measured"),
+        (form, "90", "is --rest-angle, in degrees"),
         (scene, "file", "FOLD files"),
     ):
         done = RUN.invoke(app, ["minima", str(file), "--rest-angles", choice])

@@ -3,17 +3,15 @@
 import copy
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
-from origami_nlp.sheets import Poses, Sheet
-from tests.fold_files import disc
+from tests.fold_files import disc, others
 
-SHARED = Path(__file__).parents[2].parent / "shared" / "fold"
 FOLDED = {  # facets, creases, interior vertices, counted from the files' arrays by hand or by the file's author
     "fold_squaretwist_4xdeg4.fold": (9, 12, 4),
     "foldforge_miura_9xdeg4.fold": (16, 24, 9),
@@ -158,7 +156,7 @@ def moebius(count=6):
 
 
 REFUSED = {
-    "Moebius": (moebius, "on the same side"),
+    "Moebius": (moebius, "come back turned over"),
     "preload": (
         lambda: {
             **miura(2, 2),
@@ -204,6 +202,20 @@ REFUSED = {
         },
         "ends within a facet",
     ),
+    "not stitched": (
+        lambda: _faces(
+            [[0, 0], [1, 0], [1, 1], [0, 1], [1, 0], [2, 0], [2, 1], [1, 1]],
+            [[0, 1, 2, 3], [4, 5, 6, 7]],
+        ),
+        "vertices 1 and 4 are in the same place",
+    ),
+    "a vertex on a side": (
+        lambda: _faces(
+            [[0, 0], [2, 0], [2, 1], [0, 1], [2, 2], [0, 2], [1, 1]],
+            [[0, 1, 2, 3], [3, 6, 2, 4, 5]],
+        ),
+        "vertex 6 lies on the side of a facet from vertex 2 to 3",
+    ),
     "twice": (
         lambda: {
             **square(extra=[([1, 5], "M"), ([1, 5], "V")]),
@@ -212,6 +224,23 @@ REFUSED = {
         "stated twice",
     ),
 }
+
+
+def _faces(coords, faces):
+    return {"vertices_coords": coords, "faces_vertices": faces}
+
+
+def test_paper_that_meets_in_a_point_is_not_joined_there():
+    x = [[i, j] for j in range(5) for i in range(5)]
+    quads = [
+        [5 * j + i, 5 * j + i + 1, 5 * j + i + 6, 5 * j + i + 5]
+        for j in range(4)
+        for i in range(4)
+        if (i, j) not in ((1, 1), (2, 2))
+    ]
+    p = made(_faces(x, quads))
+    assert (p.facets, len(p.vertices), len(p.holes)) == (14, 2, 1)
+    assert any("meets in points at vertices 12" in note for note in p.notes)
 
 
 def _moved(coords):
@@ -228,9 +257,8 @@ def test_what_is_no_sheet_is_refused_in_one_line(name):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="patterns of others, which may not be copied")
 def test_patterns_of_others_are_read():
-    for path in sorted(SHARED.glob("*.fold")):
+    for path in others():
         p = o.read_pattern(path)
         sheet = Sheet(p)
         assert sheet.residual(p.reference) == 0.0 and Poses(p).apart(p.reference) < 1e-12

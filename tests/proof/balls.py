@@ -1,11 +1,14 @@
-"""Balls and scenes that several tests of the check use."""
+"""Balls, scenes and their closed states, as several tests of the check use them."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from flint import arb, ctx
 
 from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.proof.check_pieces import Sheet
+from tests.independent.rotations import project, spin_sign
 from tests.proof.chains_mp import mp
 
 
@@ -18,6 +21,18 @@ def scene(degree: int, seed: int) -> Scene:
     return Scene(
         vertex, tuple(k.tolist()), tuple(rest.tolist()), symmetry="none", contact="fold-limits"
     )
+
+
+def sheet_of(s: Scene) -> Sheet:
+    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
+
+
+def closed_states(s: Scene, starts: np.ndarray, pins: Sequence[int]) -> np.ndarray:
+    """Closed states of a sheet of paper next to starts [B, N], with some creases pinned; [C, N] with C <= B."""
+    sectors, pins = np.array(s.vertex.sector_angles), np.array(pins)
+    starts = np.where(pins, np.pi * pins, starts)
+    near, off = project(sectors, np.arange(s.degree), starts, held=np.abs(pins))
+    return near[(off < 1e-13) & (spin_sign(sectors, near) > 0)]
 
 
 def exactly(value):

@@ -16,9 +16,8 @@ from origami_nlp.programme import Model
 from origami_nlp.proof import certificate as c, certificate_of, prove
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_forms import nonzero
-from origami_nlp.proof.check_pieces import Sheet
 from origami_nlp.proof.check_points import Refused, Stratum
-from tests.proof.balls import scene
+from tests.proof.balls import scene, sheet_of
 
 R0, SMALL, TINY = 1e-3, 1e-2, 1e-7
 
@@ -27,13 +26,9 @@ class Prover:
     def __init__(self, stated: Scene) -> None:
         self.scene = stated
         with ctx.workprec(128):
-            self.fine = self.sheet_of(stated)
-        self.sheet = self.sheet_of(stated)
+            self.fine = sheet_of(stated)
+        self.sheet = sheet_of(stated)
         self.points, self.undecided, self.kinds, self.numbers, self.boxes = [], [], [], [], []
-
-    @staticmethod
-    def sheet_of(s: Scene) -> Sheet:
-        return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
     def node(self, kind: int, number: int = 0) -> None:
         self.kinds.append(kind)

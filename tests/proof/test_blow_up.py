@@ -10,6 +10,7 @@ import pytest
 from origami_nlp import Model, Scene, examples
 from origami_nlp.proof import isolated
 from origami_nlp.proof.blow_up import Site
+from tests.proof.fifty_digits import multiply
 from tests.proof.singular_scenes import (
     CROSS,
     HANDLES,
@@ -20,17 +21,6 @@ from tests.proof.singular_scenes import (
     scene,
     touched,
 )
-
-
-def product(p: list, q: list) -> list:
-    a, b, c, d = p
-    e, f, g, h = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
 
 
 def closing(model: Model, sectors: list, x: list) -> tuple[list, list[list]]:
@@ -54,7 +44,7 @@ def closing(model: Model, sectors: list, x: list) -> tuple[list, list[list]]:
     def chain(which: int | None) -> list:
         q = [mpmath.mpf(1), 0, 0, 0]
         for i, (fold, slope) in enumerate(turns):
-            q = product(q, slope if i == which else fold)
+            q = multiply(q, slope if i == which else fold)
         return q
 
     def rows(q: list, dq: list | None = None) -> list:
@@ -62,14 +52,14 @@ def closing(model: Model, sectors: list, x: list) -> tuple[list, list[list]]:
             return (dq or q)[1:]
         if kind == "C":
             end = [mpmath.cos(pi / order), 0, 0, mpmath.sin(pi / order)]
-            w = product(dq or q, end)[0]
+            w = multiply(dq or q, end)[0]
             return [w] if dq else [w - mpmath.cos(pi / order)]
         if order == 1:
             return [(dq or q)[1], (dq or q)[3]]
         normal = [0, mpmath.sin(pi / order), -mpmath.cos(pi / order), 0]
 
         def carried(p: list, o: list) -> list:
-            return product(product(p, normal), [o[0], -o[1], -o[2], -o[3]])
+            return multiply(multiply(p, normal), [o[0], -o[1], -o[2], -o[3]])
 
         if dq is None:
             return [carried(q, q)[2] + mpmath.cos(pi / order)]

@@ -11,7 +11,7 @@ from origami_nlp.proof.check_flat import falls, isolated, rows
 from origami_nlp.proof.check_forms import parts
 from origami_nlp.proof.check_pieces import Sheet
 from tests.independent.rotations import project
-from tests.proof.balls import at, exactly, scene
+from tests.proof.balls import at, exactly, scene, sheet_of
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
 
 
@@ -19,10 +19,6 @@ from tests.proof.chains_mp import axes, mp, mpf, quaternion
 def _bits():
     with ctx.workprec(64):
         yield
-
-
-def sheet_of(s) -> Sheet:
-    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
 
 @pytest.mark.parametrize("degree", [4, 5, 6])

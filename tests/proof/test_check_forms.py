@@ -10,8 +10,7 @@ from flint import arb, ctx
 from origami_nlp.proof import check_bounds, check_forms as f
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_pieces import Sheet
-from tests.independent.rotations import project, spin_sign
-from tests.proof.balls import at, exactly, holds, scene
+from tests.proof.balls import at, closed_states, exactly, holds, scene, sheet_of
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
 
 UP = math.nextafter(math.pi, 4)
@@ -21,10 +20,6 @@ UP = math.nextafter(math.pi, 4)
 def _bits():
     with ctx.workprec(64):
         yield
-
-
-def sheet_of(s) -> Sheet:
-    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
 
 def random_box(rng, degree):
@@ -79,13 +74,11 @@ def test_closure_holds_what_50_digits_say(degree):
                 assert holds(total, wanted[r])
 
 
-def closed_states(s, rng, pins, count):
-    """Closed states with some creases pinned, to 50 digits, of so many random starts."""
-    sectors, n = np.array(s.vertex.sector_angles), s.degree
-    starts = np.where(pins, np.pi * np.array(pins), rng.uniform(-3, 3, (count, n)))
-    near, off = project(sectors, np.arange(n), starts, held=np.abs(pins).astype(float))
-    good = (off < 1e-13) & (np.abs(near) <= np.pi).all(axis=1) & (spin_sign(sectors, near) > 0)
-    for start in near[good]:
+def states_in_50_digits(s, rng, pins, count):
+    """Closed states with some creases pinned, of so many random starts."""
+    sectors = np.array(s.vertex.sector_angles)
+    near = closed_states(s, rng.uniform(-3, 3, (count, s.degree)), pins)
+    for start in near[(np.abs(near) <= np.pi).all(axis=1)]:
         moved = [int(i) for i in rng.permutation(np.flatnonzero(np.array(pins) == 0))[:3]]
         x = [p * mp.pi if p else mpf(v) for p, v in zip(pins, start, strict=True)]
         axis = np.array([[float(v) for v in axes(sectors, start)[i]] for i in moved])
@@ -104,10 +97,10 @@ def test_no_closed_state_is_excluded_or_cut_off(degree):
     s, rng = scene(degree, 10 + degree), np.random.default_rng(degree)
     sheet, seen = sheet_of(s), 0
     pins = [0] * degree
-    states = list(closed_states(s, rng, pins, 30))
+    states = list(states_in_50_digits(s, rng, pins, 30))
     for i in range(degree):
         pinned = [int(i == j) for j in range(degree)]
-        states += closed_states(s, rng, pinned, 5)
+        states += states_in_50_digits(s, rng, pinned, 5)
     for x in states:
         pins = [int(v == mp.pi) for v in x]
         seen += 1
@@ -135,7 +128,7 @@ def test_minors_hold_what_50_digits_say_of_closed_states(degree):
     sectors, sets = s.vertex.sector_angles, list(itertools.combinations(range(degree), 4))
     for pinned in (None, 0, degree - 2):
         pins = [int(i == pinned) for i in range(degree)]
-        for x in closed_states(s, rng, pins, 20):
+        for x in states_in_50_digits(s, rng, pins, 20):
             true, torque = axes(sectors, x), [
                 mpf(k) * (a - mpf(b))
                 for k, a, b in zip(s.stiffness, x, s.rest_angles, strict=True)
@@ -164,7 +157,7 @@ def test_any_combination_of_rows_may_be_suggested():
     """Suggestions are in doubles and untrusted: nonsense excludes nothing that is there."""
     s, rng = scene(4, 3), np.random.default_rng(1)
     sheet, pins = sheet_of(s), [0] * 4
-    x = next(closed_states(s, rng, pins, 20))
+    x = next(states_in_50_digits(s, rng, pins, 20))
     box = tuple((float(v) - 0.1, float(v) + 0.07) for v in x)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(check_bounds, "suggestions", lambda *_: rng.normal(size=(50, 4)).tolist())

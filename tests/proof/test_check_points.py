@@ -10,8 +10,7 @@ from origami_nlp.programme import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.check_points import Refused, Stratum, negative
 from origami_nlp.proof.check_wedges import piece_of
-from tests.independent.rotations import project
-from tests.proof.balls import holds, scene
+from tests.proof.balls import closed_states, holds, scene
 from tests.proof.chains_mp import axes, mp, mpf, quaternion, unfolded
 from tests.proof.slow_prover import proved
 from tests.proof.wedges import WEDGES
@@ -71,11 +70,9 @@ def middle(ball):
 
 def located(s, seed, count, pins):
     """Points that Newton's method reaches from random closed states, of a degree that is slow to prove."""
-    rng, n = np.random.default_rng(seed), s.degree
-    starts = np.where(pins, np.pi * np.array(pins), rng.uniform(-2, 2, (count, n)))
-    near, _ = project(np.array(s.vertex.sector_angles), np.arange(n), starts, held=np.abs(pins))
+    starts = np.random.default_rng(seed).uniform(-2, 2, (count, s.degree))
     stratum = Stratum(piece_of(s), pins)
-    for x in near:
+    for x in closed_states(s, starts, pins):
         c = np.array([[float(v) for v in axes(s.vertex.sector_angles, x)[i]] for i in stratum.free])
         torque = [s.stiffness[i] * (x[i] - s.rest_angles[i]) for i in stratum.free]
         try:

@@ -16,6 +16,7 @@ from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
 from origami_nlp.proof.system import System
 from tests.computed_once import thinned
+from tests.proof.fifty_digits import cross, dot, fold_quaternion, multiply
 
 DEGREE4 = [family_scene("fold-limits", number) for number in (0, 5, 10, 15, 20)]
 DEGREE5 = [family_scene("fold-limits", number) for number in (1, 6)]
@@ -52,29 +53,6 @@ def test_three_freedoms_are_proved():
     assert (far.min(axis=1) < 1e-8).all()
 
 
-def quaternion(sectors, angles):
-    """Product of the folds, and the axes, in 50 digits."""
-    q, axes, beta = [mpf(1), mpf(0), mpf(0), mpf(0)], [], mpf(0)
-    for angle, sector in zip(angles, sectors, strict=True):
-        b = [mpf(0), mp.cos(beta), mp.sin(beta), mpf(0)]
-        axes.append(times(times(q, b), [q[0], -q[1], -q[2], -q[3]])[1:])
-        c, s = mp.cos(angle / 2), mp.sin(angle / 2)
-        q = times(q, [c, s * b[1], s * b[2], mpf(0)])
-        beta += sector
-    return q, axes
-
-
-def times(p, q):
-    a, b, c, d = p
-    e, f, g, h = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
-
-
 @pytest.mark.parametrize("scene", [DEGREE4[0], DEGREE5[0]])
 def test_points_hold_in_50_digits(scene):
     """Newton in 50 digits on x and m: distance of the root, signs at closed creases, reduced Hessian."""
@@ -92,7 +70,7 @@ def test_points_hold_in_50_digits(scene):
             ]
             m = list(map(mpf, point.moment))
             for _ in range(6):
-                q, c = quaternion(sectors, x)
+                q, c = fold_quaternion(sectors, x)
                 size = len(free)
                 f, jacobian = mp.matrix(size + 3, 1), mp.matrix(size + 3, size + 3)
                 for a, i in enumerate(free):
@@ -121,16 +99,8 @@ def test_points_hold_in_50_digits(scene):
             assert index_of(k, m, c, free) == point.index
 
 
-def dot(u, v):
-    return sum(a * b for a, b in zip(u, v, strict=True))
-
-
-def cross(u, v):
-    return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-
-
 def half_product(c, q):
-    return [v / 2 for v in times([mpf(0), *c], q)]
+    return [v / 2 for v in multiply([mpf(0), *c], q)]
 
 
 def index_of(k, m, c, free):

@@ -11,38 +11,12 @@ from origami_nlp.bench import family_scene
 from origami_nlp.pattern import Vertex
 from origami_nlp.proof import chains, prove
 from origami_nlp.proof.flat import Cone, flat_lemma, no_minimum
+from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
     p = Model(scene).parameters
     return chains.Vertex(p.sectors, p.stiffness, p.rest)
-
-
-def folded(vertex, phi):
-    """Quaternion of the loop and axes, in 50 digits."""
-    total = sum(map(mpf, vertex.sectors))
-    sectors = [mpf(a) * 2 * mp.pi / total for a in vertex.sectors]
-    q = [mpf(1), mpf(0), mpf(0), mpf(0)]
-    axes, beta = [], mpf(0)
-    for angle, sector in zip(phi, sectors, strict=True):
-        b = [mpf(0), mp.cos(beta), mp.sin(beta), mpf(0)]
-        conj = [q[0], -q[1], -q[2], -q[3]]
-        axes.append(multiply(multiply(q, b), conj)[1:])
-        c, s = mp.cos(angle / 2), mp.sin(angle / 2)
-        q = multiply(q, [c, s * b[1], s * b[2], mpf(0)])
-        beta += sector
-    return q, axes
-
-
-def multiply(p, q):
-    a, b, c, d = p
-    e, f, g, h = q
-    return [
-        a * e - b * f - c * g - d * h,
-        a * f + b * e + c * h - d * g,
-        a * g - b * h + c * e + d * f,
-        a * h + b * g - c * f + d * e,
-    ]
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
@@ -62,7 +36,7 @@ def test_remainders_hold(number, radius):
         rows = cone.rows(box, box, np.zeros((n + 1, 1), int)).closure
         with mp.workdps(50):
             phi = [mpf(r) * mpf(v) for v in u]
-            q, axes = folded(vertex, phi)
+            q, axes = fold_quaternion(exact_sectors(vertex), phi)
             exact = [q[1] * 2 / mpf(r), q[2] * 2 / mpf(r)]
             for four in vertex.fours:
                 matrix = mp.matrix(4, 4)

@@ -18,17 +18,19 @@ from origami_nlp.proof.result import Proof
 from origami_nlp.proof.touches import touch_strata, why_not, with_touches
 from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
 from tests.computed_once import panel_result, shared, thinned
-from tests.proof.test_chains import (
+from tests.proof.fifty_digits import (
     WIDTHS,
     boxes,
+    cross,
+    dot,
     exact_sectors,
+    fold_quaternion,
     points,
     random_vertex,
     turn_x,
     turn_z,
     value_of,
 )
-from tests.proof.test_complete import cross, dot, quaternion
 
 NOTHING = Proof((), (), (), 0, 0.0, True, "", 0.0, None, None)
 
@@ -108,7 +110,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
         x = np.array(point.x)[:, None]
         lower = x - width * rng.uniform(0, 1, x.shape)
         upper = lower + width
-        _, c = quaternion(sectors, list(map(mpf, point.x)))
+        _, c = fold_quaternion(sectors, list(map(mpf, point.x)))
         torque = [
             mpf(k) / top * (mpf(v) - mpf(r))
             for k, v, r in zip(scene.stiffness, point.x, rest.tolist(), strict=True)
@@ -156,7 +158,7 @@ def test_points_with_touches_hold_in_50_digits(name):
             for i, v in zip(free, z[: len(free)], strict=True):
                 y[i] = v
             m, nu = z[len(free) : len(free) + 3], z[len(free) + 3]
-            q, c = quaternion(a, y)
+            q, c = fold_quaternion(a, y)
             w = gradient(c, ray, j, a)
             balance = [k[i] * (y[i] - rest[i]) - dot(m, c[i]) - nu * w[i] for i in free]
             return [*balance, *q[1:], height(c, ray, j, a)], c, m, nu, w
@@ -208,7 +210,7 @@ def gradient(c, k, j, a):
 
 def side_of(a, x, k, j, point):
     """Side of facet j on which the rays beside ray k lie; 0 if they lie in its plane."""
-    _, c = quaternion(a, x)
+    _, c = fold_quaternion(a, x)
     beside = [height(c, (k + step) % 5, j, a) for step in (-1, 1)]
     far = max(beside, key=abs)
     return 0 if abs(far) < 1e-9 else int(mp.sign(far))

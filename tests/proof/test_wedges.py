@@ -12,7 +12,7 @@ from origami_nlp.pattern import Vertex, examples
 from origami_nlp.programme import Kinematics, random_strata
 from origami_nlp.proof.affine import variables
 from origami_nlp.proof.complete import pose
-from tests.proof.test_chains import boxes, points, turn_x, turn_z, value_of
+from tests.proof.fifty_digits import boxes, multiply, points, turn_x, turn_z, value_of
 
 WIDTHS = [0.0, 1e-6, 1e-2, 1.0]
 
@@ -152,14 +152,7 @@ def product(angles, sectors, start):
             c, s = mp.cos(angle / 2), mp.sin(angle / 2)
             p = [c, mpf(0), mpf(0), mpf(0)]
             p[axis] = s
-            a, x, y, z = q
-            e, f, g, h = p
-            q = [
-                a * e - x * f - y * g - z * h,
-                a * f + x * e + y * h - z * g,
-                a * g - x * h + y * e + z * f,
-                a * h + x * g - y * f + z * e,
-            ]
+            q = multiply(q, p)
     return q
 
 

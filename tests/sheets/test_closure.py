@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from origami_nlp.sheets import Closure, Crossings, Sheet, list_branches
+import origami_nlp as o
+from origami_nlp.facets import MOST_DENSE, Closure, Crossings, Sheet, dense
+from origami_nlp.sheets import list_branches
 from tests.sheets.patterns import metasheet, miura, miura_angles, strip
 
 HOLE = ((1, 2), (1, 3), (2, 2), (2, 3))
@@ -72,3 +74,16 @@ def test_metasheet_has_one_freedom():
         assert sheet.rank(np.zeros(pattern.creases)) == 2 * len(pattern.vertices)
         assert pattern.creases - sheet.rank(phi) == 1
         assert sheet.closure.count - sheet.rank(phi) == redundant
+
+
+@pytest.mark.parametrize("folded", [False, True])
+def test_the_rank_of_a_large_sheet_is_that_of_all_singular_values(folded):
+    """Flat, 253 singular values vanish at once: pivots count all of them."""
+    pattern = o.examples.pattern("yoshimura", 15, 15)
+    sheet = Sheet(pattern)
+    assert sheet.size > MOST_DENSE
+    phi = sheet.project(0.4 * pattern.signs)[0] if folded else np.zeros(pattern.creases)
+    values = np.linalg.svd(dense(sheet.closure.jacobian(phi)), compute_uv=False)
+    assert sheet.rank(phi) == int((values > 1e-7).sum())
+    if not folded:
+        assert sheet.rank(phi) == 2 * len(pattern.vertices)

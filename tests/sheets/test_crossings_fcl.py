@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.sheets import Sheet
+from origami_nlp.facets import Sheet
 
 fcl = pytest.importorskip("fcl", reason="python-fcl, of the extra test")
 PATTERNS = {

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import make_pattern
-from origami_nlp.sheets import Poses, Sheet, jacobian_rank
+from origami_nlp.sheets import jacobian_rank
 from tests.command_line import run
 
 KEYS = (

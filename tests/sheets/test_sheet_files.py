@@ -7,16 +7,9 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
-from origami_nlp.sheets import (
-    Poses,
-    Sheet,
-    find_motion,
-    overview,
-    sheet_content,
-    sheet_frame,
-    sheet_to_fold,
-)
+from origami_nlp.sheets import find_motion, overview, sheet_content, sheet_frame, sheet_to_fold
 from tests.command_line import run
 
 

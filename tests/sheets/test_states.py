@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex, find_minima
+from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Scene
-from origami_nlp.sheets import (
-    Sheet,
-    descend,
-    find_states,
-    follow_curve,
-    judge,
-    list_branches,
-    tangents,
-)
+from origami_nlp.sheets import descend, find_states, follow_curve, judge, list_branches, tangents
 from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
 from tests.sheets.trigonometry import scan
 

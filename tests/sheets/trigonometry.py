@@ -50,8 +50,11 @@ def quadrilateral(s: tuple[float, ...], fold: float, dart: bool) -> tuple[float,
     return tuple(math.copysign(1.0, fold) * f for f in folds)
 
 
-def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
-    """Interior minima of the energy of a strip of two vertices that share a crease: energy and fold angles."""
+def strip_states(pattern):
+    """Return what gives fold angles of a strip of two vertices, over that of the crease they share, by trigonometry.
+
+    It takes the fold angle and, for either vertex, whether its quadrilateral is a dart; None where there is no state.
+    """
     ends = [tuple(e) for e in pattern.ends.tolist()]
     count = np.bincount(pattern.ends.ravel(), minlength=len(pattern.corners))
     a, b = np.flatnonzero(count == 4).tolist()
@@ -73,6 +76,13 @@ def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
                 return None
             phi[creases] = fold, *folds
         return phi
+
+    return state, around[0][1][0]
+
+
+def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
+    """Interior minima of the energy of a strip of two vertices that share a crease: energy and fold angles."""
+    state, _ = strip_states(pattern)
 
     def energy(fold: float, darts: tuple[bool, bool]) -> float:
         phi = state(fold, darts)

@@ -1,6 +1,8 @@
 """Films of states: only stored states are shown, and what cannot be written is named before the search."""
 
 import dataclasses
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -42,12 +44,24 @@ def test_every_picture_is_of_a_stored_admissible_state(
     assert len(others) == 2 and all("turned only" in caption for caption in others)
 
 
-def test_file_has_all_pictures_and_they_differ(
-    content: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def part(content: Content, monkeypatch: pytest.MonkeyPatch) -> Content:
+    """Two states that are turned in three steps."""
     monkeypatch.setattr(animation, "FRAMES", 3)
     monkeypatch.setattr(animation, "HELD", 1)
-    part = dataclasses.replace(content, stations=content.stations[1:3], tracks=())
+    return dataclasses.replace(content, stations=content.stations[1:3], tracks=())
+
+
+@pytest.mark.skipif(not shutil.which("ffprobe"), reason="ffmpeg is not installed")
+def test_file_by_ffmpeg_has_all_pictures(part: Content, tmp_path: Path) -> None:
+    write_animation(part, tmp_path / "states.mp4")
+    ask = "ffprobe -v error -count_frames -select_streams v -of csv=p=0".split()
+    what = ["-show_entries", "stream=codec_name,pix_fmt,nb_read_frames"]
+    said = subprocess.run([*ask, *what, tmp_path / "states.mp4"], capture_output=True, text=True)
+    assert said.stdout.strip() == "h264,yuv420p,8", said  # what every player takes
+
+
+def test_file_has_all_pictures_and_they_differ(part: Content, tmp_path: Path) -> None:
     write_animation(part, tmp_path / "states.gif")
     with Image.open(tmp_path / "states.gif") as film:
         frames = []

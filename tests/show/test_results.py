@@ -26,6 +26,12 @@ def results():
     contacts = o.find_contacts(result, segments=True, check=False)
     found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
     found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, 31)]
+    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 16}
+    found += [o.load_path(scene, 1, to=0.01, **quick), o.find_modes(result, state=1)]
+    sheet = o.examples.pattern("metasheet:2x3")
+    states = o.find_states(sheet, starts=1)
+    found += [states, o.overview(sheet), o.find_motion(sheet)]
+    found.append(o.find_load_path(sheet, 1, to=0.01, state=states.minima[0]))
     return {type(one).__name__: one for one in [*found, o.cone.phase_diagram(6, size=4)]}
 
 
@@ -43,6 +49,12 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "Barriers": (lambda r: len(r.passes), True, True, False),
     "ExactLandscape": (None, True, False, False),
     "PhaseDiagram": (None, True, True, False),
+    "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
+    "Modes": (None, True, True, True),
+    "SheetResult": (lambda r: len(r.minima), False, True, True),
+    "Overview": (lambda r: 1, True, True, True),
+    "Motion": (lambda r: len(r.phi), True, True, True),
+    "SheetLoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
 }
 by_kind = pytest.mark.parametrize("kind", KINDS)
 
@@ -128,7 +140,9 @@ def test_saved_and_read_back(kind, tmp_path):
         return
     for again in (o.load(path), type(found).load(path)):
         assert type(again) is type(found) and again.to_dict() == found.to_dict()
-    (other,) = {"MinimaResult", "CriticalPoints"} - {kind}
+        if KINDS[kind][1]:
+            assert again.draw().axes
+    other = "CriticalPoints" if kind == "MinimaResult" else "MinimaResult"
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)
     path.write_text("{")

@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 
@@ -23,8 +22,6 @@ from origami_nlp.springs import (
     choose,
     design,
     example_targets,
-    line_of,
-    lost_at,
     move_targets,
     parse_targets,
     scene_of,
@@ -33,7 +30,7 @@ from origami_nlp.springs import (
 )
 from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, smatrix
 from origami_nlp.springs.examples import EXAMPLES
-from tests.springs.questions import question
+from tests.springs.questions import built, question
 
 pytest.importorskip("clarabel")
 LONG = pytest.mark.slow
@@ -43,15 +40,6 @@ CASES = [
     *((n, s, 2, 1, 0) for n, s in ((5, 3), (6, 5), (5, 8))),
     (4, 6, 3, 1, 1),
 ]
-
-
-def built(n, seed, count, pinned, flat, **more):
-    """The first feasible question from a seed on."""
-    for k in range(40):
-        asked = question(1000 * seed + k, n, count, pinned, flat, **more)
-        if asked is not None and (posed := solve(asked)).feasible:
-            return asked, posed
-    pytest.fail("no feasible question was drawn")
 
 
 def held_by_hand(targets, scene):
@@ -269,39 +257,6 @@ def test_targets_move_to_springs():
         assert held_by_hand(moved.targets, scene)
         return
     pytest.fail("no question was helped")
-
-
-@pytest.mark.parametrize("seed", [0, pytest.param(range(1, 21), marks=LONG)])
-def test_a_tolerance_is_where_a_state_is_lost(seed):
-    from origami_nlp.minima import find_minima
-    from origami_nlp.springs import tolerance_of
-
-    for one in [seed] if seed == 0 else seed:
-        targets, posed = built(4, one, 2, 0, 0, preload=True)
-        scene = scene_of(targets, springs_of(posed))
-        states = {p.target.name: targets.model.expand(p.state.x) for p in targets.placed}
-        found = tolerance_of(scene, states, draws=2 if one == 0 else 8)
-        loss = min(found.losses, key=lambda x: x.percent)
-        if loss.event == "kept":
-            assert one and loss.percent == 50.0
-            continue
-        assert 0 < loss.percent < 50 and "fold" in loss.event
-        line = line_of(scene, np.array(loss.stiffness), np.array(loss.rest_angles))
-        counts = []
-        for share in (0.99, 1.01):
-            s = share * loss.percent / 100
-            k, wound = np.array(scene.stiffness), np.array(scene.wound_angles)
-            k = k * np.exp(s * np.array(loss.stiffness))
-            torque = k * wound * (1 + s * np.array(loss.rest_angles))
-            rest = np.clip(torque / k, -math.pi, math.pi)
-            other = replace(
-                scene, stiffness=tuple(k), rest_angles=tuple(rest), preload=tuple(torque - k * rest)
-            )
-            minima = find_minima(other, prove=False).minima
-            counts.append(Counter(m.kind for m in minima))
-        # (a state that is pinned may take over where a free one is lost)
-        assert counts[0] - counts[1]
-        assert lost_at(line, states[loss.state], 0.99 * loss.percent / 100)[1] == "kept"
 
 
 def test_barriers_at_most_and_largest():

@@ -407,3 +407,21 @@ def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
         assert a[:2] == b[:2] and a[kind] == b[kind]
         assert a[energy] == pytest.approx(b[energy], rel=1e-12)
         assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)
+
+
+def test_places_of_loads():
+    scene = {
+        "vertex": {"sector_angles_deg": [96, 95, 92, 77]},
+        "creases": {"stiffness": [1, 1, 1, 1], "rest_angles": [2.4, 2.4, 0.9, 0.7]},
+        "model": {"held_facet": 1},
+        "loads": [{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
+    }
+    axes = [
+        {"set": "loads[1].force[3]", "values": [-0.3, 0.1]},
+        {"set": "loads[1].distance", "values": [1, 2]},
+    ]
+    (load,) = parse_sweep({"scene": scene, "axes": axes}).scene(3).loads
+    assert load.force == (-1.0, -0.2, 0.1) and load.distance == 2.0
+    for place in ("loads[2].force[1]", "loads[1].force", "loads[1].force[4]", "loads[1].nope"):
+        with pytest.raises(OrigamiError, match="loads"):
+            parse_sweep({"scene": scene, "axes": [{"set": place, "values": [1]}]})

@@ -1,0 +1,20 @@
+from .closure import Closure as Closure, Matrix as Matrix
+from .crossings import (
+    DEEP as DEEP,
+    Crossings as Crossings,
+    convex_parts as convex_parts,
+    cross_each_other as cross_each_other,
+)
+from .features import INSIDE as INSIDE, Features as Features
+from .layers import (
+    Layers as Layers,
+    check_orders as check_orders,
+    order_layers as order_layers,
+    round_vertex as round_vertex,
+)
+from .linear import Factor as Factor, Normal as Normal, dense as dense
+from .orders import Orders as Orders
+from .poses import Poses as Poses
+from .sheet import MOST_DENSE as MOST_DENSE, Sheet as Sheet
+from .stacks import Stack as Stack
+from .touches import Placed as Placed, Touch as Touch

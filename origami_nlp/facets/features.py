@@ -1,0 +1,250 @@
+"""Which features of facets face each other, and which of them touch.
+
+Facets that share no corner begin to cross where a corner of one meets the inside of the other, or where two sides meet
+inside each other.  Facets that share one corner are sectors about it: they begin to cross where a side that starts
+there meets the inside of the other sector.  Corners that meet sides, sides that meet along a line, and facets that lie
+on each other have no single gap, and are no features here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.facets.crossings import Crossings
+from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.numerics import cross
+
+INSIDE = 1e-6
+"""Share of their size by which features meet inside each other; closer to a border more features meet."""
+CLOSE = 1e-6
+"""Over the sheet's size: the side on which features are is told by gaps beyond, by the rest of the facets below."""
+APART = 1e-12
+"""Over the sheet's size: gaps that tell a side where the rest of the facets does not."""
+
+
+@dataclass(frozen=True)
+class _Rings:
+    """Convex pieces [P, q]: corners, next and previous places, real corners, sides that are borders, and a triangle."""
+
+    valid: np.ndarray
+    after: np.ndarray
+    before: np.ndarray
+    border: np.ndarray
+    triangle: np.ndarray
+
+
+class Features:
+    """Features of the convex pieces of a pattern's facets.
+
+    Parameters
+    ----------
+    crossings
+        The crossing test, with its pieces.
+    """
+
+    def __init__(self, crossings: Crossings) -> None:
+        self.crossings = crossings
+
+    @cached_property
+    def _rings(self) -> _Rings:
+        pieces = self.crossings.pieces
+        count, q = pieces.shape
+        valid = np.ones((count, q), bool)
+        valid[:, 1:] = pieces[:, 1:] != pieces[:, :1]
+        many = valid.sum(axis=1)[:, None]
+        place = np.arange(q)[None]
+        after, before = (place + 1) % many, (place - 1) % many
+        x = self.crossings.pattern.corners[pieces]
+        size = np.linalg.norm(
+            cross((x - x[:, :1])[:, :, None], (x - x[:, :1])[:, None]), axis=3
+        ).reshape(count, -1)
+        best = size.argmax(axis=1)
+        low, high = np.minimum(best // q, best % q), np.maximum(best // q, best % q)
+        rows = np.arange(count)
+        triangle = np.column_stack([pieces[:, 0], pieces[rows, low], pieces[rows, high]])
+        return _Rings(valid, after, before, valid & ~self.crossings.inner, triangle)
+
+    @cached_property
+    def rings(self) -> list[set[int]]:
+        """Corners of each facet."""
+        pattern = self.crossings.pattern
+        out: list[set[int]] = [set() for _ in range(pattern.facets)]
+        for polygon, facet in zip(pattern.polygons, pattern.facet_of.tolist(), strict=True):
+            out[facet].update(polygon)
+        return out
+
+    def between(self, touch: Touch, pair: tuple[int, int]) -> bool:
+        """Tell whether features are of these two facets, among others that share a corner or a side with them."""
+        (a, b), (p, q, r, s) = pair, touch.corners
+        for one, other in ((a, b), (b, a)):
+            if touch.type == "vertex-face":
+                if touch.facets[0] == one and p in self.rings[other]:
+                    return True
+            elif {p, q} <= self.rings[one] and {r, s} <= self.rings[other]:
+                return True
+        return False
+
+    def facing(
+        self,
+        at: Placed,
+        reach: float,
+        room: float = 0.0,
+        only: Iterable[tuple[int, int]] | None = None,
+    ) -> list[tuple[Touch, float]]:
+        """Return features that face each other at a distance of less than `reach`, each once.
+
+        Parameters
+        ----------
+        at
+            A state.
+        reach
+            Over the sheet's size.
+        room
+            Share of their size by which they face each other inside.
+        only
+            Pairs of facets that are looked at; all by default.
+
+        Returns
+        -------
+        list of tuple
+            Features whose gap is positive where facets are apart, and that gap over the sheet's size.
+        """
+        crossings = self.crossings
+        x = crossings.carried(at.turn, at.shift)
+        pairs = crossings.candidates(x, margin=0.5 * reach * crossings.size)
+        if only is not None:
+            f = np.sort(crossings.facet[pairs], axis=1) @ (crossings.pattern.facets, 1)
+            wanted = [min(p) * crossings.pattern.facets + max(p) for p in only]
+            pairs = pairs[np.isin(f, wanted)]
+        if not len(pairs):
+            return []
+        valid, ids = self._rings.valid[pairs], crossings.pieces[pairs]
+        same = ids[:, 0, :, None] == ids[:, 1, None]
+        same &= valid[:, 0, :, None] & valid[:, 1, None]
+        shared = same.sum(axis=(1, 2))
+        found: dict[object, tuple[Touch, float]] = {}
+        for joined in (False, True):
+            here = shared == int(joined)
+            for a, b, common in (
+                (pairs[here, 0], pairs[here, 1], same[here]),
+                (pairs[here, 1], pairs[here, 0], same[here].swapaxes(1, 2)),
+            ):
+                for touch, gap in self._corners(x, a, b, common if joined else None, reach, room):
+                    found.setdefault(touch.key, (touch, gap))
+        apart = pairs[shared == 0]
+        for touch, gap in self._sides(x, apart[:, 0], apart[:, 1], reach, room):
+            found.setdefault(touch.key, (touch, gap))
+        return list(found.values())
+
+    def _corners(
+        self,
+        x: np.ndarray,
+        a: np.ndarray,
+        b: np.ndarray,
+        common: np.ndarray | None,
+        reach: float,
+        room: float,
+    ) -> Iterator[tuple[Touch, float]]:
+        """Go through corners of pieces a over pieces b; `common` are places of the corner they share, [K, q, q]."""
+        if not len(a):
+            return
+        rings, size = self._rings, self.crossings.size
+        of, on = x[a], x[b]
+        k = np.arange(len(a))[:, None]
+        after = on[k, rings.after[b]]
+        normal = cross(on - on[:, :1], after - on[:, :1]).sum(axis=1)
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        height = np.einsum("kqi,ki->kq", of - on[:, :1], normal)
+        side = after - on
+        inward = cross(normal[:, None], side)
+        inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), 1e-300)
+        depth = np.einsum("kqpi,kpi->kqp", of[:, :, None] - on[:, None], inward)
+        bound = rings.valid[b]
+        good = rings.valid[a]
+        if common is None:
+            depth /= size
+            # how much higher the corners before and after are: the closest one to the plane is in the middle
+            up = height[k, rings.before[a]] - height, height[k, rings.after[a]] - height
+            lean = np.stack(up) / size
+        else:
+            at_a, at_b = np.divmod(common.reshape(len(a), -1).argmax(axis=1), x.shape[1])
+            place = np.arange(x.shape[1])[None]
+            first, last = (
+                rings.after[a][k[:, 0], at_a][:, None],
+                rings.before[a][k[:, 0], at_a][:, None],
+            )
+            borders = rings.border[a]
+            good = good & (
+                ((place == first) & borders[k, at_a[:, None]]) | ((place == last) & borders)
+            )
+            bound = bound & (
+                (place == at_b[:, None]) | (place == rings.before[b][k[:, 0], at_b][:, None])
+            )
+            far = np.linalg.norm(of - of[k, at_a[:, None]], axis=2)
+            far = np.where(far > 0, far, 1.0)
+            depth /= far[:, :, None]
+            steep = height / far
+            opposite = np.where(place == first, steep[k, last], steep[k, first])
+            lean = np.stack([opposite - steep] * 2)
+        depth = np.where(bound[:, None], depth, np.inf)
+        depth += np.where(rings.border[b], 0.0, 2 * INSIDE)[:, None]
+        sign, told = _side(height / size, lean.sum(axis=0))
+        good = good & told & (np.abs(height) < reach * size) & (depth.min(axis=2) > room)
+        ids, facet = self.crossings.pieces, self.crossings.facet
+        for p, i in np.argwhere(good):
+            corners = (int(ids[a[p], i]), *map(int, rings.triangle[b[p]]))
+            pair = int(facet[b[p]]), int(facet[a[p]])
+            touch = Touch("vertex-face", pair, corners, float(sign[p, i]))  # type: ignore[arg-type]
+            yield touch, float(sign[p, i] * height[p, i] / size)
+
+    def _sides(
+        self, x: np.ndarray, a: np.ndarray, b: np.ndarray, reach: float, room: float
+    ) -> Iterator[tuple[Touch, float]]:
+        """Go through sides of pieces a and b that share no corner."""
+        if not len(a):
+            return
+        rings, size = self._rings, self.crossings.size
+        k = np.arange(len(a))[:, None]
+        of, on = x[a], x[b]
+        u, v = (of[k, rings.after[a]] - of)[:, :, None], (on[k, rings.after[b]] - on)[:, None]
+        r = on[:, None] - of[:, :, None]
+        w = cross(u, v)
+        square = (w * w).sum(axis=3)
+        lengths = (u * u).sum(axis=3) * (v * v).sum(axis=3)
+        good = (
+            square > INSIDE * lengths
+        )  # sides at less than a thousandth have no common normal to speak of
+        good &= rings.border[a][:, :, None] & rings.border[b][:, None]
+        square = np.where(good, square, 1.0)
+        for share in ((cross(r, v) * w).sum(axis=3), (cross(r, u) * w).sum(axis=3)):
+            good &= (share > room * square) & (share < (1 - room) * square)
+        w = w / np.sqrt(square)[..., None]
+        gap = (r * w).sum(axis=3) / size
+        good &= np.abs(gap) < reach
+        heart_a = np.einsum("kpri,kpri->kpr", of.mean(axis=1)[:, None, None] - of[:, :, None], w)
+        heart_b = np.einsum("kpri,kpri->kpr", on.mean(axis=1)[:, None, None] - on[:, None], w)
+        sign, told = _side(gap, (heart_b - heart_a) / size)
+        good &= told
+        ids, facet = self.crossings.pieces, self.crossings.facet
+        for p, i, j in np.argwhere(good):
+            corners = (
+                int(ids[a[p], i]),
+                int(ids[a[p], rings.after[a[p], i]]),
+                int(ids[b[p], j]),
+                int(ids[b[p], rings.after[b[p], j]]),
+            )
+            pair = int(facet[a[p]]), int(facet[b[p]])
+            yield (
+                Touch("edge-edge", pair, corners, float(sign[p, i, j])),
+                float(sign[p, i, j] * gap[p, i, j]),
+            )
+
+
+def _side(gap: np.ndarray, lean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return signs that make gaps positive where facets are apart, and whether they are told; all over the size."""
+    body = (np.abs(gap) < CLOSE) & (np.abs(lean) > 10 * CLOSE)
+    return np.sign(np.where(body, lean, gap)), body | (np.abs(gap) > APART)

@@ -1,0 +1,249 @@
+"""Facets that lie on each other: can their layers be ordered, and do they have the order that a file states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.facets.orders import Orders
+from origami_nlp.facets.sheet import Sheet
+from origami_nlp.facets.stacks import Stack, Unclear
+from origami_nlp.folding import examine
+from origami_nlp.numerics import ANSWERED, CLOSES
+from origami_nlp.pattern import Loop, Pattern, Vertex
+
+MOST_PAIRS = 2_000
+"""Overlapping pairs of pieces that are ordered."""
+STATED = 1e-4
+"""A state is the one that a file describes: noise in its coordinates [rad]."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What is known of the order of layers.
+
+    Attributes
+    ----------
+    verdict
+        Whether an order exists.
+    reason
+        Why not, or why it is not known; empty where it exists.
+    pairs
+        Number of pairs of facets that lie on each other.
+    orders
+        One order that is free of crossings, as in FOLD: (f, g, s), polygon f on the side of polygon g's normal where
+        s = 1, on the other where s = -1; empty where none is known.
+    stated
+        Whether it is one that the file states, completed where that is not whole.
+    """
+
+    verdict: Literal["ordered", "crosses", "not decided"]
+    reason: str = ""
+    pairs: int = 0
+    orders: tuple[tuple[int, int, int], ...] = ()
+    stated: bool = False
+
+    def words(self) -> str:
+        """Say whether facets that lie on each other as a file describes them have an order."""
+        if self.verdict != "ordered":
+            return f"as in the file: {self.reason}"
+        return (
+            f"as in the file, {'in the order that it states' if self.stated else 'an order exists'}"
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data, less the order itself."""
+        return {
+            "pairs": self.pairs,
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "stated": self.stated,
+        }
+
+
+def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
+    """Tell whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
+
+    In the state that the pattern's file describes, the order that the file states is kept.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        Fold angles [rad], [n].
+
+    Returns
+    -------
+    Layers
+        The answer.
+    """
+    pattern = sheet.pattern
+    if pattern.is_flat and not phi.any():
+        return Layers("ordered")
+    stack = Stack(sheet.crossings, phi)
+    many = len(stack.pairs)
+    if many > MOST_PAIRS:
+        return _too_many(pattern, phi, many)
+    stated = pattern.orders if _is_stated(pattern, phi) else ()
+    try:
+        return _ordered(stack, stated)
+    except Unclear:
+        why = "layer order not decided: facets are closer than can be told, but not on each other"
+    except TimeoutError:
+        why = "layer order not decided: the search for one was given up"
+    return Layers("not decided", why, len(stack.facets))
+
+
+def check_orders(sheet: Sheet) -> Layers | None:
+    """Order the layers of the state that the pattern's file describes.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+
+    Returns
+    -------
+    Layers or None
+        None where the file describes no folded state, or one that does not close or in which facets cross.
+
+    Raises
+    ------
+    FoldFileError
+        If faceOrders of the file contradict how the facets lie.
+    """
+    pattern = sheet.pattern
+    phi = pattern.stated
+    if phi is None:
+        return None
+    phi, residual = sheet.project(phi, np.abs(phi) == math.pi)
+    if residual > CLOSES or np.abs(phi).max(initial=0.0) > math.pi or sheet.crossings.find(phi):
+        return None
+    found = order_layers(sheet, phi)
+    if found.verdict == "crosses" and found.stated:
+        raise FoldFileError(found.reason)
+    return found
+
+
+def _is_stated(pattern: Pattern, phi: np.ndarray) -> bool:
+    at = pattern.stated
+    return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= STATED)
+
+
+def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
+    """Find an order, the one that is stated where it is."""
+    many = len(stack.facets)
+    rules, about = [], []
+    for rule, pieces in stack.rules():
+        rules.append(rule)
+        about.append(pieces)
+        if not rule[0]:
+            why = f"{_facets(stack, pieces)} pass through each other along a crease"
+            return Layers("crosses", why, many)
+    orders = Orders(len(stack.pairs), rules)
+    for unknown, value, crease in stack.known():
+        bad = orders.assume({unknown: value})
+        if bad != -1:
+            pieces = stack.pairs[unknown] if bad == -2 else about[bad]
+            why = f"{_facets(stack, pieces)} have no order with the crease {crease + 1} folded as it is"
+            return Layers("crosses", f"layers have no order: {why}", many)
+    if not stated:
+        found = orders.solve()
+        if found is None:
+            return Layers("crosses", "layers have no order in which they do not cross", many)
+        return Layers("ordered", "", many, stack.polygons(found))
+    bare = list(orders.values)
+    core, refused = _conflict(stack, orders, stated)
+    if not core:
+        found = orders.solve()
+        if found is not None:
+            return Layers("ordered", "", many, stack.polygons(found), stated=True)
+    orders.values = bare
+    if orders.solve() is None:
+        return Layers("crosses", "layers have no order in which they do not cross", many)
+    lies = [f"[{f}, {g}, {s}]" for f, g, s in core]
+    told = ", ".join(lies[:4]) + (f", ... ({len(lies)})" if len(lies) > 4 else "")
+    what = "contradicts how the facets lie" if len(core) == 1 else "contradict each other"
+    if refused >= 0:
+        what += f", by {_facets(stack, about[refused])}"
+    what = f"{told} {what}" if core else "no order of all layers has those that are stated"
+    why = f"faceOrders: {what}: correct them, or leave faceOrders out"
+    return Layers("crosses", why, many, stated=True)
+
+
+def _conflict(
+    stack: Stack, orders: Orders, stated: Sequence[tuple[int, int, int]]
+) -> tuple[list[tuple[int, int, int]], int]:
+    """Let polygons lie as stated; or return a few statements that contradict each other, and what refuses them."""
+    bare, bad = list(orders.values), -1
+    core: list[tuple[int, int, int]] = []
+    while True:
+        orders.values = list(bare)
+        for one in (*core, *stated):
+            bad = _assume(stack, orders, one)
+            if bad != -1:
+                break
+        else:
+            return [], -1
+        if one in core:
+            return core, bad
+        core.append(one)
+
+
+def _assume(stack: Stack, orders: Orders, order: tuple[int, int, int]) -> int:
+    """Let two polygons lie as stated, wherever they overlap: -1, or what speaks against it as `Orders.assume`."""
+    f, g, s = order
+    number = stack.crossings.polygon
+    i, j = number[stack.pairs].T
+    known = {}
+    for k in np.flatnonzero(((i == f) & (j == g)) | ((i == g) & (j == f))).tolist():
+        a, b = (int(p) for p in (stack.pairs[k] if i[k] == f else stack.pairs[k][::-1]))
+        unknown, value = stack.said(a, b, (s > 0) == (stack.normal[b] @ stack.up[b] > 0))
+        known[unknown] = value
+    return orders.assume(known)
+
+
+def _facets(stack: Stack, pieces: Sequence[int] | np.ndarray) -> str:
+    """Name facets, 1-based."""
+    which = sorted({int(stack.crossings.facet[p]) + 1 for p in pieces})
+    return "facets " + ", ".join(map(str, which[:-1])) + f" and {which[-1]}"
+
+
+def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
+    """Say that layers are too many to be ordered, unless they already cross round one vertex."""
+    for loop in pattern.vertices:
+        at = round_vertex(pattern, loop)
+        if at is None:
+            continue
+        try:
+            found = examine(at, phi[list(loop.creases)])
+        except OrigamiError:
+            continue
+        if not found.admissible:
+            return Layers("crosses", f"round vertex {loop.vertex}: {found.reason}", many)
+    why = f"{many:,} pairs of facets lie on each other, at most {MOST_PAIRS:,} are ordered"
+    return Layers("not decided", f"layer order not decided: {why}", many)
+
+
+def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
+    """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
+    ends = pattern.corners[pattern.ends[list(loop.creases)]]
+    here = pattern.corners[loop.vertex]
+    out = ends.sum(axis=1) - 2 * here
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    after = np.roll(out, -1, axis=0)
+    angles = np.arctan2(
+        np.linalg.norm(np.cross(out, after), axis=1), np.einsum("ki,ki->k", out, after)
+    )
+    if pattern.is_flat and abs(float(angles.sum()) - 2 * math.pi) > ANSWERED:
+        return None  # a reflex sector
+    try:
+        return Vertex(tuple(angles.tolist()))
+    except OrigamiError:
+        return None

@@ -1,0 +1,119 @@
+"""Linear systems of closure whose rows may depend on each other, dense for small patterns and sparse for large ones.
+
+No step decides on a rank: closure multipliers carry a small weight, and what it leaves is taken up by another step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import lapack
+from scipy.sparse.linalg import splu
+
+from origami_nlp.facets.closure import Matrix
+from origami_nlp.numerics import EPS
+
+WEIGHT = 1e-10
+"""Of closure multipliers in linear systems, beside squares of singular values of closure."""
+MOST_TIMES = 60
+"""Iterations that take it back, each by WEIGHT / (WEIGHT + value^2): two as a rule, more beside a singular state."""
+STALLS = 0.9
+"""Corrections that shrink no faster are rounding."""
+
+
+class Factor:
+    """Factors of [matrix J'; J -eps].
+
+    Parameters
+    ----------
+    matrix
+        Symmetric, [n, n].
+    jacobian
+        J, [m, n].
+    """
+
+    def __init__(self, matrix: Matrix, jacobian: Matrix) -> None:
+        m = jacobian.shape[0]
+        self._solve: Any  # LAPACK itself: checks of `scipy.linalg` cost more than small systems
+        if isinstance(jacobian, np.ndarray):
+            n = jacobian.shape[1]
+            whole = np.zeros((n + m, n + m), order="F")
+            whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), jacobian.T, jacobian
+            whole.T.flat[n * (n + m + 1) :: n + m + 1] = -WEIGHT
+            lu, pivots, _ = lapack.dgetrf(whole, overwrite_a=True)
+            self._solve = lambda b: lapack.dgetrs(lu, pivots, b)[0]
+        else:
+            damping = -WEIGHT * sparse.eye_array(m)
+            blocks = [[sparse.csr_array(matrix), jacobian.T], [jacobian, damping]]
+            self._solve = splu(sparse.block_array(blocks, format="csc")).solve
+
+    def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return both parts of the solution, [n] and [m]."""
+        both = self._solve(np.concatenate([top, bottom]))
+        return both[: len(top)], both[len(top) :]
+
+
+class Normal:
+    """Factors of J J' + eps: steps of least length, multipliers of least squares, projections onto the kernel.
+
+    Parameters
+    ----------
+    jacobian
+        J, [m, n].
+    """
+
+    def __init__(self, jacobian: Matrix) -> None:
+        self.jacobian = jacobian
+        m = jacobian.shape[0]
+        self._solve: Any
+        if not m:
+            self._solve = np.copy
+        elif isinstance(jacobian, np.ndarray):
+            square = jacobian @ jacobian.T
+            square.flat[:: m + 1] += WEIGHT
+            lower, failed = lapack.dpotrf(square.T, lower=True, clean=False, overwrite_a=True)
+            if failed:
+                raise np.linalg.LinAlgError("J J' is not positive definite")
+            self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
+        else:
+            square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
+            self._solve = splu(square, options={"SymmetricMode": True}, diag_pivot_thresh=0.0,
+                               permc_spec="MMD_AT_PLUS_A").solve  # fmt: skip
+
+    def step(self, c: np.ndarray) -> np.ndarray:
+        """Return the shortest d with J d = c, [n]."""
+        return self.jacobian.T @ self._solve(c)
+
+    def multipliers(self, g: np.ndarray, times: int = MOST_TIMES) -> np.ndarray:
+        """Return the smallest lam that brings J' lam closest to g [n], [m]."""
+        lam = np.zeros(self.jacobian.shape[0])
+        before = math.inf
+        for _ in range(times):
+            step = self._solve(self.jacobian @ (g - self.jacobian.T @ lam))
+            lam += step
+            size = float(np.abs(step).max(initial=0.0))
+            if size <= EPS * np.abs(lam).max(initial=0.0) or size > STALLS * before:
+                break
+            before = size
+        return lam
+
+    def along(self, v: np.ndarray) -> np.ndarray:
+        """Return the part of v [n] that closure allows to first order."""
+        enough = EPS * float(np.abs(v).max(initial=0.0))
+        before = math.inf
+        for _ in range(MOST_TIMES):
+            step = self.jacobian.T @ self._solve(self.jacobian @ v)
+            v = v - step
+            size = float(np.abs(step).max(initial=0.0))
+            if size <= enough or size > STALLS * before:
+                break
+            before = size
+        return v
+
+
+def dense(matrix: Matrix) -> np.ndarray:
+    """Return a matrix as a dense array."""
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()

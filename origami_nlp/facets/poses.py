@@ -1,0 +1,135 @@
+"""Where the facets of a pattern are in space: rigid motions from the reference state, along a tree of creases."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import breadth_first_order, shortest_path
+
+from origami_nlp.pattern import Pattern
+
+
+class Poses:
+    """The facets of a pattern, moved by its fold angles; one facet, in the middle, stays where it is.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Attributes
+    ----------
+    root
+        The facet that stays.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        n, f = pattern.creases, pattern.facets
+        both = np.r_[pattern.left, pattern.right], np.r_[pattern.right, pattern.left]
+        self._graph = sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
+        middle = self.centres.mean(axis=0)
+        self.root = int(np.linalg.norm(self.centres - middle, axis=1).argmin())
+        order, before = breadth_first_order(self._graph, self.root, directed=False)
+        across: dict[tuple[int, int], tuple[int, float]] = {}
+        for c, (a, b) in enumerate(zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)):
+            across.setdefault((a, b), (c, -1.0))  # from left to right
+            across.setdefault((b, a), (c, 1.0))
+        depth = np.zeros(f, int)
+        for facet in order[1:]:
+            depth[facet] = depth[before[facet]] + 1
+        self._levels = []
+        self._paths: dict[tuple[int, int], tuple[tuple[int, float], ...]] = {}
+        for level in range(1, int(depth.max(initial=0)) + 1):
+            here = order[depth[order] == level]
+            steps = [across[int(before[k]), int(k)] for k in here]
+            self._levels.append(
+                (
+                    here,
+                    before[here],
+                    np.array([c for c, _ in steps], int),
+                    np.array([s for _, s in steps]),
+                )
+            )
+
+    @cached_property
+    def centres(self) -> np.ndarray:
+        """Means of the corners of each facet in the reference state, [F, 3]."""
+        p = self.pattern
+        total, many = np.zeros((p.facets, 3)), np.zeros(p.facets)
+        for k, polygon in enumerate(p.polygons):
+            total[p.facet_of[k]] += p.corners[list(polygon)].sum(axis=0)
+            many[p.facet_of[k]] += len(polygon)
+        return total / many[:, None]
+
+    def motions(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return rotations [F, 3, 3] and translations [F, 3] of the facets from the reference state."""
+        p = self.pattern
+        turn, shift = np.zeros((p.facets, 3, 3)), np.zeros((p.facets, 3))
+        turn[self.root] = np.eye(3)
+        delta = phi - p.reference
+        for here, parent, crease, sign in self._levels:
+            r = rotations(sign[:, None] * p.directions[crease], delta[crease])
+            o = p.corners[p.ends[crease, 0]]
+            # x -> R_parent (o + r (x - o)) + t_parent
+            turn[here] = turn[parent] @ r
+            inner = o - np.einsum("kij,kj->ki", r, o)
+            shift[here] = np.einsum("kij,kj->ki", turn[parent], inner) + shift[parent]
+        return turn, shift
+
+    def polygons(self, phi: np.ndarray) -> list[np.ndarray]:
+        """Return the corners of every piece of paper in space, [P] arrays [q, 3]."""
+        turn, shift = self.motions(phi)
+        p = self.pattern
+        return [
+            p.corners[list(polygon)] @ turn[f].T + shift[f]
+            for polygon, f in zip(p.polygons, p.facet_of, strict=True)
+        ]
+
+    def corners(self, phi: np.ndarray) -> np.ndarray:
+        """Return the corners in space, each as a part of the first piece that has it, [V, 3]."""
+        turn, shift = self.motions(phi)
+        out = np.full_like(self.pattern.corners, np.nan)
+        for polygon, f in zip(self.pattern.polygons, self.pattern.facet_of, strict=True):
+            new = [v for v in polygon if np.isnan(out[v, 0])]
+            out[new] = self.pattern.corners[new] @ turn[f].T + shift[f]
+        return out
+
+    def apart(self, phi: np.ndarray) -> float:
+        """Return how far copies of a corner on neighbouring facets are apart: 0 but for rounding where loops close."""
+        turn, shift = self.motions(phi)
+        p = self.pattern
+        ends = p.corners[p.ends]  # [n, 2, 3]
+        left = np.einsum("kij,kej->kei", turn[p.left], ends) + shift[p.left][:, None]
+        right = np.einsum("kij,kej->kei", turn[p.right], ends) + shift[p.right][:, None]
+        return float(np.abs(left - right).max(initial=0.0))
+
+    def path(self, a: int, b: int) -> tuple[tuple[int, float], ...]:
+        """Return the creases of a shortest walk from facet a to facet b, with the sense in which each is crossed."""
+        if (a, b) in self._paths:
+            return self._paths[a, b]
+        _, before = shortest_path(self._graph, indices=a, unweighted=True, return_predecessors=True)
+        p, walk, here = self.pattern, [], b
+        while here != a:
+            there = int(before[here])
+            c = int(
+                np.flatnonzero(
+                    ((p.left == here) & (p.right == there))
+                    | ((p.left == there) & (p.right == here))
+                )[0]
+            )
+            walk.append((c, 1.0 if p.left[c] == here else -1.0))
+            here = there
+        self._paths[a, b] = tuple(walk[::-1])
+        return self._paths[a, b]
+
+
+def rotations(axes: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Return rotation matrices [K, 3, 3] about unit axes [K, 3] by angles [K] [rad] (Rodrigues)."""
+    k = np.zeros((len(axes), 3, 3))
+    k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
+    k -= k.swapaxes(1, 2)
+    s, c = np.sin(angles)[:, None, None], 2 * np.sin(angles / 2)[:, None, None] ** 2
+    return np.eye(3) + s * k + c * (k @ k)

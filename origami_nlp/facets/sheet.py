@@ -1,0 +1,215 @@
+"""A pattern as a nonlinear programme: energy over fold angles, closure as equations, fold limits as bounds.
+
+Closure rows are redundant as a rule (a Miura sheet of m x n facets has (m - 2)(n - 2) that say nothing new, and they
+carry self-stress), so that no step here decides on a rank: linear systems are those of the proximal method,
+
+    [ H   J' ] [ d       ]   [ -grad L ]
+    [ J  -eps] [ d lambda] = [ -c      ],
+
+whose solution does not notice dependent rows, and minima are certified by positive curvature on the kernel of J,
+which is enough whether or not rows are dependent.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from origami_nlp.facets.closure import Closure, Matrix
+from origami_nlp.facets.crossings import Crossings
+from origami_nlp.facets.linear import Normal, dense
+from origami_nlp.numerics import RANK, ROUNDED
+from origami_nlp.pattern import Pattern
+
+MOST_DENSE = 400
+"""Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+SQUARED = 1e-12
+"""Eigenvalues of J'J below this are zero: rounding leaves some 1e-15, and of `RANK` nothing could be told."""
+FALLS = 0.05
+"""A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
+LONGEST = 0.5
+"""Steps of a projection are cut to this largest change of a fold angle [rad]."""
+
+
+class Sheet:
+    """The programme of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+
+    Attributes
+    ----------
+    closure
+        Its equations.
+    crossings
+        Its test of facets that cross.
+    scale
+        Mean stiffness [N m/rad]: residuals of torques are over it.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        self.closure = Closure(pattern)
+        self.crossings = Crossings(pattern)
+        self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        self._last: tuple[np.ndarray, list[int], Normal] | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of creases n."""
+        return self.pattern.creases
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Over `scale`, [n]."""
+        return self.pattern.stiffness / self.scale
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Gradient of the energy over `scale`, [n]."""
+        return self.stiffness * (phi - self.pattern.rest)
+
+    def energy(self, phi: np.ndarray) -> float:
+        """Elastic energy over `scale`."""
+        return float(0.5 * self.stiffness @ (phi - self.pattern.rest) ** 2)
+
+    def residual(self, phi: np.ndarray) -> float:
+        """Largest entry of closure."""
+        return float(np.abs(self.closure.values(phi)).max(initial=0.0))
+
+    def project(
+        self,
+        phi: np.ndarray,
+        held: np.ndarray | None = None,
+        steps: int = 40,
+        near: Normal | None = None,
+    ) -> tuple[np.ndarray, float]:
+        """Move fold angles onto closure by steps of least length.
+
+        Factors are kept from step to step as long as the residual falls fast with them.
+
+        Parameters
+        ----------
+        phi
+            Shape [n] [rad].
+        held
+            Of bool: those that stay, shape [n].
+        steps
+            Of Gauss-Newton at most.
+        near
+            Factors at a closed state nearby with the same creases free, to begin with.
+
+        Returns
+        -------
+        phi : numpy.ndarray
+            Where the steps ended.
+        residual : float
+            Largest entry of closure there: whether that is close enough is for the caller to say.
+        """
+        phi = phi.copy()
+        free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
+        before = math.inf
+        for _ in range(steps):
+            at = self.closure.turned(phi)
+            c = self.closure.values(phi, at)
+            if np.abs(c).max(initial=0.0) <= ROUNDED:
+                break
+            size = float(np.linalg.norm(c))  # the same in every frame
+            if near is None or not size <= FALLS * before:
+                near = Normal(self.closure.jacobian(phi, at)[:, free])
+            before = size
+            d = near.step(-c)
+            phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+        return phi, self.residual(phi)
+
+    def multipliers(
+        self, phi: np.ndarray, held: Iterable[int] = ()
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Balance the springs by closure, and by fold limits that are held.
+
+        Parameters
+        ----------
+        phi
+            A closed state, [n].
+        held
+            Creases at a fold limit.
+
+        Returns
+        -------
+        closure : numpy.ndarray
+            Multipliers of smallest norm, [m].
+        limits : numpy.ndarray
+            Moments over `scale` of the limits held, positive where they push, one each.
+        imbalance : numpy.ndarray
+            Torque that is left, [n].
+        """
+        held = list(held)
+        normal, g = self.normal(phi, held), self.torque(phi)
+        if held:
+            free = np.setdiff1d(np.arange(self.size), held)
+            lam = normal.multipliers(g[free])
+            balance = g - self.closure.jacobian(phi).T @ lam
+        else:
+            lam = normal.multipliers(g)
+            balance = g - normal.jacobian.T @ lam
+        limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
+        balance[held] = 0.0
+        return lam, limits, balance
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
+        """Hessian of U - multipliers . closure over `scale`, [n, n]."""
+        bent = self.closure.hessian(phi, multipliers)
+        if isinstance(bent, np.ndarray):
+            return np.diag(self.stiffness) - bent
+        return sparse.diags_array(self.stiffness).tocsr() - bent
+
+    def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the part of v [n] that closure allows to first order at a state."""
+        return self.normal(phi).along(v)
+
+    def normal(self, phi: np.ndarray, held: Iterable[int] = ()) -> Normal:
+        """Factorise J J' at a state, of the creases that are not held; the last factors are kept."""
+        held = list(held)
+        if self._last is None or self._last[1] != held or not np.array_equal(self._last[0], phi):
+            j = self.closure.jacobian(phi)
+            if held:
+                j = j[:, np.setdiff1d(np.arange(self.size), held)]
+            self._last = phi.copy(), held, Normal(j)
+        return self._last[2]
+
+    def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
+        """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
+        free = np.setdiff1d(np.arange(self.size), list(held))
+        j = dense(self.closure.jacobian(phi))[:, free]
+        _, values, vt = np.linalg.svd(j, full_matrices=True)
+        rank = int((values > RANK).sum())
+        z = np.zeros((self.size, len(free) - rank))
+        z[free] = vt[rank:].T
+        return z
+
+    def rank(self, phi: np.ndarray) -> int:
+        """Rank of the Jacobian of closure, singular values below `RANK` being zero."""
+        j = self.closure.jacobian(phi)
+        if not j.shape[0]:
+            return 0
+        if self.size <= MOST_DENSE:
+            return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
+        # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
+        # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
+        square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
+        shifted = sparse.csc_array(square - SQUARED * sparse.eye_array(square.shape[0]))
+        lu = splu(
+            shifted,
+            options={"SymmetricMode": True},
+            diag_pivot_thresh=0.0,
+            permc_spec="MMD_AT_PLUS_A",
+        )
+        if np.array_equal(lu.perm_r, lu.perm_c):
+            return int((lu.U.diagonal() > 0).sum())
+        return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())

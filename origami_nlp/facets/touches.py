@@ -1,0 +1,172 @@
+"""The gap between two features of facets that can meet, with its first and second derivatives in the fold angles.
+
+Seen from one facet, the other one is carried by the creases of a walk between them.  With c_i the axis of crease i
+where the state has brought it and o_i a point on it, a point p that is carried and a vector v that is carried obey
+
+    dp/dphi_i = c_i x (p - o_i),                dv/dphi_i = c_i x v,
+    d2p/dphi_i dphi_j = c_i x (c_j x (p - o_j)),  and so for v                   (i before j in the walk).
+
+The gap of a corner p over a facet with the unit normal n through a is n . (p - a), where n and a stay.  That of two
+sides with directions u (stays) and v (is carried), r from a point of one to a point of the other, is
+r . (u x v) / |u x v|.
+On closed states the gap does not depend on the walk.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.facets.poses import Poses
+from origami_nlp.numerics import cross
+
+
+class Placed:
+    """A pattern at a closed state in space.
+
+    Parameters
+    ----------
+    poses
+        Of the pattern.
+    phi
+        Fold angles [rad], [n].
+
+    Attributes
+    ----------
+    turn, shift
+        Motions of facets, [F, 3, 3] and [F, 3].
+    axes, origins
+        Directions of creases and points on them, [n, 3].
+    """
+
+    def __init__(self, poses: Poses, phi: np.ndarray) -> None:
+        p = poses.pattern
+        self.poses = poses
+        self.turn, self.shift = poses.motions(phi)
+        self.axes = np.einsum("nij,nj->ni", self.turn[p.left], p.directions)
+        ends = p.corners[p.ends[:, 0]]
+        self.origins = np.einsum("nij,nj->ni", self.turn[p.left], ends) + self.shift[p.left]
+
+    def points(self, facets: np.ndarray, corners: np.ndarray) -> np.ndarray:
+        """Return corners as carried by facets, one each, [k, 3]."""
+        x = self.poses.pattern.corners[corners]
+        return np.einsum("kij,kj->ki", self.turn[facets], x) + self.shift[facets]
+
+    def walk(self, a: int, b: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return creases [k], axes by which they carry facet b seen from facet a, and points on them, [k, 3]."""
+        steps = self.poses.path(a, b)
+        creases = np.array([c for c, _ in steps], int)
+        signs = np.array([s for _, s in steps])
+        return creases, signs[:, None] * self.axes[creases], self.origins[creases]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Two features of facets that can meet.
+
+    Attributes
+    ----------
+    type
+        ``"vertex-face"`` (the first corner over the triangle of the others) or ``"edge-edge"`` (two and two).
+    facets
+        The one that is taken to stay (that of the triangle, or of the first side), and the other.
+    corners
+        Of the pattern: vertex and triangle, or two ends and two ends, [4].
+    sign
+        +1 or -1, so that the gap is positive where facets are apart.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Placed, Sheet, Touch
+    >>> sheet = Sheet(o.examples.pattern("miura", 1, 3))
+    >>> sheet.pattern.polygons[0], sheet.pattern.polygons[2]
+    ((0, 1, 2, 3), (4, 6, 7, 5))
+    >>> touch = Touch("vertex-face", (0, 2), (7, 0, 1, 2), 1.0)
+    >>> at = Placed(sheet.crossings.poses, np.array([0.3, 0.2]))
+    >>> creases, slopes = touch.slopes(at)
+    >>> creases.tolist(), len(slopes), touch.bends(at).shape
+    ([0, 1], 2, (2, 2))
+    """
+
+    type: Literal["vertex-face", "edge-edge"]
+    facets: tuple[int, int]
+    corners: tuple[int, int, int, int]
+    sign: float
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells it from others: a corner and a facet, or two sides, of whichever facets they are taken."""
+        a, b, c, d = self.corners
+        if self.type == "vertex-face":
+            return self.facets[0], a
+        return tuple(sorted(((min(a, b), max(a, b)), (min(c, d), max(c, d)))))
+
+    def points(self, at: Placed) -> np.ndarray:
+        """Return its four points in space, [4, 3]."""
+        i, j = self.facets
+        owners = (j, i, i, i) if self.type == "vertex-face" else (i, i, j, j)
+        return at.points(np.array(owners), np.array(self.corners))
+
+    def gap(self, at: Placed) -> float:
+        """Return the distance along the common normal, positive where facets are apart [unit of the corners]."""
+        p = self.points(at)
+        if self.type == "vertex-face":
+            normal, off = cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]
+        else:
+            normal, off = cross(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
+        return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
+
+    def slopes(self, at: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Return the creases of the walk and the derivative of the gap by each, [k] and [k]."""
+        creases, c, o = at.walk(*self.facets)
+        p = self.points(at)
+        if self.type == "vertex-face":
+            normal = cross(p[2] - p[1], p[3] - p[1])
+            arms = cross(c, p[0] - o)
+            return creases, self.sign * arms @ (normal / np.linalg.norm(normal))
+        u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
+        w = cross(u, v)
+        d = float(np.linalg.norm(w))
+        turned = cross(c, v)
+        volume = float(r @ w)
+        by_volume = cross(c, p[2] - o) @ w + turned @ cross(r, u)
+        by_size = turned @ cross(w, u) / d
+        return creases, self.sign * (by_volume / d - volume * by_size / d**2)
+
+    def bends(self, at: Placed) -> np.ndarray:
+        """Return the second derivatives of the gap by the creases of the walk, [k, k]."""
+        _, c, o = at.walk(*self.facets)
+        p = self.points(at)
+        if self.type == "vertex-face":
+            normal = cross(p[2] - p[1], p[3] - p[1])
+            normal /= np.linalg.norm(normal)
+            return self.sign * _mirrored(cross(normal, c) @ cross(c, p[0] - o).T)
+        u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
+        w = cross(u, v)
+        d, volume = float(np.linalg.norm(w)), float(r @ w)
+        arms, turned = cross(c, p[2] - o), cross(c, v)
+        across, base, beside = cross(u, turned), cross(r, u), cross(w, u)
+        t = arms @ w + turned @ base
+        s = turned @ beside / d
+        tt = _mirrored(cross(w, c) @ arms.T + cross(base, c) @ turned.T)
+        tt += arms @ across.T + across @ arms.T
+        ss = (_mirrored(cross(beside, c) @ turned.T) + across @ across.T) / d - np.outer(s, s) / d
+        both = np.outer(t, s)
+        bent = tt / d - (both + both.T + volume * ss) / d**2 + 2 * volume * np.outer(s, s) / d**3
+        return self.sign * bent
+
+    def row(self, at: Placed) -> np.ndarray:
+        """Return the derivative of the gap by every fold angle, [n]."""
+        out = np.zeros(len(at.axes))
+        creases, slopes = self.slopes(at)
+        out[creases] = slopes
+        return out
+
+
+def _mirrored(upper: np.ndarray) -> np.ndarray:
+    """Return the symmetric matrix with the upper triangle of another."""
+    upper = np.triu(upper)
+    return upper + np.triu(upper, 1).T

@@ -1,0 +1,333 @@
+"""Equilibria of a sheet over a load, as a curve for the tracer of `path`, with creases held at their fold limits.
+
+The curve lives in (phi, T), T the load over the mean stiffness.  Newton carries multipliers along: those of least
+squares change so fast beside the flat state that it would be slow there.  One vertex is followed by `path.Web`, which
+picks independent rows of closure and decomposes dense matrices; a sheet has redundant rows as a rule and may be large.
+Here linear systems are those of the proximal method, in which no rank is decided:
+
+    F = (U' - T w' - J' lam, c),        [ H  -w'  J' ] [ d  ]
+                                        [ r   r_T 0  ] [ dT ]
+                                        [ J   0  -eps] [-dlam],        r: one more equation.
+
+`eps` is taken back by refinement, so that what is found does not know it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.facets import Factor, Matrix, Normal, Sheet
+from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME, STATIONARY
+from origami_nlp.path import Tally
+from origami_nlp.sheet_loading.loaded import LoadedSheet
+from origami_nlp.sheet_loading.work import Work
+
+NEWTON = 10
+"""Steps of the corrector: from a predicted point it needs two to four."""
+LONGEST = 0.5
+"""A Newton step longer than this has left the neighbourhood of the predicted point."""
+ASIDE = 0.3
+"""A point found further from the predicted one than this share of the step lies on another curve."""
+REFINED = 8
+"""Solutions of one system at most, each of what the ones before leave."""
+
+Row = Callable[[np.ndarray, "System"], tuple[np.ndarray, float]]
+"""One more equation at (phi, T): its row over (dphi, dT), and what that shall be."""
+
+
+class System:
+    """The equations of a point (phi, T) with creases held, and their linear systems.
+
+    Attributes
+    ----------
+    sheet
+        Under the load.
+    multipliers
+        Of closure, [m]; of smallest norm where none are given.
+    balance
+        Torque over the mean stiffness that is left, all creases, [n].
+    residual
+        Largest entry of both equations, torques relative to the largest.
+    """
+
+    def __init__(
+        self,
+        sheet: Sheet,
+        work: Work,
+        point: np.ndarray,
+        held: tuple[int, ...],
+        multipliers: np.ndarray | None = None,
+    ) -> None:
+        phi, size = point[:-1], len(point) - 1
+        self.held = held
+        self.free = np.setdiff1d(np.arange(size), held)
+        self.sheet = LoadedSheet(sheet, work, float(point[-1]) * sheet.scale)
+        self.phi, self.pulled = phi, work.gradient(phi)
+        at = sheet.closure.turned(phi)
+        self.closure = sheet.closure.values(phi, at)
+        self._whole = sheet.closure.jacobian(phi, at)
+        self.jacobian: Matrix = self._whole[:, self.free]
+        torque = self.sheet.torque(phi)
+        if multipliers is None:
+            multipliers = Normal(self.jacobian).multipliers(torque[self.free])
+        self.multipliers = multipliers
+        self.balance = torque - self._whole.T @ self.multipliers
+        self.size = 1.0 + float(np.abs(torque).max(initial=0.0))
+        self.hessian = self.sheet.hessian(phi, self.multipliers)
+
+    @property
+    def residual(self) -> float:
+        """Largest entry of the equations."""
+        left = float(np.abs(self.balance[self.free]).max(initial=0.0)) / self.size
+        return max(left, float(np.abs(self.closure).max(initial=0.0)))
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Moments over the mean stiffness of the limits held, positive where they push, [r]."""
+        held = list(self.held)
+        return -np.sign(self.phi[held]) * self.balance[held]
+
+    def step(self, row: np.ndarray, right: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return Newton's step (dphi, dT) [n + 1] under row . step = right, and the multipliers after it.
+
+        None where the system is singular.
+        """
+        found = self._solve(row, -self.balance[self.free], right, -self.closure)
+        return None if found is None else (found[0], self.multipliers - found[1])
+
+    def along(self, row: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the direction (dphi, dT) [n + 1] of the curve with row . direction = 1, and the change of `forces`."""
+        nothing = np.zeros(len(self.free))
+        found = self._solve(row, nothing, 1.0, np.zeros(len(self.closure)))
+        if found is None:
+            return None
+        d, change = found
+        held = list(self.held)
+        left = self.hessian[held] @ d[:-1] - d[-1] * self.pulled[held]
+        left = left + (self._whole.T @ change)[held]
+        return d, -np.sign(self.phi[held]) * left
+
+    def _solve(
+        self, row: np.ndarray, top: np.ndarray, right: float, bottom: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Solve with one more row for (d, dT) [n + 1] and minus the change of multipliers [m]."""
+        f = self.free
+        # curvature that multipliers add beside the flat state would let eps be taken back slowly
+        size = max(1.0, float(abs(self.hessian).max()))
+        h, w, top = self.hessian[f][:, f] / size, -self.pulled[f][:, None] / size, top / size
+        last = np.append(row[:-1][f], row[-1])[None]
+        if isinstance(self.jacobian, np.ndarray):
+            matrix: Matrix = np.vstack([np.hstack([h, w]), last])
+            jacobian: Matrix = np.hstack([self.jacobian, np.zeros((len(bottom), 1))])
+        else:
+            rows = [[sparse.csr_array(h), sparse.csr_array(w)]]
+            matrix = sparse.vstack([sparse.hstack(rows[0]), sparse.csr_array(last)]).tocsr()
+            empty = sparse.csr_array((len(bottom), 1))
+            jacobian = sparse.hstack([self.jacobian, empty]).tocsr()
+        try:
+            factor = Factor(matrix, jacobian)
+        except RuntimeError:  # of a sparse matrix that is exactly singular
+            return None
+        want = np.append(top, right)
+        d, change = np.zeros(len(f) + 1), np.zeros(len(bottom))
+        left = math.inf
+        for _ in range(REFINED):
+            more = factor.solve(want - matrix @ d - jacobian.T @ change, bottom - jacobian @ d)
+            d, change = d + more[0], change + more[1]
+            before, left = left, float(np.abs(more[0]).max())
+            if not left < before or left <= EPS * float(np.abs(d).max()):
+                break
+        if not np.isfinite(d).all():
+            return None
+        whole = np.zeros(len(row))
+        whole[f], whole[-1] = d[:-1], d[-1]
+        return whole, size * change
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Of the Hessian on what closure and held creases leave free, over the mean stiffness, ascending."""
+        z = self.sheet.kernel(self.phi, self.held)
+        return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedState:
+    """A point of the curve, a `tracer.Frame`.
+
+    Attributes
+    ----------
+    x
+        Fold angles and load over the mean stiffness, (phi, T) [n + 1].
+    tangent
+        Of length 1 in the metric, [n + 1].
+    system
+        Of this point.
+    rates
+        Change of the moments of held limits along the tangent, [r].
+    """
+
+    x: np.ndarray
+    tangent: np.ndarray
+    system: System
+    rates: np.ndarray
+
+    @property
+    def bend(self) -> np.ndarray:
+        """Not known: steps are straight."""
+        return np.zeros(len(self.x))
+
+    @property
+    def phi(self) -> np.ndarray:
+        """Fold angles [rad], [n]."""
+        return self.x[:-1]
+
+    @property
+    def t(self) -> float:
+        """The load."""
+        return float(self.x[-1]) * self.system.sheet.scale
+
+    @property
+    def held(self) -> tuple[int, ...]:
+        """Creases held at their fold limit."""
+        return self.system.held
+
+    @property
+    def ahead(self) -> float:
+        """Change of the load along the tangent."""
+        return float(self.tangent[-1])
+
+    @property
+    def lowest(self) -> float:
+        """Smallest eigenvalue over the mean stiffness; inf where nothing is left free."""
+        values = self.system.eigenvalues
+        return float(values[0]) if len(values) else math.inf
+
+    @property
+    def index(self) -> int:
+        """Number of directions in which the energy falls."""
+        return int((self.system.eigenvalues < 0).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCurve:
+    """Equilibria over the load with creases held; a `tracer.Curve`.
+
+    Attributes
+    ----------
+    sheet
+        Without the load.
+    work
+        What the load works on.
+    held
+        Creases held at their fold limit.
+    tally
+        What following cost.
+    """
+
+    sheet: Sheet
+    work: Work
+    held: tuple[int, ...]
+    tally: Tally
+    _known: list[tuple[np.ndarray, System]] = field(default_factory=list)
+    _last: list[np.ndarray] = field(default_factory=list)
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """Metric of (phi, T): the root of the mean square of the angles; a load that could turn all springs is 1."""
+        n = self.sheet.size
+        weight = self.work.arm * self.sheet.scale / float(self.sheet.pattern.stiffness.sum())
+        return np.append(np.full(n, 1 / math.sqrt(n)), weight)
+
+    def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> System:
+        """Evaluate the equations at (phi, T)."""
+        self.tally.evaluations += 1
+        return System(self.sheet, self.work, point, self.held, multipliers)
+
+    def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:
+        """Solve the equations with one more by Newton from (phi, T); None if that fails."""
+        multipliers = None
+        for _ in range(NEWTON):
+            system = self.system(point, multipliers)
+            found = system.step(*row(point, system))
+            if found is None:
+                return None
+            step, multipliers = found
+            length = float(np.linalg.norm(self.root * step))
+            if not length <= LONGEST:
+                return None
+            if length <= ROUNDED:
+                break
+            point = point + step
+            if length <= SAME:  # its square is rounding
+                system = self.system(point, multipliers)
+                break
+        else:
+            return None
+        self._known[:] = [(point, system)]
+        closes = float(np.abs(system.closure).max(initial=0.0)) <= CLOSES
+        good = closes and system.residual <= STATIONARY
+        return (point, system) if good and self.sheet.closure.on_sheet(point[:-1]) else None
+
+    def correct(self, x: np.ndarray) -> np.ndarray | None:
+        """Move (phi, T) [n + 1] onto the curve by steps across the direction in which it went last."""
+
+        def across(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
+            return self.root * self._last[0], 0.0
+
+        found = self.solve(x, across)
+        return None if found is None else found[0]
+
+    def frame(self, x: np.ndarray, along: np.ndarray) -> LoadedState | None:
+        """Return the point (phi, T) with its tangent on the side of `along` [n + 1]; None where it has none."""
+        known = [system for point, system in self._known if point is x]
+        return self.frame_of(x, known[0] if known else self.system(x), along)
+
+    def frame_of(self, x: np.ndarray, system: System, along: np.ndarray) -> LoadedState | None:
+        """Return the frame of a point whose system is known."""
+        found = system.along(along * self.root)
+        if found is None:
+            return None
+        way, rates = found
+        size = float(np.linalg.norm(self.root * way))
+        if not np.isfinite(size) or size == 0.0:
+            return None
+        self._last[:] = [self.root * way / size]
+        return LoadedState(x, self._last[0], system, rates / size)
+
+    def beside(self, frame: LoadedState, h: float) -> LoadedState | None:
+        """Return the point of the curve whose step from `frame` has length h along its tangent."""
+        if h == 0.0:
+            return frame
+
+        def plane(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
+            gone = float(frame.tangent @ (self.root * (point - frame.x)))
+            return frame.tangent * self.root, h - gone
+
+        ahead = frame.x + h * frame.tangent / self.root
+        found = self.solve(ahead, plane)
+        if found is None or np.linalg.norm(self.root * (found[0] - ahead)) > ASIDE * abs(h) + SAME:
+            return None
+        return self.frame_of(*found, frame.tangent)
+
+    def where(
+        self, point: np.ndarray, entry: int, value: float, along: np.ndarray
+    ) -> LoadedState | None:
+        """Return the point of the curve near (phi, T) at which an entry, a fold angle or T (-1), has a value."""
+
+        def fixed(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
+            row = np.zeros(len(point))
+            row[entry] = 1.0
+            return row, value - point[entry]
+
+        found = self.solve(point, fixed)
+        if found is None:
+            return None
+        at = found[0].copy()
+        at[entry] = value
+        return self.frame_of(at, found[1], along)

@@ -1,0 +1,159 @@
+"""States on a curve at which closure loses rank, where other curves may leave: found, with the ways out of them.
+
+Along a curve of states with one freedom the smallest singular value of closure that is not zero falls to zero, in
+proportion to the distance, where curves meet.  Between two samples that is a sharp dip.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.facets import Sheet, dense
+from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.branches import Branches, list_branches
+from origami_nlp.sheets.interpolant import Interpolant, second
+
+MOST_CREASES = 60
+"""Up to which singular values are computed along curves; beyond, vertices are asked whether they are flat."""
+MEET = 1e-6
+"""Smallest singular value at which curves meet."""
+SNAP = 1e-6
+"""Fold angles this close to 0 or pi round a vertex that becomes flat are so [rad]."""
+PARTS = np.linspace(-1.0, 1.0, 9)
+FORMS = 1e-4
+"""Second-order forms on unit directions below this are zero."""
+
+
+def dips(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
+    """Find the states of a curve, its ends among them, at which closure loses rank.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    curve
+        Of states with one freedom.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        Closed states, [n] [rad].
+    """
+    size = _smallest(sheet, curve.states)
+    padded = np.concatenate([[np.inf], size, [np.inf]])
+    low = np.flatnonzero((size <= padded[:-2]) & (size <= padded[2:]))
+    found: list[np.ndarray] = []
+    last = len(curve.control)
+    for i in low:
+        at, width, best = float(i), 1.0, float(size[i])
+        for zoom in range(12):
+            if best <= 0.1 * MEET:
+                break
+            places = np.clip(at + width * PARTS, 0.0, last)
+            states = np.array(
+                [curve.at(min(int(p), last - 1), p - min(int(p), last - 1)) for p in places]
+            )
+            values = _smallest(sheet, states)
+            at, width = float(places[values.argmin()]), 0.3 * width
+            if zoom == 3 and values.min() > 0.1 * size[i]:
+                break
+            best = min(best, float(values.min()))
+        if best > MEET:
+            continue
+        step = min(int(at), last - 1)
+        state = _snapped(sheet, curve.at(step, at - step))
+        if state is not None and not any(np.abs(state - x).max() < 10 * SNAP for x in found):
+            found.append(state)
+    return found
+
+
+def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
+    """Return how far each state [S, n] of a curve is from others that meet it: 0 where they do, [S]."""
+    n = sheet.size
+    if n > MOST_CREASES:
+        open_ = np.abs(np.sin(states))
+        loops = sheet.pattern.vertices
+        most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
+        return most.min(axis=0)
+    j = np.array([dense(sheet.closure.jacobian(x)) for x in states])
+    values = np.linalg.svd(j, compute_uv=False)
+    return values[:, n - 2] if values.shape[1] > n - 2 else np.full(len(states), np.inf)
+
+
+def _snapped(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
+    """Close a state, with creases that are all but open or shut made so where that closes too."""
+    whole = np.round(phi / math.pi) * math.pi
+    held = np.abs(phi - whole) < SNAP
+    new, residual = sheet.project(np.where(held, whole, phi), held)
+    if residual > CLOSES or np.abs(new - phi).max() > 100 * SNAP:
+        new, residual = sheet.project(phi)
+    return np.clip(new, -math.pi, math.pi) if residual <= CLOSES else None
+
+
+def ways_from(sheet: Sheet, phi: np.ndarray) -> Branches:
+    """Enumerate the ways out of a closed state, those of two freedoms cut down by what closure says to second order.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        The state, [n] [rad].
+
+    Returns
+    -------
+    Branches
+        Candidates: whether states follow is seen when they are walked.
+    """
+    return split(sheet, phi, list_branches(sheet.pattern, phi))
+
+
+def split(sheet: Sheet, phi: np.ndarray, ways: Branches) -> Branches:
+    """Cut families of two freedoms down to lines where closure is not met to second order.
+
+    Self-stresses s, s J = 0, of the whole sheet ask for s . c''(d, d) = 0, where vertices by themselves do not.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state, [n].
+    ways
+        Out of it.
+
+    Returns
+    -------
+    Branches
+        With lines instead of families that are none.
+    """
+    if not ways.families:
+        return ways
+    j = dense(sheet.closure.jacobian(phi))
+    u, values, _ = np.linalg.svd(j)
+    stress = u[:, int((values > MEET).sum()) :]
+    lines, families = list(ways.lines), []
+    for basis in ways.families:
+        if basis.shape[1] != 2:
+            families.append(basis)
+            continue
+        x, y = basis.T
+        forms = np.array([second(sheet, phi, a, b) @ stress for a, b in ((x, x), (x, y), (y, y))])
+        if np.abs(forms).max(initial=0.0) < FORMS:
+            families.append(basis)
+            continue
+        a, b, c = forms[:, np.abs(forms).max(axis=0).argmax()]
+        # a t^2 + 2 b t s + c s^2 = 0
+        root = b * b - a * c
+        if root < 0:
+            continue
+        r = math.sqrt(root)
+        for s, t in ((a, -b + r), (a, -b - r)) if abs(a) > abs(c) else ((-b + r, c), (-b - r, c)):
+            d = np.array([t, s]) / math.hypot(t, s)
+            if np.abs(np.array([d[0] ** 2, 2 * d[0] * d[1], d[1] ** 2]) @ forms).max() < FORMS:
+                line = basis @ d
+                if not any(
+                    min(np.abs(line - k).max(), np.abs(line + k).max()) < FORMS for k in lines
+                ):
+                    lines.append(line)
+    return Branches(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)

@@ -1,0 +1,125 @@
+"""All curves of states with one freedom that a search has found, each once, with its images under symmetries."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.clearance import Clearance, Stretches
+from origami_nlp.sheets.crossroads import dips
+from origami_nlp.sheets.curve import follow_curve
+from origami_nlp.sheets.interpolant import Interpolant, interpolate
+from origami_nlp.sheets.labels import Labels, image
+
+LONG = 0.08
+"""Largest step along curves that polynomials fill in [rad]."""
+ON_CURVE = 2e-5
+"""A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
+FLAT = 1e-6
+"""A crease this close to open or shut is so [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A curve of states with one freedom.
+
+    Attributes
+    ----------
+    curve
+        As polynomials.
+    stretches
+        Where facets cross along it; None where contact is not asked for.
+    crossroads
+        States of it, not flat or folded flat, at which closure loses rank, [n] each.
+    """
+
+    curve: Interpolant
+    stretches: Stretches | None
+    crossroads: tuple[np.ndarray, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether both ends are fold limits, or the curve is closed."""
+        return all(end in ("limit", "closed") for end in self.curve.ends)
+
+    def image(self, symmetry: tuple[np.ndarray, float]) -> Traced:
+        """Return where a symmetry of the paper takes it."""
+        seen = self.stretches
+        if seen is not None:
+            seen = replace(seen, states=image(symmetry, seen.states))
+        crossroads = tuple(image(symmetry, x) for x in self.crossroads)
+        return Traced(self.curve.image(symmetry), seen, crossroads)
+
+
+class Curves:
+    """Curves that were found.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    labels
+        Of its pattern: symmetries of the paper take curves to curves.
+    contact
+        Whether to ask where facets cross.
+    """
+
+    def __init__(self, sheet: Sheet, labels: Labels, contact: bool) -> None:
+        self.sheet, self.labels = sheet, labels
+        self.found: list[Traced] = []
+        self._clearance = Clearance(sheet) if contact else None
+
+    def __contains__(self, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is on one of the curves."""
+        return any(self._on(traced.curve, phi) for traced in self.found)
+
+    def trace(self, phi: np.ndarray, along: np.ndarray) -> list[Traced]:
+        """Trace the curve through a closed state that is on none yet.
+
+        Parameters
+        ----------
+        phi
+            The state, [n].
+        along
+            Direction of the curve there, [n].
+
+        Returns
+        -------
+        list of Traced
+            The curve, and its images that are not known yet.
+        """
+        curve = interpolate(self.sheet, follow_curve(self.sheet, phi, along, LONG))
+        seen = None if self._clearance is None else self._clearance.along(curve)
+        meet = [x for x in dips(self.sheet, curve) if np.abs(np.sin(x)).max() > FLAT]
+        new = [Traced(curve, seen, tuple(meet))]
+        self.found += new
+        for symmetry in self.labels.images:
+            other = image(symmetry, phi)
+            if self.sheet.residual(other) <= CLOSES and other not in self:
+                copy = new[0].image(symmetry)
+                new.append(copy)
+                self.found.append(copy)
+        return new
+
+    def _on(self, curve: Interpolant, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
+        distance = np.linalg.norm(curve.states - phi, axis=1)
+        i = int(distance.argmin())
+        if distance[i] > 2 * LONG * math.sqrt(self.sheet.size):
+            return False
+        for step in (i - 1, i):
+            if not 0 <= step < len(curve.control):
+                continue
+            low, high = 0.0, 1.0
+            for _ in range(5):  # closer and closer
+                shares = np.linspace(low, high, 17)
+                apart = [float(np.linalg.norm(curve.at(step, u) - phi)) for u in shares]
+                best = int(np.argmin(apart))
+                low, high = shares[max(best - 1, 0)], shares[min(best + 1, 16)]
+            if min(apart) < ON_CURVE:
+                return True
+        return False

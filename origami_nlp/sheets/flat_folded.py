@@ -1,0 +1,136 @@
+"""Flat-folded states of a pattern, every crease open or shut: enumerated, with the ways out of each.
+
+A vertex that is folded flat is singular as the flat one is, and several ways lead out of it: a Miura sheet whose first
+row of creases is shut folds on across the shut row, along curves that the flat state is not on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.facets import Closure, round_vertex
+from origami_nlp.folding import examine
+from origami_nlp.numerics import CLOSES, quaternion
+from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.sheets.branches import Branches, combine, vertex_modes
+
+MOST_STATES = 500
+"""Flat-folded states that are listed."""
+LARGEST_DEGREE = 8
+"""Of vertices whose flat foldings are listed one by one."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatFolded:
+    """Flat-folded states of a pattern.
+
+    Attributes
+    ----------
+    states
+        Fold angles, each 0, pi or -pi, the flat state first, [S, n] [rad].
+    reason
+        Why they were not enumerated; empty where they were.
+    """
+
+    states: np.ndarray
+    reason: str = ""
+
+
+def list_flat_folded(pattern: Pattern, contact: bool = True) -> FlatFolded:
+    """Enumerate the flat-folded states of a pattern whose reference state is flat.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+    contact
+        Whether to leave out states in which the layers round a vertex have no order: near them facets cross.
+
+    Returns
+    -------
+    FlatFolded
+        Every choice of open and shut creases that closes round each vertex; layers of the whole are not ordered here.
+    """
+    n = pattern.creases
+    none = np.zeros((0, n))
+    if not pattern.is_flat:
+        return FlatFolded(none, "the reference state is not flat")
+    if pattern.holes:
+        return FlatFolded(none, "states folded round holes are not enumerated")
+    degree = max((len(loop.creases) for loop in pattern.vertices), default=0)
+    if degree > LARGEST_DEGREE:
+        return FlatFolded(none, f"a vertex has degree {degree}, more than {LARGEST_DEGREE}")
+    tables = [_foldings(pattern, loop, contact) for loop in pattern.vertices]
+    level, known = np.zeros((1, n)), np.zeros(n, bool)
+    left = set(range(len(tables)))
+    while left:  # as many creases as can be are known already, few foldings
+        v = max(
+            left,
+            key=lambda v: (known[list(pattern.vertices[v].creases)].sum(), -len(tables[v]), -v),
+        )
+        left.remove(v)
+        creases = list(pattern.vertices[v].creases)
+        fits = (level[:, None, creases] == tables[v]) | ~known[creases]
+        state, folding = np.nonzero(fits.all(axis=2))
+        if len(state) > 20 * MOST_STATES:
+            return FlatFolded(none, f"there are more than {MOST_STATES:,}")
+        level = level[state]
+        level[:, creases] = tables[v][folding]
+        known[creases] = True
+    if len(level) > MOST_STATES:
+        return FlatFolded(none, f"there are more than {MOST_STATES:,}")
+    return FlatFolded(math.pi * level[np.argsort(np.abs(level).sum(axis=1), kind="stable")])
+
+
+def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
+    """Return the ways to fold a vertex flat, 0, 1 or -1 a crease, [F, d]."""
+    axes = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
+    choices = np.array(list(product((0, 1, -1), repeat=len(axes))), float)
+    q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
+    for turn, axis in zip(choices.T, axes, strict=True):
+        q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
+    closed = (np.abs(q[1:]).max(axis=0) <= CLOSES) & (q[0] > 0)
+    at = round_vertex(pattern, loop) if contact else None
+    foldings = choices[closed]
+    if at is None:
+        return foldings
+    try:
+        return foldings[[examine(at, math.pi * f).admissible for f in foldings]]
+    except OrigamiError:
+        return foldings
+
+
+def ways_out(pattern: Pattern, states: np.ndarray) -> Iterator[tuple[np.ndarray, Branches]]:
+    """Go through flat-folded states [S, n] with the ways out of each.
+
+    Parameters
+    ----------
+    pattern
+        The pattern, of vertices of degree four or less: others have no modes.
+    states
+        Of `list_flat_folded`.
+
+    Yields
+    ------
+    tuple
+        A state and its `Branches`.
+    """
+    closure = Closure(pattern)
+    known: dict[tuple[int, bytes], list[np.ndarray]] = {}
+    for phi in states:
+        modes = []
+        for v, axes in enumerate(closure.axes(phi)):
+            key = v, phi[list(pattern.vertices[v].creases)].tobytes()
+            if key not in known:
+                found = vertex_modes(axes)
+                if found is None:
+                    return
+                known[key] = found
+            modes.append(known[key])
+        yield phi, combine(pattern, modes)

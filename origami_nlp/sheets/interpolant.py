@@ -1,0 +1,205 @@
+"""A curve of closed states between the states at which it was sampled: a polynomial of degree five a step.
+
+At each sample the tangent t = phi' and the curvature phi'' = -J^+ c''(t, t) over arc length are known, so that a step
+is fixed to order h^6; how far its middle is from closed states is measured, and steps are halved until that is little.
+The energy along a step is then a polynomial of degree ten, and its wells are roots of one of degree nine: all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.curve import Curve
+from origami_nlp.sheets.labels import image
+
+FITS = 1e-6
+"""Distance of the middle of a step from closed states, at most [rad]."""
+MOST_HALVINGS = 6
+"""Of a step."""
+DIFFERENCE = 1e-5
+"""Step of differences of the Jacobian [rad]: an error of some 1e-11."""
+REAL = 1e-6
+"""Imaginary part, and excess over the ends, of roots in units of a step that count as real and inside."""
+
+# phi(u) = sum_k b_k B_k(u): control points from values, derivatives and second derivatives at both ends
+BEZIER = np.array(
+    [
+        [1, 0, 0, 0, 0, 0],
+        [1, 1 / 5, 0, 0, 0, 0],
+        [1, 2 / 5, 1 / 20, 0, 0, 0],
+        [0, 0, 0, 1, -2 / 5, 1 / 20],
+        [0, 0, 0, 1, -1 / 5, 0],
+        [0, 0, 0, 1, 0, 0],
+    ]
+)
+POWERS = np.array(
+    [
+        [1, 0, 0, 0, 0, 0],
+        [-5, 5, 0, 0, 0, 0],
+        [10, -20, 10, 0, 0, 0],
+        [-10, 30, -30, 10, 0, 0],
+        [5, -20, 30, -20, 5, 0],
+        [-1, 5, -10, 10, -5, 1],
+    ]
+)
+"""From control points to coefficients of 1, u, u^2, ..."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interpolant:
+    """A curve as polynomials.
+
+    Attributes
+    ----------
+    states
+        Closed states along it, [S, n] [rad].
+    control
+        Control points of each step, [S - 1, 6, n] [rad].
+    ends
+        As of the `Curve`.
+    off
+        Largest distance of the middle of a step from closed states [rad].
+    """
+
+    states: np.ndarray
+    control: np.ndarray
+    ends: tuple[str, str]
+    off: float
+
+    def image(self, symmetry: tuple[np.ndarray, float]) -> Interpolant:
+        """Return where a symmetry of the paper takes it."""
+        return replace(
+            self, states=image(symmetry, self.states), control=image(symmetry, self.control)
+        )
+
+    def at(self, step: int, u: float) -> np.ndarray:
+        """Return the state at a share u of a step, [n]."""
+        powers = u ** np.arange(6.0)
+        here: np.ndarray = powers @ (POWERS @ self.control[step])
+        return here
+
+
+def interpolate(sheet: Sheet, curve: Curve) -> Interpolant:
+    """Fix a curve between its states.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    curve
+        Of `follow_curve`.
+
+    Returns
+    -------
+    Interpolant
+        With further states where steps were too long.
+    """
+    phi = list(curve.phi)
+    guide = np.gradient(curve.phi, axis=0) if len(phi) > 1 else np.zeros_like(curve.phi)
+    data = [_data(sheet, x, g) for x, g in zip(phi, guide, strict=True)]
+    states, pieces, off = [phi[0]], [], 0.0
+    stack = [(phi[i], data[i], phi[i + 1], data[i + 1], 0) for i in range(len(phi) - 1)][::-1]
+    while stack:
+        a, of_a, b, of_b, depth = stack.pop()
+        control = _step(a, of_a, b, of_b)
+        guess = halves(control)[0][-1]
+        middle, residual = sheet.project(guess)
+        apart = float(np.abs(middle - guess).max()) if residual <= CLOSES else np.inf
+        if apart > FITS and depth < MOST_HALVINGS and np.isfinite(apart):
+            of_middle = _data(sheet, middle, b - a)
+            stack.append((middle, of_middle, b, of_b, depth + 1))
+            stack.append((a, of_a, middle, of_middle, depth + 1))
+            continue
+        states.append(b)
+        pieces.append(control)
+        off = max(off, apart)
+    return Interpolant(
+        np.array(states), np.array(pieces).reshape(-1, 6, sheet.size), curve.ends, off
+    )
+
+
+def halves(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cut a step in its middle (de Casteljau): control points of both halves, [6, n] each."""
+    row, before, after = control, [control[0]], [control[-1]]
+    for _ in range(5):
+        row = 0.5 * (row[1:] + row[:-1])
+        before.append(row[0])
+        after.append(row[-1])
+    return np.array(before), np.array(after[::-1])
+
+
+def _data(sheet: Sheet, phi: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return tangent and curvature over arc length at a closed state, [n] each."""
+    normal = sheet.normal(phi)
+    t = normal.along(guide)
+    t /= max(float(np.linalg.norm(t)), 1e-300)
+    return t, -normal.step(second(sheet, phi, t, t))
+
+
+def second(sheet: Sheet, phi: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the second derivative of closure along two directions [n], [m], by differences of the Jacobian."""
+    ahead = sheet.closure.jacobian(phi + DIFFERENCE * other) @ one
+    behind = sheet.closure.jacobian(phi - DIFFERENCE * other) @ one
+    return (ahead - behind) / (2 * DIFFERENCE)
+
+
+def _step(
+    a: np.ndarray,
+    of_a: tuple[np.ndarray, np.ndarray],
+    b: np.ndarray,
+    of_b: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """Return control points of a step, [6, n]."""
+    chord = float(np.linalg.norm(b - a))
+    bend = 0.5 * (of_a[1] @ of_a[1] + of_b[1] @ of_b[1])
+    h = chord * (1 + min(chord**2 * bend, 1.0) / 24)  # length of the arc over the chord
+    ends = np.array([a, h * of_a[0], h * h * of_a[1], b, h * of_b[0], h * h * of_b[1]])
+    control: np.ndarray = BEZIER @ ends
+    return control
+
+
+def wells(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
+    """Return where the energy has its minima along a curve: inside, and at ends that it falls towards.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    curve
+        Of `interpolate`.
+
+    Returns
+    -------
+    list of numpy.ndarray
+        Fold angles [n], to the accuracy of the polynomials.
+    """
+    c = POWERS @ curve.control  # coefficients of u^k, [S - 1, 6, n]
+    pull = c.copy()
+    pull[:, 0] -= sheet.pattern.rest
+    pull *= sheet.stiffness
+    speed = c[:, 1:] * np.arange(1.0, 6.0)[:, None]
+    slope = np.zeros((len(c), 10))  # of the energy over u, coefficients of 1, u, ...
+    for i in range(6):
+        for k in range(5):
+            slope[:, i + k] += np.einsum("sn,sn->s", pull[:, i], speed[:, k])
+    found = []
+    for step, s in enumerate(slope):
+        # control values of one sign only, and there is no root: most steps
+        if (np.abs(s[1:]).sum() < abs(s[0])) or not np.abs(s).max():
+            continue
+        roots = np.polynomial.polynomial.polyroots(s)
+        for r in roots[np.abs(roots.imag) < REAL].real:
+            u = min(max(float(r), 0.0), 1.0)
+            rises = np.polynomial.polynomial.polyval(r, s[1:] * np.arange(1.0, 10.0)) > 0
+            if abs(u - r) < REAL and rises:
+                found.append(curve.at(step, u))
+    first, last = slope[0, 0], float(slope[-1].sum())
+    if curve.ends[0] == "limit" and first >= 0:
+        found.append(curve.states[0])
+    if curve.ends[1] == "limit" and last <= 0:
+        found.append(curve.states[-1])
+    return found

@@ -1,0 +1,118 @@
+"""Where facets touch, marked in a drawing: a ring at each place, filled where the contact pushes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+
+from origami_nlp.facets import Crossings
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.rows import LOADED
+from origami_nlp.sheets.state import SheetContact
+from origami_nlp.show import IDLE, PUSHES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def touching_facets(contacts: Sequence[SheetContact]) -> list[int]:
+    """Return the facets that touch, from 0, each once."""
+    return sorted({f for c in contacts if c.corners for f in c.where})
+
+
+def touch_places(
+    pattern: Pattern, fold_angles: np.ndarray, contacts: Sequence[SheetContact]
+) -> np.ndarray:
+    """Return where facets touch in space.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    fold_angles
+        Of a closed state, [n] [rad].
+    contacts
+        Of that state; fold limits are left out.
+
+    Returns
+    -------
+    numpy.ndarray
+        A corner on a facet, or where two sides meet, [t, 3].  A side that lies on a facet from a corner of it on, and
+        leaves it, touches up to its border: the middle of that stretch is returned.
+    """
+    crossings = Crossings(pattern)
+    turn, shift = crossings.poses.motions(fold_angles)
+
+    def point(corner: int, facet: int) -> np.ndarray:
+        return np.asarray(turn[facet] @ pattern.corners[corner] + shift[facet])
+
+    places = []
+    for contact in contacts:
+        if not contact.corners:
+            continue
+        (a, b), (p, q, r, s) = contact.where, contact.corners
+        if contact.type == "vertex-face":
+            end = point(p, b)
+            ring = [
+                v
+                for polygon, f in zip(pattern.polygons, pattern.facet_of, strict=True)
+                if f == a
+                for v in polygon
+            ]
+            own = [
+                v
+                for polygon, f in zip(pattern.polygons, pattern.facet_of, strict=True)
+                if f == b
+                for v in polygon
+            ]
+            shared = sorted(set(ring) & set(own))
+            if shared:
+                start = point(shared[0], a)
+                end = start + 0.5 * _within([point(v, a) for v in ring], start, end) * (end - start)
+            places.append(end)
+        else:
+            u, v = point(q, a) - point(p, a), point(s, b) - point(r, b)
+            off = point(r, b) - point(p, a)
+            share = np.linalg.lstsq(np.column_stack([u, -v]), off, rcond=None)[0][0]
+            places.append(point(p, a) + share * u)
+    return np.array(places).reshape(-1, 3)
+
+
+def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> float:
+    """Return up to which share a segment in the plane of a convex polygon stays in it, at most 1."""
+    x = np.array(ring)
+    normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    inward = np.cross(normal, np.roll(x, -1, axis=0) - x)
+    room, gone = np.einsum("qi,qi->q", inward, start - x), inward @ (end - start)
+    leaves = gone < -1e-9 * np.abs(inward @ (end - start)).max()
+    return float(min(1.0, (room[leaves] / -gone[leaves]).min(initial=1.0)))
+
+
+def mark_touches(
+    axes: Axes, view: np.ndarray, places: np.ndarray, contacts: Sequence[SheetContact]
+) -> None:
+    """Draw the places of touch of `touch_places` [t, 3], seen by a view [3, 3]: full where a contact pushes."""
+    around = [withStroke(linewidth=2.5, foreground="white")]
+    touches = [c for c in contacts if c.corners]
+    for k, ((x, y, _), contact) in enumerate(zip(places @ view.T, touches, strict=True)):
+        pushes = contact.force > LOADED
+        colour = PUSHES if pushes else IDLE
+        axes.plot(x, y, "o", ms=7, mew=1.6, mec=colour, mfc=colour if pushes else "white",
+                  path_effects=around, zorder=5)  # fmt: skip
+        a, b = (f + 1 for f in contact.where)
+        up = 1 if k % 2 == 0 else -1
+        axes.annotate(f"{a}|{b}", (x, y), xytext=(0, 9 * up), textcoords="offset points", ha="center",
+                      va="bottom" if up > 0 else "top", fontsize=9, path_effects=around, zorder=6)  # fmt: skip
+
+
+def touch_legend() -> list[Line2D]:
+    """Return what the marks mean."""
+    look = {"ls": "", "marker": "o", "ms": 7, "mew": 1.6}
+    return [
+        Line2D([], [], mec=PUSHES, mfc=PUSHES, label="facets touch and push", **look),  # type: ignore[arg-type]
+        Line2D([], [], mec=IDLE, mfc="white", label="touch without force", **look),  # type: ignore[arg-type]
+    ]

@@ -1,0 +1,92 @@
+"""What closure carries at a state of a sheet, and how much of it is not unique: states of self-stress.
+
+Multipliers lam of closure balance the springs, torque = J' lam + contacts.  Round vertex v they are a vector: half of
+it is a moment that goes round the vertex from facet to facet, and half lam_v . c_i, summed over both ends of crease i,
+is the torque that its spring balances.  These torques are unique; where rows of closure depend on each other,
+stresses z with J' z = 0 can be added: moments across creases that springs do not feel, that bend and shear facets.
+Rigid facets leave them open, elastic or thick ones would settle them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.facets import Sheet, dense
+from origami_nlp.numerics import RANK
+
+
+@dataclass(frozen=True, eq=False)
+class Stress:
+    """Multipliers of closure at a state.
+
+    Attributes
+    ----------
+    multipliers
+        Those of smallest norm, three a vertex and six a hole, [m] [N m].
+    basis
+        Orthonormal stresses that balance nothing: any sum of them may be added, [m, s].
+    torque
+        What the multipliers carry about each crease, J' lam [N m], [n]: unique where `unique`.
+    unique
+        Whether contacts leave the torques no choice either.
+    left
+        Largest torque that nothing balances [N m], at creases that no contact holds.
+    """
+
+    multipliers: np.ndarray
+    basis: np.ndarray
+    torque: np.ndarray
+    unique: bool
+    left: float
+
+    @property
+    def states(self) -> int:
+        """Number s of independent states of self-stress: equations less rank."""
+        return self.basis.shape[1]
+
+
+def find_stress(sheet: Sheet, phi: np.ndarray, held: Iterable[int] = ()) -> Stress:
+    """Find the multipliers of closure at a stationary state.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        A closed state [rad], [n].
+    held
+        Creases that fold limits hold.
+
+    Returns
+    -------
+    Stress
+        The multipliers, and what may be added to them.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.facets import Sheet
+    >>> from origami_nlp.sheets import find_states, find_stress
+    >>> sheet = o.examples.pattern("miura", 4, 4).with_springs(rest=1.2)
+    >>> state = find_states(sheet, starts=0).minima[0]
+    >>> find_stress(Sheet(sheet), state.fold_angles).states
+    4
+    """
+    held = sorted(held)
+    free = np.setdiff1d(np.arange(sheet.size), held)
+    j, g = dense(sheet.closure.jacobian(phi)), sheet.scale * sheet.torque(phi)
+    u, values, vt = np.linalg.svd(j[:, free])
+    rank = int((values > RANK).sum())
+    lam = u[:, :rank] @ ((vt[:rank] @ g[free]) / values[:rank])
+    torque = j.T @ lam
+    basis, unique = u[:, rank:], True
+    if held and basis.shape[1]:
+        # of stresses that free creases do not feel, those count that held ones do not feel either
+        _, felt, way = np.linalg.svd(j[:, held].T @ basis)
+        many = int((felt > RANK).sum())
+        basis, unique = basis @ way[many:].T, many == 0
+    left = float(np.abs((g - torque)[free]).max(initial=0.0))
+    return Stress(lam, basis, torque, unique, left)

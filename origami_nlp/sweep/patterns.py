@@ -1,0 +1,286 @@
+"""Sweeps of patterns: the stable states of many sheets.
+
+```toml
+[pattern]
+example = "miura:4x4"          # or file = "sheet.fold"; its options, such as alpha = 1.1
+stiffness = 0.01               # of every crease; without it as the file or the example states
+rest_angle = "pi/3"            # size for mountains and valleys; without it as the file or the example states
+
+[[axes]]
+set = "mountains.stiffness"    # or "valleys.", "creases." for all, "creases.stiffness[3]" for one (1-based)
+from = 0.001
+to = 0.1
+count = 21
+scale = "log"
+
+[[axes]]
+set = "creases.rest_angles"    # size for mountains and valleys; of one class or one crease the angle itself
+values = [0.5, 1.0, "pi/2"]
+
+[[axes]]
+set = "alpha"                  # an option of the example, or rows, columns
+values = ["pi/4", "pi/3"]
+
+[search]
+mode = "grid"                  # every combination (default), or list: axes run together
+starts = 40                    # random starts of a sheet
+seed = 0
+contact = true                 # whether facets must not cross
+```
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.pattern import (
+    Pattern,
+    examples,
+    parse_angle,
+    pattern_from_dict,
+    pattern_to_dict,
+    read_pattern,
+)
+from origami_nlp.sheets import find_states
+from origami_nlp.sweep.spec import MOST_SCENES, Sweep, check_axes, read_axis
+from origami_nlp.sweep.store import Outcome
+
+_PLACE = re.compile(r"(creases|mountains|valleys)\.(stiffness|rest_angles)(?:\[(\d{1,5})\])?")
+_SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
+_SIZES = ("rows", "columns")
+
+
+@dataclass(frozen=True)
+class PatternSweep(Sweep):
+    """A sweep of patterns: `pattern(index)` is sheet number `index` of `count`.
+
+    Attributes
+    ----------
+    base
+        The [pattern] table; of a file, the pattern itself.
+    axes
+        The parameters that take many values.
+    search
+        The [search] table, with defaults.
+    """
+
+    def pattern(self, index: int) -> Pattern:
+        """Make sheet `index`.
+
+        Parameters
+        ----------
+        index
+            From 0.
+
+        Returns
+        -------
+        Pattern
+            With its springs.
+
+        Raises
+        ------
+        OrigamiError
+            If these values make no sheet.
+        """
+        values = self.parameters(index)
+        given = {p: values[a.name] for a in self.axes for p in a.places}
+        sheet = self._drawn({p: v for p, v in given.items() if not _PLACE.fullmatch(p)})
+        sheet = sheet.with_springs(self.base.get("stiffness"), self.base.get("rest_angle"))
+        k, rest = sheet.stiffness.copy(), sheet.rest.copy()
+        for place, value in given.items():
+            match = _PLACE.fullmatch(place)
+            if match is None:
+                continue
+            which = _creases(sheet, match, place)
+            if match[2] == "stiffness":
+                k[which] = value
+            else:
+                sized = match[1] == "creases" and match[3] is None
+                rest[which] = value * sheet.signs[which] if sized else value
+        return sheet.with_springs(k.tolist(), rest.tolist())
+
+    def _drawn(self, options: Mapping[str, float]) -> Pattern:
+        """Draw the example with these options, or return the sheet of the file."""
+        if "sheet" in self.base:
+            return pattern_from_dict(self.base["sheet"])
+        own = {
+            k: v for k, v in self.base.items() if k not in ("example", "stiffness", "rest_angle")
+        }
+        own |= options
+        name, size = examples.split_size(self.base["example"])
+        shape = dict(zip(_SIZES, size, strict=True))
+        for key in _SIZES:
+            if key in own:
+                if own[key] != int(own[key]):
+                    raise SweepError(f"{key} = {own[key]:g} must be a whole number")
+                shape[key] = int(own.pop(key))
+        return examples.pattern(name, **shape, **own)
+
+    def chains(self, length: int = 1) -> Iterator[range]:
+        """Every sheet by itself: no state is handed on, and so no answer depends on another.
+
+        Parameters
+        ----------
+        length
+            Not used.
+
+        Yields
+        ------
+        range
+            One sheet.
+        """
+        for index in range(self.count):
+            yield range(index, index + 1)
+
+    def fingerprint(self) -> str:
+        """The whole sweep as text: two sweeps are the same when these agree."""
+        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
+        search = {k: v for k, v in self.search.items() if k != "follow"}
+        return json.dumps({"pattern": self.base, "axes": axes, "search": search}, sort_keys=True)
+
+
+def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> PatternSweep:
+    """Make a sweep from tables ``pattern``, ``axes`` and ``search``.
+
+    Parameters
+    ----------
+    data
+        The tables.
+    folder
+        Where a ``file`` is looked for.
+
+    Returns
+    -------
+    PatternSweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If a key is unknown, missing or wrong.
+    OrigamiError
+        If the pattern is wrong.
+    """
+    base = _base(data["pattern"], folder)
+    axes = tuple(read_axis(a, k) for k, a in enumerate(check_axes(data.get("axes")), start=1))
+    sweep = PatternSweep(base, axes, _search(data.get("search", {})))
+    names = [a.name for a in axes]
+    if len(set(names)) < len(names):
+        raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
+    if sweep.search["mode"] == "list" and len({len(a.values) for a in axes}) > 1:
+        lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in axes)
+        raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
+    if sweep.count > MOST_SCENES:
+        raise SweepError(f"the sweep has {sweep.count:,} sheets: at most {MOST_SCENES:,}")
+    for number, axis in enumerate(axes, start=1):
+        for place in axis.places:
+            if _PLACE.fullmatch(place) is None and "sheet" in base:
+                raise SweepError(
+                    f'axes[{number}].set = {place!r} is no place of a pattern: write "creases.stiffness", '
+                    '"mountains.rest_angles", "valleys.stiffness" or "creases.stiffness[3]"'
+                )
+    sweep.pattern(0)  # a mistake is found now, not in every worker
+    return sweep
+
+
+def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
+    if not isinstance(stated, Mapping) or len({"example", "file"} & set(stated)) != 1:
+        raise SweepError('[pattern] needs example = "miura:4x4" or file = "sheet.fold"')
+    base = dict(stated)
+    for key in ("stiffness", "rest_angle"):
+        if key in base:
+            base[key] = parse_angle(base[key], f"pattern.{key}")
+    if "file" in base:
+        for key in base:
+            if key not in ("file", "stiffness", "rest_angle"):
+                raise SweepError(f"unknown key {key!r} in [pattern]: file, stiffness, rest_angle")
+        base["sheet"] = pattern_to_dict(read_pattern((folder or Path()) / str(base.pop("file"))))
+    elif not isinstance(base["example"], str):
+        raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
+    return base
+
+
+def _search(stated: Any) -> dict[str, Any]:
+    if not isinstance(stated, Mapping):
+        raise SweepError("search must be a table: write [search]")
+    for key in stated:
+        if key not in _SEARCH:
+            raise SweepError(f"unknown key {key!r} in [search] of a pattern: {', '.join(_SEARCH)}")
+    search = {**_SEARCH, **stated, "follow": False}
+    if search["mode"] not in ("grid", "list"):
+        raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
+    for key in ("starts", "seed"):
+        value = search[key]
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least 0")
+    if not isinstance(search["contact"], bool):
+        raise SweepError(f"search.contact = {search['contact']!r} must be true or false")
+    return search
+
+
+def _creases(sheet: Pattern, match: re.Match[str], place: str) -> np.ndarray:
+    """Return the creases that a place names (0-based)."""
+    if match[3] is not None:
+        if match[1] != "creases" or not 1 <= int(match[3]) <= sheet.creases:
+            raise SweepError(f"set = {place!r}: write creases.{match[2]}[1] to [{sheet.creases}]")
+        return np.array([int(match[3]) - 1])
+    sign = {"mountains": -1.0, "valleys": 1.0}.get(match[1])
+    which = np.arange(sheet.creases) if sign is None else np.flatnonzero(sheet.signs == sign)
+    if not len(which):
+        raise SweepError(f"set = {place!r}: the pattern has no {match[1]}")
+    return which
+
+
+def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
+    """Find the stable states of one sheet; errors become its outcome (this is what a worker does).
+
+    Parameters
+    ----------
+    sweep
+        The sweep.
+    index
+        Of the sheet, from 0.
+
+    Returns
+    -------
+    Outcome
+        Minima with their freedoms as dimension.
+    """
+    begin = time.perf_counter()
+    try:
+        sheet = sweep.pattern(index)
+    except OrigamiError as error:
+        return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
+    s = sweep.search
+    try:
+        found = find_states(sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"])
+    except (
+        Exception
+    ) as error:  # one sheet must not end the sweep: it is reported as failed, by name
+        reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
+    states = tuple(
+        (
+            m.energy,
+            m.kind,
+            m.freedoms,
+            m.closure_residual,
+            m.kkt_residual if math.isfinite(m.kkt_residual) else None,
+            1,
+            None,
+            m.fold_angles.tolist(),
+        )
+        for m in found.minima
+    )
+    seconds = time.perf_counter() - begin
+    return Outcome(index, "done", "", seconds, found.search.starts, None, states)

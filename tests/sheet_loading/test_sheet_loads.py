@@ -1,0 +1,343 @@
+"""Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
+
+import json
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import minimize_scalar
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import STATIONARY
+from origami_nlp.pattern import make_pattern
+from origami_nlp.sheet_loading import DeadForce, LoadedSheet, Pull, SheetLoadPath, Torque
+from origami_nlp.sheets import descend, judge
+from tests.command_line import run
+from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
+from tests.sheets.trigonometry import strip_states
+
+GAMMA, REST = math.radians(70), 1.2
+
+
+SNAPPING = (0.2, 1.0), (2.0, 2.6), 2.9
+"""Springs of zigzags and rows with which a sheet snaps, and where it stands."""
+
+
+def settled(pattern, phi):
+    sheet = Sheet(pattern)
+    return judge(sheet, descend(sheet, sheet.project(np.asarray(phi, float))[0]).phi)
+
+
+def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
+    """A Miura sheet with springs and rest angles of its zigzags and its rows."""
+    pattern = miura(m, n, GAMMA)
+    straight = np.abs(pattern.directions[:, 1]) < 1e-9
+    signs = np.sign(miura_angles(pattern, n, 1.0, GAMMA))
+    stiffness = np.where(straight, k[1], k[0])
+    pattern = pattern.with_springs(
+        list(stiffness), list(signs * np.where(straight, rest[1], rest[0]))
+    )
+    return pattern, settled(pattern, miura_angles(pattern, n, near, GAMMA))
+
+
+WELL = [1.41, -0.33, 1.33, 0.32, 0.32, 1.41, -0.33, 1.33, 1.41, -0.33, 1.33, 0.32]
+"""One of them, in two digits."""
+
+
+def bistable():
+    """A sheet of 3 x 3 facets whose springs hold it in two ways."""
+    pattern, classes = metasheet(3)
+    k, rest = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
+    return pattern.with_springs([k[c] for c in classes], [rest[c] for c in classes])
+
+
+# ---------------------------------------------------------------- one vertex
+
+
+@pytest.mark.parametrize(
+    ("to", "back", "count"),
+    [
+        (-0.15, False, 1),
+        pytest.param(-0.2, True, 2, marks=pytest.mark.slow),
+        pytest.param(0.06, True, 0, marks=pytest.mark.slow),
+    ],
+)
+def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
+    scene = o.examples.degree6("5*pi/12", ratio=1)
+    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    pattern = wheel(scene.vertex.sector_angles)
+    pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
+    one = o.load_path(scene, 1, to=to, back=back, **quick)
+    start = settled(pattern, one.legs[0].points[0].fold_angles)
+    path = o.find_load_path(pattern, 1, to=to, state=start, back=back, confirm=False)
+    assert not path.alarms and len(path.snaps) == len(one.snaps) == count
+    for ours, theirs in zip(path.snaps, one.snaps, strict=True):
+        assert ours.type == theirs.type
+        assert ours.t == pytest.approx(theirs.t, abs=1e-11)
+        assert ours.restabilises == pytest.approx(theirs.restabilises, abs=1e-11)
+        assert ours.before == pytest.approx(theirs.before, abs=1e-9)
+        assert ours.after == pytest.approx(theirs.after, abs=1e-9)
+        assert ours.released == pytest.approx(theirs.released, abs=1e-11)
+    closing = sorted(e.t for e in one.events if e.type == "closes")
+    mine = sorted(e.t for e in path.events if e.type == "closes")
+    assert all(min(abs(t - u) for u in mine) < 1e-11 for t in closing if t > 0)
+    if count:  # found by another program, with other steps
+        assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
+
+
+# ---------------------------------------------------------------- one freedom, in closed form
+
+
+def law(pattern, n, i, z):
+    """Fold angles of a Miura sheet, and the torque on crease i that holds it there."""
+    phi = miura_angles(pattern, n, z, GAMMA)
+    straight = np.abs(pattern.directions[:, 1]) < 1e-9
+    c, t = math.cos(GAMMA), math.tan(z / 2)
+    slope = np.where(straight, c * (1 + t * t) / (1 + c * c * t * t), 1.0)
+    d = np.sign(phi / math.copysign(1.0, z)) * slope
+    return phi, float((pattern.stiffness * (phi - pattern.rest)) @ d / d[i])
+
+
+@pytest.mark.parametrize("size", [4, pytest.param(8, marks=pytest.mark.slow)])
+def test_miura_follows_its_law_to_its_snap(size):
+    pattern, start = folded_miura(size, size, *SNAPPING)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    assert start.verdict == "minimum"
+    path = o.find_load_path(pattern, i + 1, state=start, confirm=False)
+    for leg in path.legs:
+        for p in leg.points:
+            if not 0.05 < abs(p.fold_angles[i]) < math.pi - 0.05:
+                continue  # beside flat and flat-folded states multipliers are large, and rounding with them
+            phi, t = law(pattern, size, i, abs(p.fold_angles[i]))
+            assert np.abs(phi - p.fold_angles).max() < 1e-9
+            assert t == pytest.approx(p.t, abs=1e-9 * size**2)
+    snap = path.snaps[0]
+    sense = math.copysign(1.0, -snap.t)
+    end = minimize_scalar(
+        lambda z: sense * law(pattern, size, i, z)[1],
+        bounds=(1.5, abs(start.fold_angles[i])), method="bounded", options={"xatol": 1e-12},
+    )  # fmt: skip
+    assert snap.t == pytest.approx(law(pattern, size, i, float(end.x))[1], rel=1e-12)
+    assert snap.type == "fold" and snap.released > 0
+    beyond = [x for b in path.branches for x in b.kind_ranges if x.kind == "saddle"]
+    assert beyond and all(
+        law(pattern, size, i, abs(p.fold_angles[i]))[1] == pytest.approx(p.t, abs=1e-9 * size**2)
+        for b in path.branches for r in b.kind_ranges if r.kind == "saddle" and b.id == 1
+        for p in b.points[r.points[0] : r.points[1] + 1]
+    )  # fmt: skip
+
+
+def test_a_path_stops_where_the_sheet_is_flat():
+    """It would go on through the flat state, where other ways are open that lead down."""
+    pattern, start = folded_miura(3, 3)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.find_load_path(pattern, i + 1, to=60.0, state=start)
+    (leg,) = path.legs
+    assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
+    found = judge(LoadedSheet(Sheet(pattern), path.driver, leg.points[-1].t), np.zeros(12))
+    assert found.verdict == "not a minimum"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 2])
+def test_strips_snap_where_trigonometry_says(seed):
+    pattern = strip(seed)
+    state, shared = strip_states(pattern)
+    start = o.find_states(pattern, starts=0, contact=False).minima[0]
+    path = o.find_load_path(pattern, 1, state=start, confirm=False)
+    darts = min(
+        product((False, True), repeat=2),
+        key=lambda d: np.abs(
+            _or_far(state(start.fold_angles[shared], d)) - start.fold_angles
+        ).max(),
+    )
+
+    def torque(fold, h=1e-5):
+        ahead, behind, phi = (state(fold + x, darts) for x in (h, -h, 0.0))
+        way = ahead - behind
+        return (pattern.stiffness * (phi - pattern.rest)) @ way / way[0]
+
+    interior = [p for leg in path.legs for p in leg.points if np.abs(p.fold_angles).max() < 3.1]
+    assert len(interior) > 20
+    for p in interior:
+        fold = p.fold_angles[shared]
+        assert np.abs(state(fold, darts) - p.fold_angles).max() < 1e-9
+        assert torque(fold) == pytest.approx(p.t, abs=1e-5)
+    for snap in path.snaps:
+        fold = snap.before[shared]
+        side = np.array([torque(fold + d) for d in (-1e-2, 0.0, 1e-2)]) * math.copysign(1, snap.t)
+        assert side[1] > max(side[0], side[2])  # the torque is extreme there
+        assert snap.t == pytest.approx(torque(fold), abs=1e-6)
+    assert path.snaps and all(e.located for e in path.events if e.type in ("fold", "closes"))
+
+
+def _or_far(phi):
+    return np.full(7, 9.0) if phi is None else phi
+
+
+def test_a_path_stops_where_all_creases_shut_at_once():
+    pattern, start = folded_miura(2, 3)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.find_load_path(pattern, i + 1, to=-40.0, state=start)
+    assert "shut at once" in path.legs[0].why and not path.snaps
+
+
+def test_springs_take_up_the_work_of_the_load():
+    pattern, start = folded_miura(3, 4)
+    for work in (
+        Pull(pattern, (0, 19)),
+        DeadForce(pattern, 19, (0.1, 0.5, 1.0), 1),
+        Torque(pattern, (2, 5)),
+    ):
+        path = o.find_load_path(pattern, work, to=2.0, state=start)
+        (leg,) = path.legs
+        t, w, e = (np.array([getattr(p, n) for p in leg.points]) for n in ("t", "angle", "energy"))
+        fine = np.linspace(t[0], t[-1], 20_001)
+        done = np.trapezoid(fine, PchipInterpolator(t, w)(fine))
+        assert leg.why == "range" and len(t) > 4
+        assert e[-1] - e[0] == pytest.approx(done, rel=2e-3)
+
+
+# ---------------------------------------------------------------- what a load works on
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda p: Pull(p, (0, 15)),
+        lambda p: DeadForce(p, 15, (0.3, -0.2, 1.0), 1),
+        lambda p: Torque(p, (1, 3)),
+    ],
+)
+def test_derivatives_against_differences(make):
+    rng = np.random.default_rng(3)
+    pattern = miura(3, 3)
+    work, phi, h = make(pattern), 0.5 * rng.normal(size=pattern.creases), 1e-6
+    steps = h * np.eye(pattern.creases)
+    slope = [(work.conjugate(phi + d) - work.conjugate(phi - d)) / (2 * h) for d in steps]
+    bend = [(work.gradient(phi + d) - work.gradient(phi - d)) / (2 * h) for d in steps]
+    assert np.abs(slope - work.gradient(phi)).max() < 1e-8
+    exact = work.hessian(phi)
+    assert np.abs(np.array(bend) - (0.0 if exact is None else exact)).max() < 1e-8
+    loaded = LoadedSheet(Sheet(pattern), work, -3.0)
+    assert loaded.energy(phi) > 0
+
+
+def test_a_pull_knows_no_facet_that_is_held():
+    """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
+    pattern, start = folded_miura(4, 4)
+    x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
+    for a, b in ((0, 24), (24, 0), (3, 21)):
+        far = float(Pull(pattern, (a, b)).conjugate(start.fold_angles))
+        assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
+
+
+# ---------------------------------------------------------------- contact
+
+
+def test_a_path_stops_where_facets_touch():
+    pattern = bistable()
+    start = settled(pattern, WELL)
+    path = o.find_load_path(pattern, 1, state=start, confirm=False)
+    sheet = Sheet(pattern)
+    assert any("touch" in leg.why for leg in path.legs)
+    for leg in path.legs:
+        assert not any(sheet.crossings.find(np.array(p.fold_angles)) for p in leg.points)
+    for event in path.events:
+        if event.type == "touches":
+            # a little further facets pass through each other
+            leg = min(path.legs, key=lambda leg: abs(leg.points[-1].t - event.t))
+            a, b = (np.array(p.fold_angles) for p in leg.points[-2:])
+            beyond, _ = sheet.project(b + 1e-3 * (b - a) / np.abs(b - a).max())
+            assert event.located and abs(event.residuals.event) < STATIONARY
+            assert sheet.crossings.find(beyond)
+
+
+# ---------------------------------------------------------------- whoever states it, however
+
+
+@pytest.mark.slow
+def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
+    rng = np.random.default_rng(7)
+    pattern, start = folded_miura(3, 2, *SNAPPING)
+    order = rng.permutation(len(pattern.corners))
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    axes *= np.sign(np.linalg.det(axes))
+    new = np.argsort(order)
+    sides = {tuple(sorted(new[e])): i for i, e in enumerate(pattern.ends.tolist())}
+    other = make_pattern(
+        (pattern.corners[order] @ axes.T) + [3.0, -1.0, 7.0],
+        [tuple(np.roll(new[list(q)], 1)) for q in pattern.polygons[::-1]],
+        rest={side: pattern.rest[i] for side, i in sides.items()},
+        stiffness={side: pattern.stiffness[i] for side, i in sides.items()},
+    )
+    place = [sides[tuple(e)] for e in other.ends.tolist()]
+    again = settled(other, start.fold_angles[place])
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    one = o.find_load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
+    two = o.find_load_path(other, place.index(i) + 1, to=30.0, state=again, confirm=False)
+    assert two.snaps[0].t == pytest.approx(one.snaps[0].t, rel=1e-11)
+    assert np.array(two.snaps[0].before) == pytest.approx(
+        np.array(one.snaps[0].before)[place], abs=1e-9
+    )
+
+
+def test_what_is_refused_is_named():
+    pattern, start = folded_miura(3, 3)
+    flat = judge(Sheet(miura(3, 3)), np.zeros(12))
+    for load, options, word in (
+        (0, {}, "crease"),
+        (13, {}, "crease"),
+        ([], {}, "empty"),
+        ([1, 1], {}, "twice"),
+        (1, {"to": "far"}, "to"),
+        (1, {"to": 0}, "to"),
+        (1, {"state": 0}, "state"),
+        (1, {"state": flat}, "flat"),
+        (Torque(miura(2, 2), (1,)), {}, "another pattern"),
+    ):
+        with pytest.raises(OptionError, match=word):
+            o.find_load_path(pattern, load, **{"state": start, **options})
+    with pytest.raises(OptionError, match="one facet"):
+        Pull(pattern, (0, 1))
+    with pytest.raises(OptionError, match="held"):
+        DeadForce(pattern, 0, (0, 0, 1), 1)
+    with pytest.raises(OptionError, match="not all 0"):
+        DeadForce(pattern, 15, (0, 0, 0), 1)
+
+
+# ---------------------------------------------------------------- files
+
+
+def test_a_path_comes_back_from_its_file(tmp_path):
+    pattern, start = folded_miura(3, 3)
+    path = o.find_load_path(pattern, [1, 2], to=1.0, state=start)
+    o.save(path, tmp_path / "load.json")
+    back = o.load(tmp_path / "load.json")
+    assert isinstance(back, SheetLoadPath)
+    assert back.to_dict() == path.to_dict() and back.legs == path.legs
+    assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
+
+
+def test_the_command_writes_all_of_it(tmp_path):
+    files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
+    code, out, err = run(
+        "pattern", "degree6", "--rest-angle", "60", "--stiffness", "0.01", "--load",
+        "--pull", "1,4", "--to", "-0.001", "--starts", "2", "--json", files["json"],
+        "--fold", files["fold"], "--html", files["html"],
+    )  # fmt: skip
+    assert code == 0, err
+    assert "stable to the end of the range" in out
+    data = json.loads(files["json"].read_text())["load"]
+    assert data["schema"] == "origami-nlp/sheet-load/1" and data["parameter"]["unit"] == "N"
+    frames = json.loads(files["fold"].read_text())["file_frames"]
+    assert len(frames) == len(data["legs"][0]["points"])
+    assert all(file.stat().st_size > 1000 for file in files.values())
+    code, _, err = run("pattern", "degree6", "--load")
+    assert code == 2 and "--crease" in err
+    code, _, err = run("pattern", "degree6", "--crease", "1")
+    assert code == 2 and "--load" in err

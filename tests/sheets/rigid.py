@@ -1,0 +1,115 @@
+"""Rigid facets by rotation matrices alone: a second way to place, close and part them, without the package.
+
+Only the data of a pattern is read: corners, polygons, creases with the facets beside them.
+"""
+
+import fcl
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+CUT = 1e-7
+"""Corners that two facets share are cut off by this share of their sides: what crosses, crosses beyond."""
+
+
+class Rigid:
+    """A pattern of plain facets (one polygon each), placed from facet to facet breadth first."""
+
+    def __init__(self, pattern):
+        assert len(pattern.polygons) == pattern.facets
+        self.p = pattern
+        beside = {}
+        for c, (a, b) in enumerate(zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)):
+            beside.setdefault(a, []).append((b, c, -1.0))
+            beside.setdefault(b, []).append((a, c, 1.0))
+        self.order, seen, k = [(0, -1, -1, 0.0)], {0}, 0
+        while k < len(self.order):
+            here = self.order[k][0]
+            for there, c, sense in beside[here]:
+                if there not in seen:
+                    seen.add(there)
+                    self.order.append((there, here, c, sense))
+            k += 1
+
+    def place(self, phi):
+        """4 x 4 matrices of the facets."""
+        p = self.p
+        out = {0: np.eye(4)}
+        for f, before, c, sense in self.order[1:]:
+            a, b = p.corners[p.ends[c]]
+            axis = (b - a) / np.linalg.norm(b - a)
+            step = np.eye(4)
+            step[:3, :3] = Rotation.from_rotvec(
+                sense * (phi[c] - p.reference[c]) * axis
+            ).as_matrix()
+            step[:3, 3] = a - step[:3, :3] @ a
+            out[f] = out[before] @ step
+        return [out[f] for f in range(p.facets)]
+
+    def polygons(self, phi):
+        """Corners of the facets in space."""
+        motions = self.place(phi)
+        return [
+            self.p.corners[list(q)] @ motions[f][:3, :3].T + motions[f][:3, 3]
+            for q, f in zip(self.p.polygons, self.p.facet_of, strict=True)
+        ]
+
+    def open(self, phi):
+        """How far ends of creases are apart on the facets beside them, [6 n]."""
+        p, motions = self.p, np.array(self.place(phi))
+        ends = p.corners[p.ends]
+        one, other = motions[p.left], motions[p.right]
+        gap = np.einsum("cij,cej->cei", one[:, :3, :3] - other[:, :3, :3], ends)
+        return (gap + (one - other)[:, None, :3, 3]).ravel()
+
+    def slopes(self, phi, h=1e-6):
+        """Differences of `open` over fold angles, pseudo-inverted: singular values below 1e-6 are none."""
+        rows = [
+            (self.open(phi + h * e) - self.open(phi - h * e)) / (2 * h) for e in np.eye(len(phi))
+        ]
+        return np.linalg.pinv(np.array(rows).T, rcond=1e-6)
+
+    def closed(self, phi, inverse, steps=30):
+        """Close fold angles near a state by Newton's chords from there; None where that fails."""
+        for _ in range(steps):
+            miss = self.open(phi)
+            if np.abs(miss).max() < 1e-11:
+                return phi
+            phi = phi - inverse @ miss
+        return None
+
+    def collide(self, phi):
+        """Pairs of facets without a common crease that the Flexible Collision Library finds in each other."""
+        x = self.polygons(phi)
+        beside = {tuple(sorted(q)) for q in zip(self.p.left, self.p.right, strict=True)}
+        found = []
+        for i in range(len(x)):
+            for j in range(i):
+                if (j, i) not in beside and _collide(x[i], x[j]):
+                    found.append((j, i))
+        return found
+
+
+def _collide(a, b):
+    if (a.min(axis=0) > b.max(axis=0)).any() or (b.min(axis=0) > a.max(axis=0)).any():
+        return False
+    a, b = _without(a, b), _without(b, a)
+    return fcl.collide(_mesh(a), _mesh(b), fcl.CollisionRequest(), fcl.CollisionResult()) > 0
+
+
+def _mesh(corners):
+    model = fcl.BVHModel()
+    triangles = np.array([(0, i, i + 1) for i in range(1, len(corners) - 1)])
+    model.beginModel(len(corners), len(triangles))
+    model.addSubModel(np.ascontiguousarray(corners), triangles)
+    model.endModel()
+    return fcl.CollisionObject(model)
+
+
+def _without(corners, other):
+    """A convex polygon with each corner cut off that is a corner of the other polygon too."""
+    shared = (np.linalg.norm(corners[:, None] - other[None], axis=2) < 1e-9).any(axis=1)
+    out = []
+    for i, x in enumerate(corners):
+        before, after = corners[i - 1], corners[(i + 1) % len(corners)]
+        out += [x + CUT * (before - x), x + CUT * (after - x)] if shared[i] else [x]
+    return np.array(out)
