@@ -5,8 +5,9 @@ features that face each other kept open to first order; it is then put back onto
 that it would have passed.  A step after which facets cross is shortened.  So every state on the way is closed and free
 of crossings, and features that face each other are all that has to be known: no planes, no forces from afar.
 
-Where features meet at borders, one of several gaps is enough to keep facets apart, and it is not known which: steps are
-tried with the one that is passed least.
+Where features meet at borders, one of several gaps is enough to keep facets apart: the state is judged on every piece
+(`pieces`), and where one of them leads down the descent goes on there.  Beside such places steps are tried with the
+gap that is open furthest.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, are rows of a step."""
 FAR = 1.0
 """Distance from which features are looked at, over the sheet's size, once facets have been found to cross."""
-SHORTEST = 1e-11
+SHORTEST = 1e-8
 """Of a step [rad]."""
 SETTLING = 1e-2
 """Reduced torque over the mean stiffness from which on the polish is tried."""
@@ -52,7 +53,7 @@ SLIPS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 End: TypeAlias = Literal["still", "lower", "held", "not settled"]
 """Of a step: a minimum, gone to a lower state, a state that was not decided, none."""
 UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
-"""Why a descent ends that is left without features."""
+"""Why a descent ends at a state that is neither held on every piece nor left on one."""
 
 
 def press(sheet: Sheet, phi: np.ndarray, most: int = 300, until: float = math.inf) -> Descended:
