@@ -99,7 +99,7 @@ def test_a_metasheet_has_the_states_of_its_vertex_less_those_that_cross(size):
         stiffness=list((k * count)[order]),
         rest_angles=list(rest[order]),
     )
-    vertex = find_minima(scene)
+    vertex = find_minima(scene, prove=False)
     assert [s.energy for s in result.minima] == pytest.approx(
         sorted(m.energy for m in vertex.minima), rel=1e-9
     )
@@ -243,6 +243,7 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
             stiffness=list(k),
             rest_angles=list(rest),
         ),
+        prove=False,
     )
     sheet = find_states(pattern, starts=30, contact=False)
     assert len(sheet.minima) == len(vertex.minima)
