@@ -81,17 +81,15 @@ class Rigid:
         """Pairs of facets without a common crease that the Flexible Collision Library finds in each other."""
         x = self.polygons(phi)
         beside = {tuple(sorted(q)) for q in zip(self.p.left, self.p.right, strict=True)}
-        found = []
-        for i in range(len(x)):
-            for j in range(i):
-                if (j, i) not in beside and _collide(x[i], x[j]):
-                    found.append((j, i))
-        return found
+        low, high = np.array([q.min(axis=0) for q in x]), np.array([q.max(axis=0) for q in x])
+        overlap = np.tril(
+            (low[:, None] <= high).all(axis=2) & (low <= high[:, None]).all(axis=2), -1
+        )
+        pairs = [(j, i) for i, j in np.argwhere(overlap).tolist()]
+        return [(j, i) for j, i in pairs if (j, i) not in beside and _collide(x[i], x[j])]
 
 
 def _collide(a, b):
-    if (a.min(axis=0) > b.max(axis=0)).any() or (b.min(axis=0) > a.max(axis=0)).any():
-        return False
     a, b = _without(a, b), _without(b, a)
     return fcl.collide(_mesh(a), _mesh(b), fcl.CollisionRequest(), fcl.CollisionResult()) > 0
 
