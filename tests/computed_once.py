@@ -5,6 +5,7 @@ They are of the code under test: the folder belongs to one run of pytest and end
 
 import dataclasses
 import functools
+import hashlib
 import pickle
 import re
 from collections.abc import Callable, Sequence
@@ -18,6 +19,8 @@ from origami_nlp import Scene, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
+from origami_nlp.programme import Model
+from origami_nlp.proof import Proof, prove
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -46,6 +49,19 @@ def shared(compute: Callable[..., T]) -> Callable[..., T]:
         return once(re.sub(r"[^\w.,+-]", "_", words), lambda: compute(*arguments))
 
     return functools.cache(ask)
+
+
+def proved_once(model: Model, **options: Any) -> Proof:
+    """Prove as a search does that nobody asked to: once per run for each scene, which many tests search.
+
+    Such a proof stops after a number of boxes, not at a time, so that it is the same whenever it is asked for.
+    """
+    if set(options) != {"most"}:
+        return prove(model, **options)
+    stated = dataclasses.asdict(model.scene) | {"name": None}
+    asked = repr((stated, model.parameters.vector.tolist(), options))
+    key = hashlib.sha256(asked.encode()).hexdigest()
+    return once(f"proof-{key}", lambda: prove(model, **options))
 
 
 def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:

@@ -36,6 +36,14 @@ def _folder_of_the_run(tmp_path_factory, pytestconfig):
     computed_once.folder = own.parent if hasattr(pytestconfig, "workerinput") else own
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _unasked_proofs_once(_folder_of_the_run):
+    """What takes most of a search is the proof that its list is complete; tests search the same scenes again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("origami_nlp.minima.proved.prove", computed_once.proved_once)
+        yield
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     if _long(config):

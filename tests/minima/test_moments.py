@@ -21,7 +21,7 @@ def draw(n, seed=0, equal=False):
     return Scene(vertex, tuple(k.tolist()), tuple(rest.tolist()), "none", "fold-limits")
 
 
-@pytest.mark.parametrize("n", [4, 6, 8])
+@pytest.mark.parametrize("n", [4, 6, pytest.param(8, marks=pytest.mark.slow)])
 def test_every_minimum_is_a_zero_of_the_map(n):
     compared = 0
     for seed in range(3):
@@ -119,7 +119,9 @@ def verify(result):
     assert verified >= 0.7 * len(result.minima)
 
 
-@pytest.mark.parametrize(("n", "equal"), [(30, True), (100, False), (300, True)])
+@pytest.mark.parametrize(
+    ("n", "equal"), [(30, True), pytest.param(100, False, marks=pytest.mark.slow), (300, True)]
+)
 def test_long_vertices_are_searched_in_bounded_time(n, equal):
     begin = time.process_time()
     result = find_minima(draw(n, equal=equal), effort="quick", max_starts=40)

@@ -113,7 +113,7 @@ def test_the_judge_refutes_a_saddle_and_the_flat_state():
 MIURA = math.radians(66.37062226934322)
 
 
-@pytest.mark.parametrize("t", thinned([4.27e-5, 1e-3, 1e-5, 0.5, 1e-7], 2))
+@pytest.mark.parametrize("t", thinned([4.27e-5, 1e-3, 1e-5, 0.5, 1e-7], 5))
 def test_the_judge_refutes_the_false_states_of_a_miura_vertex(t):
     a = MIURA
     claim = sheet((a, a, pi - a, pi - a), (1,) * 4, (pi, pi, -pi, pi))
@@ -210,7 +210,8 @@ def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
             assert np.abs(np.subtract(other, same[0])).max() <= close_to
 
 
-@pytest.mark.parametrize("sign", [1, pytest.param(-1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("sign", [1, -1])
 def test_next_to_pi_third(sign):
     """alpha_1 = pi/3 +- d: 1e-10 away the minima are those of pi/3, or as many as 1e-6 away."""
     scene = examples.degree6(pi / 3 + sign * 1e-10, 1.0)
@@ -225,7 +226,7 @@ def test_next_to_pi_third(sign):
         assert len(near.minima) == len(away.minima)
 
 
-@pytest.mark.parametrize("angle", thinned([1e-6, 1e-3, 1e-9], 2))
+@pytest.mark.parametrize("angle", thinned([1e-9, 1e-3, 1e-6], 3))
 def test_a_book_at_rest_hardly_open(angle):
     """Its rest state is the minimum, to rounding; below the accuracy of contacts (1e-8), to that."""
     rest = (angle, 0.0, 0.0, angle, 0.0, 0.0)
@@ -261,7 +262,7 @@ SMALL = [seed for kind in KINDS for seed in [k for k in range(200) if of_kind(k,
 """Two scenes of each kind, of degree 4 and 5: those of higher degree take too long for every day."""
 
 
-@pytest.mark.parametrize("seed", thinned(SMALL, 2))
+@pytest.mark.parametrize("seed", thinned(SMALL, 4))
 def test_every_minimum_of_a_nearly_singular_scene_stands(seed):
     assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32, fewest_starts=16)
 

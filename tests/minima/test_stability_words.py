@@ -15,15 +15,14 @@ from origami_nlp.minima import judge_in_full_space, minima_table
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from origami_nlp.show import VERDICTS, WARNING
-from tests.computed_once import once
+from tests.computed_once import once, panel_result
 
 SCENE = o.examples.degree6("pi/3", 1)
 
 
 @pytest.fixture(scope="module")
 def decided():
-    few = dict(fewest_starts=32, max_starts=32)
-    return once("decided", lambda: o.find_minima(SCENE, **few, full=True))
+    return panel_result(SCENE, full=True)
 
 
 @pytest.fixture(scope="module")

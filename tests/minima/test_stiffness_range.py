@@ -38,7 +38,8 @@ def test_stiffnesses_that_cannot_be_computed_with_are_refused(stiffness, words):
 
 @pytest.mark.parametrize("power", [0, pytest.param(8, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
-    ("name", "where"), thinned(list(itertools.product(VERTICES, ("stiff", "soft"))), 3)
+    ("name", "where"),
+    thinned(list(itertools.product(VERTICES, ("stiff", "soft"))), 3),
 )
 def test_one_spring_of_a_very_different_stiffness(name, where, power):
     """At 1e4 and 1e8 the same kinds of states: the limit of a rigid, or of no, spring is reached."""
@@ -46,7 +47,9 @@ def test_one_spring_of_a_very_different_stiffness(name, where, power):
     for ratio in (1e4, 1e8):
         unit = 10.0**power
         k = (ratio if where == "stiff" else 1 / ratio) * unit
-        result = find_minima(scene(VERTICES[name], (k, unit, unit, unit)), max_starts=64)
+        result = find_minima(
+            scene(VERTICES[name], (k, unit, unit, unit)), max_starts=64, prove=False
+        )
         assert all(m.polished and m.closure_residual <= 1e-12 for m in result.minima)
         found.append(result.minima)
     few, many = found
