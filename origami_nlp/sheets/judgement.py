@@ -36,7 +36,16 @@ from origami_nlp.sheets.curvature import lowest_curvature
 from origami_nlp.sheets.lower import lower_state
 from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
 from origami_nlp.sheets.rows import LOADED, Rows
+from origami_nlp.sheets.sharp import slopes
 from origami_nlp.sheets.state import SheetState, Verdict
+
+SHARP: dict[str, Any] = {
+    "verdict": "minimum",
+    "kind": "degenerate",
+    "eigenvalue": math.inf,
+    "certificate": "strict minimum: energy rises to first order along every way out, though closure loses rank and "
+    "no moments balance it",
+}
 
 
 def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
@@ -100,6 +109,11 @@ def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
             eigenvalue=float(lowest_curvature(sheet, phi, np.diag(sheet.stiffness))),
             certificate="flat, its springs balanced by closure: strict minimum, curvature of the springs",
         )
+    if slopes(sheet, phi)[0]:
+        why = "flat and alone: no way leads out of it, strict minimum"
+        return replace(
+            blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
+        )
     branches = list_branches(sheet.pattern)
     drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
     ways = [
@@ -138,12 +152,16 @@ def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
         why = f"not decided: facets reach into each other by {-rows.gaps.min():.1e} of the sheet's size"
         return replace(blank, verdict="undecided", certificate=why)
     piece = judge_piece(sheet, phi, rows, found)
+    rises, falling = (False, []) if piece.balanced else slopes(sheet, phi)
+    if rises:
+        contacts = told_contacts(sheet, rows, found)
+        return replace(blank, kkt_residual=piece.missing, contacts=contacts, **SHARP)
     meeting = closed_choices(sheet, phi) if touching and not piece.proved else []
     pieces = Pieces([piece], count=1)
     if z is not None and meeting:
         pieces = judge_pieces(sheet, phi, rows, meeting, z)
     elif not piece.proved:
-        found_ways = (lower_state(sheet, phi, w, rows, contact) for w in piece.ways)
+        found_ways = (lower_state(sheet, phi, w, rows, contact) for w in (*piece.ways, *falling))
         down = next((new for new in found_ways if new is not None), None)
         pieces = Pieces([], piece, down, 1)
     return _told(sheet, blank, pieces)

@@ -12,6 +12,9 @@ from origami_nlp.sheets.rows import Rows, put_back
 
 REACHES = 1e-4, 1e-3, 1e-2, 1e-1
 """Distances at which lower states are looked for [rad]."""
+NEAREST = 1e-5
+"""Distance of lower states at least [rad]: beside a singular state anything closes to the square of its distance, here
+a hundred times `CLOSES`, so that states that are nearer may be none."""
 
 
 def lower_state(
@@ -48,6 +51,8 @@ def lower_state(
         else:
             new, residual = sheet.project(start, np.abs(start) == math.pi)
         if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
+            continue
+        if np.abs(new - phi).max() < NEAREST:
             continue
         if contact and (sheet.crossings.find(new) or order_layers(sheet, new).verdict != "ordered"):
             return None  # what lies further that way would be reached through facets
