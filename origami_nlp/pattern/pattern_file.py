@@ -18,6 +18,7 @@ from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_parts import check_parts, check_sides
 from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
 from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
+from origami_nlp.pattern.plane_faces import plane
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
@@ -180,6 +181,8 @@ class _Sheet:
         self.polygons = self._faces() if frame.faces else self._walked()
         self._check_faces()
         self._cut()
+        if frame.folded:
+            self._make_plane()
         sides = Counter(_side(p[i - 1], v) for p in self.polygons for i, v in enumerate(p))
         shared = [s for s, count in sorted(sides.items()) if count > 1]
         found = {s: self._edge(s) for s in shared}
@@ -329,6 +332,13 @@ class _Sheet:
                 f"paper meets in points at vertices {listed(points)}: it is not joined there"
             )
         check_parts(self.frame, self.polygons, self.origin)
+
+    def _make_plane(self) -> None:
+        self.corners, moved = plane(self.corners, self.polygons)
+        if moved > TYPED * float(np.ptp(self.corners, axis=0).max()):
+            self.notes.append(
+                f"faces are not quite plane, as the coordinates have few digits: corners are moved by up to {moved:.1e}"
+            )
 
     def _note_borders(self, sides: Counter[Side]) -> None:
         alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]
