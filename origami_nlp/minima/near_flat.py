@@ -1,10 +1,10 @@
 """Minima beside the flat state, to second order: where descents from elsewhere seldom arrive.
 
 At the flat state closure c loses rank.  Near it closed states x obey J x = 0 and x'Fx = 0, F the second derivative of
-s . c for the one s with s J = 0, up to terms of third order.  There is one scale only, that of the rest angles: where
-these all but cancel on that cone the minimum is close to its tip, with a basin as small as its distance.  The
-stationary states of the springs on the cone are y = -g / (1 + lam a) in the axes of F on the kernel of J (y = sqrt(k) x,
-g the torque at the flat state, a the curvatures), and lam solves one equation,
+s . c for the one s with s J = 0, up to terms of third order.  Where rest angles all but cancel on that cone, a
+minimum is close to its tip, with a basin as small as its distance.  In the axes of F on the kernel of J, stationary
+states of the springs on the cone are y = -g / (1 + lam a), where y = sqrt(k) x, g is the torque at the flat state and
+a are the curvatures of F; lam solves one equation,
 
     h(lam) = sum_i a_i (g_i / (1 + lam a_i))^2 = 0,
 

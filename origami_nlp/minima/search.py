@@ -55,7 +55,7 @@ class Search:
         self._descents = Descents(under[0] if under else model)
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
-        self._below: list[np.ndarray] = []  # starts either side of saddles, and beside the flat state, for the next batch
+        self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
         self._workers, self._found = workers, found
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)

@@ -13,12 +13,12 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.crease_pattern import APART, CLOSED
+from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_parts import check_parts, check_sides
 from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
 from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
-from origami_nlp.pattern.plane_faces import plane
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
@@ -181,8 +181,6 @@ class _Sheet:
         self.polygons = self._faces() if frame.faces else self._walked()
         self._check_faces()
         self._cut()
-        if frame.folded:
-            self._make_plane()
         sides = Counter(_side(p[i - 1], v) for p in self.polygons for i, v in enumerate(p))
         shared = [s for s, count in sorted(sides.items()) if count > 1]
         found = {s: self._edge(s) for s in shared}
@@ -192,6 +190,7 @@ class _Sheet:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
         self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
         self._note_borders(sides)
+        self._make_exact()
 
     def _edge(self, side: Side) -> int | None:
         return self.number.get(_side(*(self.origin[v] for v in side)))
@@ -333,12 +332,18 @@ class _Sheet:
             )
         check_parts(self.frame, self.polygons, self.origin)
 
-    def _make_plane(self) -> None:
-        self.corners, moved = plane(self.corners, self.polygons)
-        if moved > TYPED * float(np.ptp(self.corners, axis=0).max()):
-            self.notes.append(
-                f"faces are not quite plane, as the coordinates have few digits: corners are moved by up to {moved:.1e}"
-            )
+    def _make_exact(self) -> None:
+        made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit)
+        self.corners = made.corners
+        if not made.moved:
+            return
+        what = "faces are plane"
+        if made.relations:
+            what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
+            what += " and faces are plane" if self.frame.folded else ""
+        self.notes.append(
+            f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+        )
 
     def _note_borders(self, sides: Counter[Side]) -> None:
         alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]
