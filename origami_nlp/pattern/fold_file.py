@@ -360,6 +360,8 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
     if np.abs(out).max() > 1e100:
         raise FoldFileError("vertices_coords exceed 1e100: rescale the pattern")
+    if 0.0 < np.ptp(out, axis=0).max() < 1e-100:
+        raise FoldFileError("vertices_coords span less than 1e-100: rescale the pattern")
     return out, wide
 
 
