@@ -21,7 +21,8 @@ from origami_nlp.facets import Sheet
 from origami_nlp.numerics import SETTLED
 from origami_nlp.sheet_loading.branch import STABLE, Branch
 from origami_nlp.sheet_loading.curve import LoadedState
-from origami_nlp.sheet_loading.events import Found, words
+from origami_nlp.sheet_loading.events import Found
+from origami_nlp.sheet_loading.held import Contact, words
 from origami_nlp.sheet_loading.work import Work
 from origami_nlp.sheets import judge
 
@@ -145,10 +146,11 @@ def _kind(state: LoadedState, number: int, out: Packed) -> tuple[str, str]:
 
 
 def _point(state: LoadedState, sheet: Sheet) -> PathPoint:
-    carried = tuple(
-        Multiplier(words((c,)), float(f * sheet.scale), (float(f * sheet.scale),) * 2)
-        for c, f in zip(state.held, state.system.forces, strict=True)
-    )
+    def unit(contact: Contact) -> float:
+        return sheet.scale / (1.0 if isinstance(contact, int) else sheet.crossings.size)
+
+    both = zip(state.held, state.system.forces.tolist(), strict=True)
+    carried = tuple(Multiplier(words((c,)), f * unit(c), (f * unit(c),) * 2) for c, f in both)
     low = state.lowest * sheet.scale if math.isfinite(state.lowest) else math.nan
     phi = tuple(state.phi.tolist())
     return PathPoint(state.t, phi, float(sheet.pattern.energy(state.phi)), carried, low, math.nan)
