@@ -101,7 +101,12 @@ class System:
     def residual(self) -> float:
         """Largest entry of the equations."""
         left = float(np.abs(self.balance[self.free]).max(initial=0.0)) / self.size
-        return max(left, float(np.abs(self.closure).max(initial=0.0)))
+        return max(left, self.missing)
+
+    @property
+    def missing(self) -> float:
+        """Largest entry of closure and gaps."""
+        return float(np.abs(self.closure).max(initial=0.0))
 
     @property
     def forces(self) -> np.ndarray:
@@ -295,12 +300,13 @@ class LoadCurve:
             point = point + step
             if length <= SAME:  # its square is rounding
                 system = self.system(point, multipliers)
-                break
+                # off closure a gap is one along a tree, its slope one along a walk: one step more
+                if system.missing <= CLOSES:
+                    break
         else:
             return None
         self._known[:] = [(point, system)]
-        closes = float(np.abs(system.closure).max(initial=0.0)) <= CLOSES
-        good = closes and system.residual <= STATIONARY
+        good = system.missing <= CLOSES and system.residual <= STATIONARY
         return (point, system) if good and self.sheet.closure.on_sheet(point[:-1]) else None
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
