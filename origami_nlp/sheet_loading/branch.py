@@ -23,7 +23,7 @@ from origami_nlp.sheet_loading.held import (
     touching_rows,
     without,
 )
-from origami_nlp.sheet_loading.touching import slid
+from origami_nlp.sheet_loading.touching import leaning, slid
 from origami_nlp.sheet_loading.work import Work
 from origami_nlp.sheets import closed_contacts
 
@@ -172,7 +172,8 @@ class Follower:
                     return None
         if not stop:
             last = branch.states[-1]
-            branch.add(Found("singular", last, math.nan, why=self._open(last) or why))
+            why = self._open(last) or leaning(curve, last) or why
+            branch.add(Found("singular", last, math.nan, why=why))
             return None
         branch.add(stop[-1])
         return stop[-1] if stop[-1].type in ("closes", "leaves") else None
@@ -200,7 +201,7 @@ class Follower:
         shut = self.closed(phi)
         for chosen in _sets(shut):
             curve = self.curve(chosen)
-            if curve.system(point).residual > BALANCED:
+            if not self._independent(phi, chosen) or curve.system(point).residual > BALANCED:
                 continue
             state = curve.where(point, -1, load, along)
             if state is not None and self._goes_on(curve, state, shut):
@@ -215,22 +216,39 @@ class Follower:
         those that leave are all let go.
         """
         kept = without(came.held, event.contacts)
-        sets = list(_sets(event.contacts))
-        sets = sets[::-1][:-1] if event.type == "leaves" else sets[:-1]
+        idle = without(self.closed(came.phi), came.held) if touches_of(came.held) else ()
+        open_to = ordered((*event.contacts, *touches_of(idle)))
+        sets = list(_sets(open_to))
+        if event.type == "leaves":  # what was closed without a force may have to take over
+            sets = [s for s in reversed(sets) if without(event.contacts, s)]
+        else:
+            sets = [s for s in sets if s]
         back: LoadedState | None = None
         for chosen in sets or [event.contacts]:
+            if not self._independent(came.phi, (*kept, *chosen)):
+                continue
             curve = self.curve((*kept, *chosen))
             found = curve.where(came.x, -1, float(came.x[-1]), came.tangent)
             if found is None or np.abs(found.x - came.x).max() > SETTLED:
                 continue
             for sign in (1.0, -1.0):
                 state = curve.frame_of(found.x, found.system, sign * came.tangent)
-                if state is None or not self._goes_on(curve, state, event.contacts):
+                if state is None or not self._goes_on(curve, state, open_to):
                     continue
                 if state.ahead * came.ahead > 0:
                     return state
                 back = back or state
         return back
+
+    def _independent(self, phi: np.ndarray, held: Sequence[Contact]) -> bool:
+        """Tell whether gaps of touches are independent where creases are held; otherwise forces are not unique."""
+        touches = touches_of(held)
+        if not touches:
+            return True
+        z = self.sheet.kernel(phi, creases_of(held))
+        rows = touching_rows(self.sheet, phi, touches).slopes @ z
+        values = np.linalg.svd(rows, compute_uv=False)
+        return len(touches) <= z.shape[1] and bool(values.min() > INDEPENDENT)
 
     def _goes_on(self, curve: LoadCurve, state: LoadedState, closed: tuple[Contact, ...]) -> bool:
         """Tell whether a short step in the direction of a state ends at an equilibrium.

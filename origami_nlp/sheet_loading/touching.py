@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Touch
-from origami_nlp.numerics import SETTLED, STATIONARY
+from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState, System
 from origami_nlp.sheet_loading.events import Found, length, root_between
 from origami_nlp.sheet_loading.held import margin, ordered, touches_of, without, words
@@ -29,6 +29,14 @@ def slid(curve: LoadCurve, state: LoadedState) -> list[Touch]:
     crossings = curve.sheet.crossings
     features, at = Features(crossings), Placed(crossings.poses, state.phi)
     return [t for t in touches if margin(features, t, at) <= 0.0]
+
+
+def leaning(curve: LoadCurve, state: LoadedState) -> str:
+    """Say which features held are so close to a border that forces on them grow beyond bounds; empty if none are."""
+    crossings = curve.sheet.crossings
+    features, at = Features(crossings), Placed(crossings.poses, state.phi)
+    close = [t for t in touches_of(state.held) if margin(features, t, at) <= BESIDE]
+    return f"{words(close)}: close to a border, where the gap hardly moves" if close else ""
 
 
 def sliding(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:
