@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.facets import INSIDE, Features, Placed, Sheet, Touch
 from origami_nlp.numerics import cross
-from origami_nlp.sheets import Rows
+from origami_nlp.sheets import Rows, SheetContact
 
 Contact: TypeAlias = int | Touch
 """A crease (0-based) at its fold limit, or features that touch."""
@@ -58,10 +58,7 @@ def words(contacts: Iterable[Contact]) -> str:
     both = list(contacts)
     creases = creases_of(both)
     out = [] if not creases else [_limits(creases)]
-    touches = [
-        f"facets {min(t.facets) + 1} and {max(t.facets) + 1} touch, {t.type}"
-        for t in touches_of(both)
-    ]
+    touches = [SheetContact(t.type, t.facets, 0.0, t.corners).features() for t in touches_of(both)]
     out += touches[:MOST_NAMED]
     return "; ".join(out) + (f"; ... ({len(touches)})" if len(touches) > MOST_NAMED else "")
 
