@@ -58,9 +58,18 @@ def words(contacts: Iterable[Contact]) -> str:
     both = list(contacts)
     creases = creases_of(both)
     out = [] if not creases else [_limits(creases)]
-    touches = [SheetContact(t.type, t.facets, 0.0, t.corners).features() for t in touches_of(both)]
+    touches = [_features(t) for t in touches_of(both)]
     out += touches[:MOST_NAMED]
     return "; ".join(out) + (f"; ... ({len(touches)})" if len(touches) > MOST_NAMED else "")
+
+
+def _features(touch: Touch) -> str:
+    """Name features that touch; of two sides that of the lower facet first, from whichever they were found."""
+    facets, (p, q, r, s) = touch.facets, touch.corners
+    if touch.type == "edge-edge":
+        one, other = sorted([(facets[0], *sorted((p, q))), (facets[1], *sorted((r, s)))])
+        facets, (p, q, r, s) = (one[0], other[0]), (*one[1:], *other[1:])
+    return SheetContact(touch.type, facets, 0.0, (p, q, r, s)).features()
 
 
 def _limits(creases: list[int]) -> str:
