@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.files import Brief
 
 Verdict: TypeAlias = Literal["minimum", "not a minimum", "undecided", "crosses", "no state"]
-Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching"]
+Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,13 +96,15 @@ class SheetState(Brief):
         ``"minimum"`` (strict, certified), ``"not a minimum"`` (a lower state was found beside it), ``"crosses"``
         (facets pass through each other), ``"no state"`` (it does not close, or is beyond a limit), ``"undecided"``.
     kind
-        Of a minimum: no contact, all contacts loaded, or some not; None otherwise.
+        Of a minimum: no contact, all contacts loaded, some not, or closure loses rank there and nothing balances the
+        springs; None otherwise.
     freedoms
         Creases less the rank of closure.
     closure_residual
         Largest entry of closure.
     kkt_residual
-        Torque that closure and contacts do not balance, over the largest.
+        Torque that closure and contacts do not balance, over the largest; not small where a minimum is degenerate, or
+        flat and alone.
     eigenvalue
         Smallest curvature of the Lagrangian over the mean stiffness along what loaded contacts leave free; inf where
         they leave nothing; nan where it was not asked for.
