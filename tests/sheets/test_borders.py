@@ -188,3 +188,27 @@ def test_degenerate_minima_of_one_vertex_are_minima_of_its_sheet():
         assert verdict == "minimum" or (layered and verdict == "undecided")
         many += verdict == "minimum" and found.kind == "degenerate"
     assert many > 5
+
+
+@pytest.mark.slow
+def test_lower_states_beside_those_of_a_pattern_cross():
+    """Resch's pattern: some of its states have three layers, of which one crease shut less would open another."""
+    found = o.find_states("resch", starts=1)
+    sheet, rng, lower, many = Sheet(found.pattern), np.random.default_rng(0), 0, 0
+    for state in found.minima:
+        phi, shut = state.fold_angles, np.abs(state.fold_angles) == math.pi
+        if state.kind == "interior" or shut.sum() < 2:
+            continue
+        energy, z = sheet.energy(phi), sheet.kernel(phi)
+        down = -z @ (z.T @ sheet.torque(phi))
+        for k in range(20):
+            held = shut & (rng.uniform(size=len(phi)) < 0.7)
+            way = z @ rng.normal(size=z.shape[1])
+            way = way / np.linalg.norm(way) + 0.4 * (k % 3) * down / np.linalg.norm(down)
+            start = np.clip(phi + 10.0 ** -(2 + k % 3) * way, -math.pi, math.pi)
+            new, residual = sheet.project(np.where(held, phi, start), held)
+            if residual <= 1e-12 and np.abs(new).max() <= math.pi and sheet.energy(new) < energy:
+                assert sheet.crossings.find(new)
+                lower += 1
+        many += 1
+    assert many > 3 and lower > 10
