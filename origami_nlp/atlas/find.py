@@ -18,7 +18,7 @@ from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, check_prove, find_minima, full_scene
+from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
 from origami_nlp.pattern import Scene, Vertex
@@ -119,13 +119,12 @@ def follow_family(
     survey = _Survey(family, through_folds, full_space, morse, search, steps)
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
-    for t in ([middle] if checks == 1 else [*ends, middle])[:checks]:
-        survey.check(t)
+    survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])
     while len(survey.checks) < checks:
         s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
         if s is None:
             break
-        survey.check(family.over.t_of(s))
+        survey.check([family.over.t_of(s)])
     return survey.atlas()
 
 
@@ -174,16 +173,23 @@ class _Survey:
             )
         return self._across[frame]
 
-    def check(self, t: float) -> None:
-        """Search at t, follow what is new, and compare."""
+    def check(self, values: list[float]) -> None:
+        """Search at some values at once; follow what is new at one after the other, and compare."""
         begin = time.perf_counter()
-        scene = self.family.scene(t)
-        result = find_minima(scene, **self._search)  # type: ignore[arg-type]
-        morse = self._identity(scene, result) if self._morse else ""
+        scenes = [self.family.scene(t) for t in values]
+        results = find_minima_of_each(scenes, **self._search)  # type: ignore[arg-type]
         seconds = time.perf_counter() - begin
         self._begin += seconds
-        model = Model(scene)
-        s = self.over.s_of(t)
+        for t, result in zip(values, results, strict=True):
+            self._compare(t, result, seconds / len(values))
+
+    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
+        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+        begin = time.perf_counter()
+        morse = self._identity(result.scene, result) if self._morse else ""
+        more = time.perf_counter() - begin
+        seconds, self._begin = seconds + more, self._begin + more
+        model, s = result.model, self.over.s_of(t)
         new, met = 0, []
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))

@@ -15,6 +15,7 @@ from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
     check_options as check_options,
     find_minima as find_minima,
+    find_minima_of_each as find_minima_of_each,
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (

@@ -41,7 +41,7 @@ from origami_nlp.minima.one_freedom import EXACT, trace
 from origami_nlp.minima.proved import check_prove, prove_complete
 from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.search import Search
+from origami_nlp.minima.search import Search, Work, finish
 from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of, is_chain
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import CLOSES, SAME
@@ -156,21 +156,56 @@ def find_minima(
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
-    begin = time.perf_counter()
-    model = Model(scene)
-    job = _Job(model, seed, wanted, (fewest_starts, max_starts), progress)
-    job.list_states()
-    # where nothing can move within the symmetry, the listed states are all there is
-    if model.freedom > 0:
-        job.search([model.reduce(g) for g in guesses], workers)
-    for answer in job.record.minima:
-        close_orbit(model, job.record, answer)
-    completeness = prove_complete(model, job.record, prove)
-    minima, others, outcomes = _sort_out(model, job.record)
-    if full:
-        minima = _in_full_space(scene, minima)
-    report = job.report(others, outcomes, time.perf_counter() - begin, effort)
-    return MinimaResult(scene, model, tuple(minima), report, completeness)
+    job = _Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress)
+    finish([job.work(guesses, workers)])
+    return job.result(effort, prove, full)
+
+
+def find_minima_of_each(
+    scenes: Sequence[Scene],
+    *,
+    seed: int = 0,
+    effort: str = "normal",
+    max_starts: int = MOST_STARTS,
+    prove: bool | float | None = None,
+) -> list[MinimaResult]:
+    """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
+
+    Descents of all of them are made together then; starts, judgements and stopping are those of each search alone.
+
+    Parameters
+    ----------
+    scenes
+        The scenes.
+    seed, effort, max_starts, prove
+        As for `find_minima`.
+
+    Returns
+    -------
+    list of MinimaResult
+        In the order of the scenes; `SearchReport.seconds` counts the time of all from first to last.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.minima import find_minima_of_each
+    >>> scenes = [o.examples.degree6("pi/4", ratio) for ratio in (0.1, 10)]
+    >>> [len(result.minima) for result in find_minima_of_each(scenes, prove=False)]
+    [2, 2]
+    """
+    check_options(seed, max_starts)
+    wanted = effort_of(effort)
+    check_prove("prove", prove)
+    for scene in scenes:
+        check_type("scenes", scene, Scene)
+    jobs = [_Job(Model(scene), seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    finish([job.work([], 1) for job in jobs])
+    return [job.result(effort, prove, False) for job in jobs]
 
 
 class _Job:
@@ -192,6 +227,26 @@ class _Job:
         self.complete = ""
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
+        self.begin = time.perf_counter()
+
+    def work(self, guesses: list[np.ndarray], workers: int) -> Work:
+        """List states, and search; guesses: states [N] to start from first."""
+        self.list_states()
+        # where nothing can move within the symmetry, the listed states are all there is
+        if self.model.freedom > 0:
+            yield from self.search([self.model.reduce(g) for g in guesses], workers)
+
+    def result(self, effort: str, prove: bool | float | None, full: bool) -> MinimaResult:
+        """Close orbits, prove, decide in the full space, as far as asked, and report."""
+        model, record = self.model, self.record
+        for answer in record.minima:
+            close_orbit(model, record, answer)
+        completeness = prove_complete(model, record, prove)
+        minima, others, outcomes = _sort_out(model, record)
+        if full:
+            minima = _in_full_space(model.scene, minima)
+        report = self.report(others, outcomes, time.perf_counter() - self.begin, effort)
+        return MinimaResult(model.scene, model, tuple(minima), report, completeness)
 
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
@@ -203,7 +258,7 @@ class _Job:
             if self.record.known(x) is None:
                 self.record.answers.append(listed(model, x))
 
-    def search(self, guesses: list[np.ndarray], workers: int) -> None:
+    def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
         if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
@@ -215,27 +270,29 @@ class _Job:
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
             if guesses:
-                search.run(search.closed(np.array(guesses)))
-            self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
+                yield from search.run(search.closed(np.array(guesses)))
+            rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
+            yield from self._rounds(search, rounds)
 
-    def _rounds(self, search: Search, rounds: Rounds) -> None:
+    def _rounds(self, search: Search, rounds: Rounds) -> Work:
         self.stopped_by = "cap"
         quiet = 0
         for samples in rounds:
             found = len(self.record.minima)
-            search.run(samples[np.arange(min(len(samples), self.most - self.record.starts))])
+            some = np.arange(min(len(samples), self.most - self.record.starts))
+            yield from search.run(samples[some])
             quiet = quiet + 1 if len(self.record.minima) == found else 0
             self._tell()
             if self.record.starts >= self.most:
                 break
             if self.record.starts >= self.fewest and self._enough(quiet):
                 found = len(self.record.minima)
-                search.run()
+                yield from search.run()
                 if len(self.record.minima) == found:
                     self.stopped_by = "rule"
                     break
                 quiet = 0
-        search.run()
+        yield from search.run()
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:
