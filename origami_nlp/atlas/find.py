@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
-from origami_nlp.atlas.family import Family, Over, family_of, parse_over
+from origami_nlp.atlas.family import SAMPLES, Family, Over, family_of, parse_over
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.atlas.records import Check, Cost, PathBranch
 from origami_nlp.atlas.result import Atlas
@@ -22,7 +22,6 @@ from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, f
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
@@ -161,7 +160,8 @@ class _Survey:
     def _full_line(self) -> ParameterLine | None:
         if not self._full or self._scene.group.is_trivial:
             return None
-        return Family(self.over, lambda t: full_scene(self.family.scene(t))).line
+        few = 2 if self.family.one_vertex else SAMPLES
+        return Family(self.over, lambda t: full_scene(self.family.sampled(t)), few).line
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -190,18 +190,19 @@ class _Survey:
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
         model, s = result.model, self.over.s_of(t)
-        new, met = 0, []
+        new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))
-            if _nearest(self._minima(s), x) > SETTLED:
+            if _nearest(followed, x) > SETTLED:
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
                     self.alarms.append(
                         f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
                     )
                     continue
                 new += self.web.add(x, s, "minimum")
+                followed = self._minima(s)
             met.append(x)
-        followed, missed = self._minima(s), 0
+        missed = 0
         for frame in followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
                 what = classify(State(model, frame.state))

@@ -26,10 +26,10 @@ from .fold_out import (
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
+    group_average as group_average,
     hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
-    permutations as permutations,
 )
 from .ipopt import (
     OPTIONS as OPTIONS,

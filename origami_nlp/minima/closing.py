@@ -68,7 +68,8 @@ class Closing:
         self._all, self._several = model.parameters, bool(springs)
         if springs:
             stiffness, rest, load = (
-                np.array([getattr(p, name) for p in springs]) for name in ("stiffness", "rest", "load")
+                np.array([getattr(p, name) for p in springs])
+                for name in ("stiffness", "rest", "load")
             )
             self._all = replace(self._all, stiffness=stiffness, rest=rest, load=load)
         self._roots = np.sqrt(self._all.stiffness)

@@ -101,14 +101,15 @@ class Descents:
     @classmethod
     def of_each(cls, several: Sequence[Descents]) -> Descents | None:
         """Return descents whose samples name one of several scenes; None where their vertices, or labels, differ."""
-        models = [descents.model for descents in several]
-        first = models[0]
+        if len(several) <= 1:
+            return None
+        first, models = several[0].model, [descents.model for descents in several]
         same = not any(d._chain or d.model.parameters.dead is not None for d in several) and all(
             m.structure == first.structure
             and np.array_equal(m.parameters.sectors, first.parameters.sectors)
             for m in models
         )
-        return cls(first, [m.parameters for m in models]) if same and len(several) > 1 else None
+        return cls(first, [m.parameters for m in models]) if same else None
 
     def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
