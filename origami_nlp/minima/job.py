@@ -14,6 +14,7 @@ from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
+from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.minima.one_freedom import EXACT, trace
 from origami_nlp.minima.record import Record, exact_state, judge, listed
 from origami_nlp.minima.search import Search, Work
@@ -81,6 +82,7 @@ class Job:
             return
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
+            search.also_from(flat_minima(self.model))
             if guesses:
                 yield from search.run(search.closed(np.array(guesses)))
             rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)

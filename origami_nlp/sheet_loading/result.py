@@ -57,10 +57,7 @@ class SheetLoadPath(LoadedPath):
     pattern: Pattern
 
     PICTURE, TURNED = "draw_sheet_load", "turn_sheet_path"
-    WAY = (
-        "ways down are not examined: facets may pass through each other on them; contact of facets is not solved, "
-        "where two touch a path stops"
-    )
+    WAY = "facets do not cross at the states of the path, nor at those of ways down; between states it is not asked"
 
     @property
     def label(self) -> str:

@@ -1,6 +1,10 @@
 from .branches import Branches as Branches, list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .contacts import closed_contacts as closed_contacts
+from .contacts import (
+    balance as balance,
+    closed_contacts as closed_contacts,
+    told_contacts as told_contacts,
+)
 from .counts import (
     Overview as Overview,
     jacobian_rank as jacobian_rank,

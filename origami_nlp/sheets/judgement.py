@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy import linalg, sparse
@@ -27,6 +28,7 @@ from origami_nlp.numerics import CLOSES, CURVED, EPS, RANK, STATIONARY, nonnegat
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.contacts import Balance, balance, closed_contacts, told_contacts
 from origami_nlp.sheets.rows import LOADED, Rows, put_back
+from origami_nlp.sheets.sharp import slopes
 from origami_nlp.sheets.state import SheetState, Verdict
 
 PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10, 1e12
@@ -37,6 +39,17 @@ UNSTRESSED = 1e-4
 """Torques over the mean stiffness [rad] below which residuals are not relative to them: all may be rounding."""
 REACHES = 1e-1, 1e-2, 1e-3, 1e-4
 """Distances at which lower states are looked for [rad]."""
+
+NEAREST = 1e-5
+"""Distance of lower states at least [rad]: beside a singular state anything closes to the square of its distance, here
+a hundred times `CLOSES`, so that states that are nearer may be none."""
+SHARP: dict[str, Any] = {
+    "verdict": "minimum",
+    "kind": "degenerate",
+    "eigenvalue": math.inf,
+    "certificate": "strict minimum: energy rises to first order along every way out, though closure loses rank and "
+    "no moments balance it",
+}
 
 
 def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
@@ -100,6 +113,11 @@ def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
             eigenvalue=float(_lowest(sheet, phi, np.diag(sheet.stiffness))),
             certificate="flat, its springs balanced by closure: strict minimum, curvature of the springs",
         )
+    if slopes(sheet, phi)[0]:
+        why = "flat and alone: no way leads out of it, strict minimum"
+        return replace(
+            blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
+        )
     branches = list_branches(sheet.pattern)
     drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
     ways = [
@@ -147,7 +165,10 @@ def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
         return _lower(sheet, phi, way, rows, contact)
 
     if missing > STATIONARY * 10:
-        if lower(-found.left):
+        rises, falling = slopes(sheet, phi)
+        if rises:
+            return replace(blank, **SHARP)
+        if any(lower(way) for way in [-found.left, *falling]):
             return replace(blank, verdict="not a minimum", certificate="torque along a free motion")
         why = f"not decided: torque of {missing:.1e} is left, but no lower state was found"
         return replace(blank, verdict="undecided", certificate=why)
@@ -286,6 +307,8 @@ def _lower(
         else:
             new, residual = sheet.project(start, np.abs(start) == math.pi)
         if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
+            continue
+        if np.abs(new - phi).max() < NEAREST:
             continue
         if contact and (sheet.crossings.find(new) or order_layers(sheet, new).verdict != "ordered"):
             return False  # what lies further that way would be reached through facets

@@ -5,6 +5,7 @@ A remark before a block says what differs: `<!-- run: slow: why -->` (with the l
 blocks that follow).
 """
 
+import functools
 import re
 import shutil
 import tomllib
@@ -79,10 +80,15 @@ def test_blocks_are_marked_with_reasons_and_none_hides_a_command(page):
 # ---------------------------------------------------------------- commands that are named, not shown
 
 
+@functools.cache
+def commands_of_the_app():
+    return get_command(app)
+
+
 def misnamed(text):
     """What of a command as people write it (`a|b`, `[--option VALUE]`) the command line does not know."""
     words = re.sub(r"[][()]", " ", text).split()[1:]
-    commands = [get_command(app)]
+    commands = [commands_of_the_app()]
     while words and hasattr(commands[0], "list_commands") and not words[0].startswith("-"):
         inner = [c.get_command(None, name) for c in commands for name in words[0].split("|")]
         if None in inner:

@@ -109,7 +109,7 @@ def touching_agreement(seed, count):
 
 
 def test_touching_states_and_their_neighbours():
-    verdicts, beside = touching_agreement(2, 60)
+    verdicts, beside = touching_agreement(2, 24)
     for v in (verdicts, beside):
         assert 0 < sum(v) < len(v)
 

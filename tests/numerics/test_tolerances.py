@@ -82,7 +82,6 @@ BESIDE_THE_TABLE = {
     "facets/features.CLOSE": "gaps that do not tell the side on which facets are",
     "facets/features.INSIDE": "share of a side near whose ends features are not told apart",
     "facets/features.APART": "rounding of a gap, over a sheet's size",
-    "sheet_loading/events.TOUCHED": "gap of features on a curve that is known to `STATIONARY`, over a sheet's size",
     "springs/checking.BALANCE": "error of energies that were asked for, relative",
     "springs/conic.ACCURACIES": "accuracies that a solver is asked for",
     "springs/convex.PROVED": "residual of a dual, from the accuracy 1e-10 that its solver is asked for",
