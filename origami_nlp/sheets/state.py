@@ -39,16 +39,20 @@ class SheetContact(Brief):
     corners: tuple[int, ...] = ()
     between: tuple[float, float] | None = None
 
-    def words(self) -> str:
-        """Say what touches and what it carries, 1-based."""
+    def features(self) -> str:
+        """Say what touches, 1-based."""
         if self.type == "fold-limit":
-            return f"crease {self.where[0] + 1} at its fold limit: moment {self._carried()}"
+            return f"crease {self.where[0] + 1} at its fold limit"
         a, b = (f + 1 for f in self.where)
         p, q, r, s = (c + 1 for c in self.corners)
-        what = f"corner {p} of facet {b} on facet {a}"
         if self.type == "edge-edge":
-            what = f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
-        return f"{what}: force {self._carried()}"
+            return f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
+        return f"corner {p} of facet {b} on facet {a}"
+
+    def words(self) -> str:
+        """Say what touches and what it carries, 1-based."""
+        carries = "moment" if self.type == "fold-limit" else "force"
+        return f"{self.features()}: {carries} {self._carried()}"
 
     def _carried(self) -> str:
         if self.between is None:
