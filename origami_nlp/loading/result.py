@@ -113,16 +113,20 @@ class LoadedPath(Told, Turnable):
             ]
             for e in self.events
         ]
-        head = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
+        what = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
+        heads = ["event", "type", f"load{unit}", "contact", what, ""]
+        if all(e.located for e in self.events):
+            heads, rows = heads[:-1], [row[:-1] for row in rows]
         title = (
             f"{self.label}: {f'state #{self.state}' if self.state else 'a state'} under {self.driver.name}, "
             f"{self.low:.6g} to {self.high:.6g} {self.driver.unit}".rstrip()
         )
-        return Table(["event", "type", f"load{unit}", "contact", head, ""], rows, title, "rlrlrl")
+        return Table(heads, rows, title, "rlrlrl"[: len(heads)])
 
     def told(self) -> Iterator[Piece]:
         """Return events, what the state does, and what confirms it."""
-        yield self.table()
+        table = self.table()
+        yield table if self.events else table.title
         unit = f" {self.driver.unit}" if self.driver.unit else ""
         for leg in self.legs:
             a, b = leg.points[0].t, leg.points[-1].t
