@@ -9,10 +9,13 @@ a are the curvatures of F; lam solves one equation,
     h(lam) = sum_i a_i (g_i / (1 + lam a_i))^2 = 0,
 
 which falls between the poles on both sides of lam = 0, so that it has one root there, the lowest state of the cone.
-Other minima have one negative 1 + lam a at most: their lam lies one interval further on either side.
+Other minima have one negative 1 + lam a at most: their lam lies one interval further on either side.  Where symmetric
+springs do not pull along an axis, lam may be its pole, and states lean to either side of it.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -60,23 +63,34 @@ def flat_minima(model: Model) -> np.ndarray:
     g = axes.T @ (model.parameters.torque(flat) / root)
     if not (a[0] < -RANK and a[-1] > RANK):
         return none  # the cone is its tip alone
-    lam = _multipliers(a, g)
-    x = (-g / (1.0 + lam[:, None] * a)) @ axes.T / root
+    g[np.abs(g) <= RANK * np.abs(g).max()] = 0.0
+    y = np.array([*_roots(a, g), *_aside(a, g)]).reshape(-1, len(a))
+    x = y @ axes.T / root
     size = np.abs(x).max(axis=1)
     return np.asarray(x[(size > RANK) & (size <= NEAR)])
 
 
-def _multipliers(a: np.ndarray, g: np.ndarray) -> np.ndarray:
-    """Return the roots of h in the interval between poles about 0, and in those beside it."""
-    poles = np.sort(-1.0 / a[np.abs(a) > RANK])
-    below, above = poles[poles < 0], poles[poles > 0]
-    wide = above[0] - below[-1]
-    grids = [below[-1] + wide * PLACES]
-    for side in (below[::-1], above):
-        far = side[1] - side[0] if len(side) > 1 else 0.0
-        beyond = np.sign(side[0]) * wide * BEYOND
-        grids.append(side[0] + (far * PLACES if far else beyond))
+def _poles(a: np.ndarray) -> list[np.ndarray]:
+    """Return the poles of h below 0 and above, outwards, those that are double left out with what is beyond."""
     found = []
+    for side in (a[a > RANK], a[a < -RANK]):
+        poles = np.sort(np.abs(1.0 / side))[:2]
+        if len(poles) == 2 and poles[1] - poles[0] <= RANK * poles[0]:
+            poles = np.append(poles[:1], np.inf)
+        found.append(-np.sign(side[0]) * poles)
+    return found
+
+
+def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the states y of the roots of h in the interval between poles about 0, and in those beside it."""
+    below, above = _poles(a)
+    wide = above[0] - below[0]
+    grids = [below[0] + wide * PLACES]
+    for side in (below, above):
+        if len(side) == 1:
+            grids.append(side[0] + np.sign(side[0]) * wide * BEYOND)
+        elif np.isfinite(side[1]):
+            grids.append(side[0] + (side[1] - side[0]) * PLACES)
     for lam in grids:
         h = _h(lam, a, g)
         change = np.flatnonzero(h[1:] * h[:-1] < 0)
@@ -85,8 +99,22 @@ def _multipliers(a: np.ndarray, g: np.ndarray) -> np.ndarray:
             middle = 0.5 * (left + right)
             here = np.sign(_h(middle, a, g)) == sign
             left, right = np.where(here, middle, left), np.where(here, right, middle)
-        found.append(0.5 * (left + right))
-    return np.concatenate(found)
+        yield from -g / (1.0 + 0.5 * (left + right)[:, None] * a)
+
+
+def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the states, in pairs, that lean to either side of an axis along which nothing pulls: lam is its pole."""
+    poles = np.concatenate(_poles(a))
+    for lam in poles[np.isfinite(poles)]:
+        factor = 1.0 + lam * a
+        at = np.abs(factor) <= RANK
+        if at.sum() != 1 or g[at].any():
+            continue
+        y = np.where(at, 0.0, -g / np.where(at, 1.0, factor))
+        square = -float((a * y**2).sum()) / float(a[at][0])
+        if square > 0:
+            yield y + np.where(at, np.sqrt(square), 0.0)
+            yield y - np.where(at, np.sqrt(square), 0.0)
 
 
 def _h(lam: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:

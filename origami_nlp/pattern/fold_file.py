@@ -171,9 +171,8 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     """
 
     def refuse(constant: str) -> float:
-        raise FoldFileError(
-            f"FOLD file holds {constant}, which is no JSON number: write null or a number"
-        )
+        why = f"FOLD file holds {constant}, which is no JSON number: write null or a number"
+        raise FoldFileError(why)
 
     try:
         data = json.loads(text, parse_constant=refuse)
@@ -447,6 +446,5 @@ def _numbers(value: object, name: str, count: int) -> np.ndarray:
 
 def _same_length(values: list[Any], name: str, count: int) -> None:
     if len(values) != count:
-        raise FoldFileError(
-            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
-        )
+        why = f"{name} has {len(values)} entries, but there are {count} edges: give one each"
+        raise FoldFileError(why)

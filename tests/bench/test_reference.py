@@ -84,7 +84,13 @@ def whole_rotation(scene, phi):
 
 
 @pytest.mark.parametrize(
-    "scene", [panel_problems()[8].scene, panel_problems()[17].scene, SCENES["none"]], ids=repr
+    "scene",
+    [
+        pytest.param(panel_problems()[8].scene, marks=pytest.mark.slow),
+        panel_problems()[17].scene,
+        SCENES["none"],
+    ],
+    ids=repr,
 )
 def test_references_close_and_balance_in_the_whole_vertex(scene):
     """Independent residual with 50 digits: the loop of all N folds closes; torques are in the row space of C."""

@@ -1,6 +1,7 @@
 """Minima beside the flat state: predicted to second order, found from there, and the same by other means."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scipy.optimize import minimize
 
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.minima.near_flat import flat_minima
+from origami_nlp.pattern import panels
 from origami_nlp.programme import Model
 from tests.independent.rotations import fold, rotation_vector
 from tests.sheets.test_single_vertex import drawn
@@ -86,3 +88,26 @@ def test_nothing_where_the_flat_state_is_none():
     assert len(flat_minima(Model(cone))) == 0
     still = Scene(Vertex((math.pi / 3,) * 6), (1.0,) * 6, (0.0,) * 6, "none", "full")
     assert len(flat_minima(Model(still))) == 0
+
+
+def test_symmetric_springs_have_pairs_or_nothing():
+    """Where nothing pulls along an axis, rounding must not decide: states come with their mirror images."""
+    scenes = [*panels(), *(equal(seed) for seed in range(6))]
+    found = 0
+    for scene in scenes:
+        free = replace(scene, symmetry="none", contact="fold-limits")
+        x = flat_minima(Model(free))
+        for state in x:
+            found += 1
+            image = np.roll(state[::-1], 1)  # about crease 1
+            assert np.abs(x - image).max(axis=1).min() < 1e-6
+    assert found > 1
+
+
+def equal(seed):
+    """Equal sectors, springs that are their own mirror image about crease 1."""
+    rng = np.random.default_rng(seed)
+    k, rest = rng.uniform(0.5, 2.0, 6), 0.3 * rng.uniform(-1.0, 1.0, 6)
+    mirror = [0, 5, 4, 3, 2, 1]
+    k, rest = k + k[mirror], rest + rest[mirror]
+    return Scene(Vertex((math.pi / 3,) * 6), tuple(k), tuple(rest), "none", "fold-limits")
