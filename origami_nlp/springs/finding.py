@@ -12,6 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import find_minima
+from origami_nlp.numerics import DESIGN_SNAP
 from origami_nlp.programme import Model
 from origami_nlp.springs.checking import check
 from origami_nlp.springs.conic import Rows
@@ -88,6 +89,7 @@ def design(
         raise OptionError(f"ask = {shown(ask)} must be an Ask")
     check_whole("seed", seed, 0)
     check_callback("progress", progress)
+    _differ(targets)
     if ask.maximise == "barrier" and not targets.barriers:
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
@@ -106,6 +108,15 @@ def design(
     if ask.maximise == "tolerance":
         best = work.most_tolerant(best)
     return best
+
+
+def _differ(targets: Targets) -> None:
+    """Complain where two targets close to one state."""
+    for a, b in itertools.combinations(targets.placed, 2):
+        if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
+            raise OptionError(
+                f"states {a.target.name!r} and {b.target.name!r} are one and the same: leave one out"
+            )
 
 
 class _Work:
