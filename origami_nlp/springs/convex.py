@@ -55,6 +55,8 @@ class Posed:
         Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
     elastic
         Let states be out of balance at this price, for a search for better ones.
+    calm
+        Price, over the margin, of the torque that springs which are off throw out of balance (see `_calm`).
     """
 
     def __init__(
@@ -65,6 +67,7 @@ class Posed:
         heights: Sequence[np.ndarray] = (),
         elastic: float = 0.0,
         loose: bool = False,
+        calm: float = 0.0,
     ) -> None:
         self.targets, self.touching, self.loose = targets, touching, loose
         self.every_refuted = False
@@ -85,6 +88,8 @@ class Posed:
             self._lift(heights)
         if elastic:
             self._soften(elastic)
+        if calm:
+            self._calm(calm)
 
     def _lift(self, heights: Sequence[np.ndarray]) -> None:
         """Make the smallest height the aim."""
@@ -99,6 +104,39 @@ class Posed:
         p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
         self.aim = np.zeros(p.size)
         self.aim[least] = 1.0
+
+    def _calm(self, price: float) -> None:
+        """Pay for the largest torque that springs which are off leave out of balance in a state, over its share.
+
+        Where each stiffness k and rest angle r is off by a share s, the torque k (x - r) of a crease changes by at most
+        s (|k (x - r)| + |k r|), and what is felt along closed motions by that times the row of the crease in `kernel`.
+        """
+        p, v = self.programme, self.places
+        most = p.more(1).start
+
+        def size_of(rows: np.ndarray) -> slice:
+            where = p.more(len(rows))
+            for sign in (1.0, -1.0):
+                a = np.zeros((len(rows), p.size))
+                a[:, : rows.shape[1]] = sign * rows
+                a[np.arange(len(rows)), np.arange(where.start, where.stop)] = 1.0
+                p.add(POSITIVE, a, np.zeros(len(rows)), "sizes of torques")
+            return where
+
+        for i, balance, _ in self.balances:
+            kind, x = balance.kind, balance.stratum.state.x
+            weight = np.linalg.norm(balance.kernel, axis=1) * balance.root
+            torque = np.zeros((len(x), v.size))
+            torque[np.arange(len(x)), v.torque.start + kind] = -1.0
+            wound = size_of(torque)
+            torque[np.arange(len(x)), v.stiffness.start + kind] = x
+            now = size_of(torque)
+            row = np.zeros(p.size)
+            row[most] = self.targets.states[i].margin
+            row[now], row[wound] = -weight, -weight
+            p.add(POSITIVE, row, 0.0, "torque out of balance")
+        self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
+        self.aim[most] = -price
 
     def _soften(self, price: float) -> None:
         """Replace the balance of states by a price on what is left."""

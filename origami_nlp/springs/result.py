@@ -11,7 +11,7 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 from origami_nlp.springs.reasons import Reason
-from origami_nlp.springs.robustness import Tolerance
+from origami_nlp.springs.robustness import MOVES, Tolerance
 from origami_nlp.springs.targets import Targets
 
 SCHEMA = "origami-nlp/design/1"
@@ -87,7 +87,8 @@ class Design(Told):
         The question.
     margin
         Smallest stiffness along a free motion of a state, and smallest moment of a pressed contact [per rad], both over
-        the mean stiffness; the largest that any springs have.  At most 0, or -inf, where there are none.
+        the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
+        0, or -inf, where there are none.
     scene
         With the springs; None where there are none.
     states
@@ -189,11 +190,10 @@ class Design(Told):
     @staticmethod
     def _tolerance(found: Tolerance) -> Iterator[Piece]:
         for loss in found.losses:
-            how = (
-                "kept that far"
-                if loss.event == "kept"
-                else f"along the worst direction found, then: {loss.event}"
-            )
+            how = {
+                "kept": "kept that far",
+                MOVES: "along the worst direction found it moves there: it is singular, and not followed",
+            }.get(loss.event, f"along the worst direction found, then: {loss.event}")
             yield Words(
                 f"{loss.state} stands until every stiffness and rest angle is off by "
                 f"{loss.percent:.4g} % ({how})"
