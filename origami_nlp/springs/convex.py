@@ -23,12 +23,10 @@ from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_r
 from origami_nlp.springs.targets import Targets
 
 MOVED = 1e-3
-"""Largest change that closes equations and active bounds, over the mean stiffness: more is another design."""
-TINY = 1e-9
-"""Least stiffness over the mean that is scaled by; what is less comes of conditions that all but depend on each other,
-and the check of the scene says so."""
-PROVED = 1e-6
-"""Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
+"""Largest change that closes equations and active bounds, over the mean stiffness: `DESIGN_ACTIVE` times the worst
+condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
+ROOM = 2.0
+"""Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
 LEAST_MARGIN = 0.01
 """Of a design that makes barriers largest: at 0 its wells would be none."""
 LARGEST_MARGIN = 10.0
@@ -282,8 +280,37 @@ class Posed:
         if not all(balance.regular for _, balance, _ in self.balances):
             return False
         a = self.answer
-        proved = a.infeasible or (a.solved and self.margin <= DESIGN_MARGIN)
-        return proved and a.residual <= PROVED
+        if not a.infeasible and not a.solved:
+            return False
+        # for every point 0 <= y . (A v + b): t <= y . b + (c + A' y) . v, where c = 0 if there is to be no point
+        aim = np.zeros_like(self.aim) if a.infeasible else self.aim
+        left = float(np.abs(aim + self.programme.pull(a.duals)) @ self.reach)
+        return bool(a.bound + left < 0.0 if a.infeasible else a.bound + left <= DESIGN_MARGIN)
+
+    @property
+    def reach(self) -> np.ndarray:
+        """How large each unknown can be where the margin is from 0 to its cap and all states are regular, [V]."""
+        t, places = self.targets, self.places
+        n, softest = float(self.count.sum()), t.stiffness[0]
+        wound = max(map(abs, t.rest)) * n
+        if not isinstance(t.preload, bool):
+            wound += t.preload * n / softest
+        out = np.full(self.programme.size, 2.0 * max(t.highest.values(), default=0.0) * n / softest)
+        out[places.stiffness] = n
+        out[places.torque] = wound
+        out[places.scale] = n / softest
+        out[places.margin] = LARGEST_MARGIN
+        for _, balance, where in self.balances:
+            torque = (np.abs(balance.stratum.state.x).max() * n + wound) * math.sqrt(n)
+            if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
+                lam = np.linalg.norm(balance.to_closure, 2) * torque
+                bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
+                values = balance.lost_modes[0]
+                out[where] = ROOM * bent / min(values[-1], -values[0])
+            elif balance.free:
+                along = balance.stratum.slopes @ balance.kernel
+                out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
+        return out
 
 
 def standing(targets: Targets, i: int) -> State:
@@ -378,7 +405,10 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
     if absolute:
         return float(v[posed.places.scale])
-    k, (low, high) = np.maximum(v[posed.places.stiffness], TINY), t.stiffness
+    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    k = np.maximum(
+        k, k.max() * low / high
+    )  # (which the bounds say, and a solver may leave by its accuracy)
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 

@@ -17,7 +17,8 @@ from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.ways import curve_of, outward
 
 FALLS = 0.1
-"""Slope that a cut asks for, over the margin."""
+"""Slope that a cut asks for, over the margin and the way that is left (at most 1 rad): a tenth of the slope in a well
+of that stiffness, which therefore fulfils it down to its bottom."""
 STEPS, FEW = 60, (9, 6)
 """Numbers of steps from a minimum that shall lead down: to a wanted state, or a few, fewer where that is too much."""
 FIRST, GROWTH, STEP = 0.003, 1.8, 0.1
@@ -58,9 +59,9 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))
         for side, why in ends:
-            rows = _falling(targets, side, why, wanted, kind, places)
-            if rows is not None:
-                out.append(rows)
+            falls = _falling(targets, side, why, wanted, kind, places)
+            if falls is not None:
+                out.append(falls)
         return [out]
     whole: list[tuple[Rows, ...]] = []
     few: list[list[tuple[Rows, ...]]] = [[] for _ in FEW]
@@ -127,9 +128,9 @@ def _across(
 ) -> list[Rows]:
     """Rows at a state where two curves cross, for energy that is to fall to it along one arm, `back` from it.
 
-    Where a wanted state lies on the other arm of the same curve, the energy falls on.  Where one lies on the other curve
-    it falls along that one, and is level along this one: it must not fall into either of its arms, and rising into both
-    it cannot, which slopes do not do.
+    Where a wanted state lies on the other arm of the same curve, the energy falls on.  Where one lies on the other
+    curve it falls along that one and is level along this one: a slope towards one arm leaves a minimum in it,
+    and none rises towards both.
     """
     model = targets.model
     step = back / float(np.linalg.norm(model.root * back))
@@ -138,14 +139,19 @@ def _across(
     ahead: list[float] = []
     if tangents:
         own = int(np.argmax(along))
-        step = math.copysign(1.0, float(np.sum(model.root**2 * tangents[own] * step))) * tangents[own]
+        step = (
+            math.copysign(1.0, float(np.sum(model.root**2 * tangents[own] * step))) * tangents[own]
+        )
         other = tangents[1 - own]
         for w in wanted:
             for arm in outward(curve_of(model, w), w):
                 way = arm[-1] - corner if len(arm) > 1 else np.zeros_like(corner)
                 size = float(np.linalg.norm(model.root * way))
                 if not SETTLED < size <= 2 * NEAR * math.sqrt(len(way)):
-                    way, size = arm[-2] - corner, float(np.linalg.norm(model.root * (arm[-2] - corner)))
+                    way, size = (
+                        arm[-2] - corner,
+                        float(np.linalg.norm(model.root * (arm[-2] - corner))),
+                    )
                 if not SETTLED < size <= 4 * NEAR * math.sqrt(len(way)):
                     continue
                 cosines = [float(np.sum(model.root**2 * v * way)) / size for v in (step, other)]
@@ -168,7 +174,7 @@ def _across(
 def _crossing(model: Model, corner: np.ndarray, kind: np.ndarray) -> list[np.ndarray]:
     """Return unit tangents [n] of the two curves that cross at a singular state; none where it is not like that.
 
-    One equation is lost; along the kernel of the others its curvature C is indefinite, and v C v = 0 holds on two lines.
+    One equation is lost; along the kernel of the others its curvature C is indefinite: v C v = 0 on two lines.
     """
     at = Balance(State(model, corner).on(()), kind)
     if at.lost.shape[1] != 1 or at.kernel.shape[1] != 2:

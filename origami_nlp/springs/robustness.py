@@ -292,7 +292,7 @@ def _worst(
 def _fastest(scene: Scene, phi: np.ndarray) -> list[np.ndarray]:
     """Signs [2 N] that to first order move a state fastest along its soft modes, or take a contact's moment away.
 
-    The torque of crease i changes by k (phi - rest) ds for its stiffness and by -k rest ds for its rest angle; what that
+    The torque of a crease changes by k (phi - rest) ds for its stiffness, by -k rest ds for its rest angle; what that
     does to the state and to the moments of its contacts is linear (`Stratum.response`).
     """
     model = Model(full_scene(scene))

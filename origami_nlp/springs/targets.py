@@ -20,7 +20,7 @@ from origami_nlp.programme import Model
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
 FAR = 0.1
-"""Farthest that closure may move a fold angle that was asked for [rad]: N angles that were each read to 2 deg are off by
+"""Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
 2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
 
 

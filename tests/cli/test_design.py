@@ -65,7 +65,10 @@ BAD = {
     "degrees as radians": (VERTEX + A.replace("_deg", ""), ["fold_angles[4]", "fold_angles_deg"]),
     "beyond 180": (VERTEX + A.replace("104.22", "204.22"), ["fold_angles[4]", "beyond +-pi"]),
     "does not close": (VERTEX + A.replace("-27.353", "60"), ["'a' does not close", "deg away"]),
-    "sectors as radians": (GOOD.replace("sector_angles_deg", "sector_angles"), ["sector_angles[1]"]),
+    "sectors as radians": (
+        GOOD.replace("sector_angles_deg", "sector_angles"),
+        ["sector_angles[1]"],
+    ),
     "no such run": (LIKE.format("no.json#1"), ["no.json", "No such file"]),
     "no such state": (LIKE.format("states.json#9"), ["'c'", "4 minima", "9"]),
     "no number of a state": (LIKE.format("states.json"), ["'c'", "FILE#NUMBER"]),

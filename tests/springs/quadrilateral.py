@@ -1,7 +1,7 @@
 """All states of a vertex with four creases, by spherical trigonometry alone: no code of the package.
 
-The creases are four unit vectors, the facets arcs between them.  A fold angle gives the diagonal beside it, the diagonal
-the two places of the crease across.
+The creases are four unit vectors, the facets arcs between them.  A fold angle gives the diagonal beside it,
+the diagonal the two places of the crease across.
 """
 
 import numpy as np
@@ -19,8 +19,8 @@ def states(sectors, count):
 
 def _turned(a, phi):
     """Fold angles [m, 4] where the first is given; crease i + 1 is a[i] after crease i."""
-    one = np.zeros((len(phi), 3)) + [1.0, 0.0, 0.0]
-    two = np.zeros((len(phi), 3)) + [np.cos(a[0]), np.sin(a[0]), 0.0]
+    one = np.tile([1.0, 0.0, 0.0], (len(phi), 1))
+    two = np.tile([np.cos(a[0]), np.sin(a[0]), 0.0], (len(phi), 1))
     # the facet behind the first crease, turned about it: in the plane where phi = 0
     back = np.array([np.cos(a[3]), -np.sin(a[3]), 0.0])
     c, s = np.cos(phi), np.sin(phi)
@@ -51,7 +51,7 @@ def _angles(creases):
 
 def _creases(sectors, phi):
     """Unit vectors [m, 4, 3]: along a facet by its angle, then about the crease by its fold angle."""
-    at, towards = np.zeros((len(phi), 3)) + [1.0, 0, 0], np.zeros((len(phi), 3)) + [0, 1.0, 0]
+    at, towards = (np.tile(v, (len(phi), 1)) for v in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
     out = [at]
     for i in range(3):
         at, towards = (
@@ -101,3 +101,31 @@ def lowest(sectors, energy, count=1500, near=0.02):
         if all(np.abs(x - y).max() > near for y in out):
             out.append(x)
     return np.array(out)
+
+
+def crest(sectors, energy, a, b, count=3000, near=0.02):
+    """Least energy at which samples next to each other join a to b [4]; inf where none do."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    at = states(sectors, count)
+    e = energy(at)
+    i, j = (int(np.abs(at - x).max(axis=1).argmin()) for x in (a, b))
+    pairs = cKDTree(at).query_pairs(near, output_type="ndarray")
+    height = np.maximum(e[pairs[:, 0]], e[pairs[:, 1]])
+    levels = np.unique(height)
+
+    def joined(level):
+        some = pairs[height <= level]
+        graph = coo_matrix((np.ones(len(some)), some.T), shape=(len(at),) * 2)
+        label = connected_components(graph, directed=False)[1]
+        return label[i] == label[j]
+
+    if not joined(levels[-1]):
+        return np.inf
+    low, high = -1, len(levels) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if joined(levels[middle]) else (middle, high)
+    return float(levels[high])

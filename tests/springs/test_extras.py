@@ -11,13 +11,13 @@ from tests.springs.quadrilateral import lowest, states
 from tests.springs.questions import question
 
 pytest.importorskip("clarabel")
-FORBID = Ask(extra_states="forbid", rounds=12)
+FORBID = Ask(extra_states="forbid")
 SCANNED = 0.03
 """A lowest sample is the state wanted [rad]: samples are 0.004 apart in one fold angle, more along the curve."""
 
 
 def with_extras(n, first, count):
-    """Feasible questions of one or two states, every second pinned or wound, whose stiffest springs have more minima."""
+    """Feasible questions of one or two states, some pinned or wound, whose stiffest springs have more minima."""
     for seed in itertools.count(first):
         asked = question(seed, n, 1 + seed % 2, seed // 2 % 2, 0, preload=bool(seed // 4 % 2))
         if asked is not None and solve(asked).feasible:
@@ -45,7 +45,9 @@ def test_the_scan_sees_the_minima_of_the_search():
     for m in found.minima.minima:
         assert np.abs(low - np.array(m.fold_angles)).max(axis=1).min() < SCANNED
     assert len(low) == len(found.minima.minima) == len(found.states) + len(unwanted(found))
-    model = found.targets.model  # the states that it scans close, and are those that the package admits
+    model = (
+        found.targets.model
+    )  # the states that it scans close, and are those that the package admits
     some = states(found.scene.vertex.sector_angles, 50)
     assert max(np.abs(model.closure(x)[0]).max() for x in some) < 1e-14
     assert not any(model.refuses(x) for x in some)
@@ -66,20 +68,30 @@ def test_forbidden_minima_of_four_creases_are_gone():
     for seed, asked, first in with_extras(4, 500, 20):
         found = design(asked, FORBID, effort="quick")
         done.append(found.verified)
-        print(seed, len(first.extra_minima), found.verified, found.rounds, first.margin, found.margin)
+        print(
+            seed, len(first.extra_minima), found.verified, found.rounds, first.margin, found.margin
+        )
         assert found.verified == (not found.extra_minima)
         if found.verified:
             assert not unwanted(found)
-    assert sum(done) >= 18
+    assert all(done)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [5, 6])
-def test_forbidden_minima_of_more_creases(n):
+@pytest.mark.parametrize(("n", "least"), [(5, 2), (6, 5)])
+def test_forbidden_minima_of_more_creases(n, least):
     done = []
-    for seed, asked, first in with_extras(n, 500, 8):
+    for seed, asked, first in with_extras(n, 500, 6):
         found = design(asked, FORBID, effort="quick")
         done.append(found.verified)
-        print(n, seed, len(first.extra_minima), found.verified, found.rounds, first.margin, found.margin)
+        print(
+            n,
+            seed,
+            len(first.extra_minima),
+            found.verified,
+            found.rounds,
+            first.margin,
+            found.margin,
+        )
         assert found.verified == (not found.extra_minima)
-    assert sum(done) >= 4
+    assert sum(done) >= least
