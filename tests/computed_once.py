@@ -5,6 +5,7 @@ They are of the code under test: the folder belongs to one run of pytest and end
 
 import dataclasses
 import functools
+import hashlib
 import pickle
 import re
 from collections.abc import Callable, Sequence
@@ -18,6 +19,7 @@ from origami_nlp import Scene, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
+from origami_nlp.programme import Model
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -46,6 +48,25 @@ def shared(compute: Callable[..., T]) -> Callable[..., T]:
         return once(re.sub(r"[^\w.,+-]", "_", words), lambda: compute(*arguments))
 
     return functools.cache(ask)
+
+
+def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
+    """Compute a function of a scene (or of its model) once per run for each scene; its name does not count.
+
+    What depends on time, or is asked to keep a record, is computed each time.
+    """
+
+    @functools.wraps(compute)
+    def ask(stated: Scene | Model, *arguments: Any, **options: Any) -> T:
+        if {"seconds", "record"} & set(options):
+            return compute(stated, *arguments, **options)
+        scene = stated if isinstance(stated, Scene) else stated.scene
+        numbers = [] if stated is scene else stated.parameters.vector.tolist()
+        asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, arguments, options))
+        name = f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+        return once(name, lambda: compute(stated, *arguments, **options))
+
+    return ask
 
 
 def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:

@@ -24,7 +24,7 @@ CORNER, INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT = range(6)
 DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
 GIVEN = 6
-"""States that are given, guesses and either side of saddles: not counted."""
+"""States that are given, guesses, minima of second order beside the flat state, either side of saddles: not counted."""
 SOURCES = ("corners", "interior", "near corners", "strata", "touches", "moments")
 """Their names, in the order of their numbers."""
 
@@ -158,7 +158,8 @@ class Rounds:
         self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
         sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
         hold, source = np.ones(len(new), dtype=bool), np.full(len(new), TOUCH)
-        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source)
+        springs = np.zeros(len(new), dtype=int)
+        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source, springs)
 
     def _near_corners(self, count: int) -> Samples:
         """Corners with a random subset of their creases let go."""

@@ -291,7 +291,9 @@ def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
     flooded(contact_barriers, (129, 257, 513), 0.35)
 
 
-@pytest.mark.parametrize("which", ["saddle_barriers", "handle_barriers"])
+@pytest.mark.parametrize(
+    "which", ["saddle_barriers", pytest.param("handle_barriers", marks=pytest.mark.slow)]
+)
 def test_flood_fill_agrees_from_above(which, request):
     found = request.getfixturevalue(which)
     flooded(found, (65, 129, 257), 0.6)

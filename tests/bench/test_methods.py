@@ -20,6 +20,7 @@ from origami_nlp.bench.programme import Evaluator, programme
 from origami_nlp.kkt import State
 from origami_nlp.minima import hessian_spectra
 from origami_nlp.programme import Model
+from tests.computed_once import thinned
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
 METHODS = [*ours(), *ipopt_alone(), *others(), *scipy_methods()]
@@ -35,7 +36,7 @@ def starts(judge):
     return draw_starts(judge.model, 0, 8)[0]
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda m: m.label)
+@pytest.mark.parametrize("method", thinned(METHODS, 2), ids=lambda m: m.label)
 def test_each_method_finds_a_right_minimum_of_a_simple_scene(method: Method, judge, starts):
     if method.missing:
         pytest.skip(method.missing)

@@ -5,6 +5,7 @@ A remark before a block says what differs: `<!-- run: slow: why -->` (with the l
 blocks that follow).
 """
 
+import functools
 import re
 import shutil
 import tomllib
@@ -20,6 +21,8 @@ TERMINAL = ("bash", "console")
 PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
+DEAR = {"check_a_claim", "design", "loads", "many_scenes", "pattern", "slow"}
+"""Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
 
 
@@ -51,7 +54,11 @@ def run_page(page, folder, long):
         run_block(block, names)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=[pytest.mark.slow] if p.stem in DEAR else []) for p in PAGES],
+    ids=name_of,
+)
 def test_blocks_run_and_print_what_is_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_page(page, tmp_path, long=False)
@@ -79,10 +86,15 @@ def test_blocks_are_marked_with_reasons_and_none_hides_a_command(page):
 # ---------------------------------------------------------------- commands that are named, not shown
 
 
+@functools.cache
+def commands_of_the_app():
+    return get_command(app)
+
+
 def misnamed(text):
     """What of a command as people write it (`a|b`, `[--option VALUE]`) the command line does not know."""
     words = re.sub(r"[][()]", " ", text).split()[1:]
-    commands = [get_command(app)]
+    commands = [commands_of_the_app()]
     while words and hasattr(commands[0], "list_commands") and not words[0].startswith("-"):
         inner = [c.get_command(None, name) for c in commands for name in words[0].split("|")]
         if None in inner:

@@ -32,7 +32,10 @@ assert solver.getInfo().objective_function_value == 1.0
 @pytest.mark.skipif(
     importlib.util.find_spec("highspy") is None, reason="highspy (extra test) is not installed"
 )
-@pytest.mark.parametrize("order", [(HIGHSPY, OURS, PROGRAMME), (OURS, PROGRAMME, HIGHSPY)])
+@pytest.mark.parametrize(
+    "order",
+    [(HIGHSPY, OURS, PROGRAMME), pytest.param((OURS, PROGRAMME, HIGHSPY), marks=pytest.mark.slow)],
+)
 def test_highspy_before_and_after(order):
     """Two builds of HiGHS in one process crashed as long as ours came with CasADi."""
     code = "\n".join([*order, "print(len(states))"])

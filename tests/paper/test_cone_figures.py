@@ -13,7 +13,7 @@ from tests.computed_once import thinned
 
 @pytest.mark.parametrize("name", thinned(["cone-3", "cone-4-firing"], 2))
 def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(cone_figures, "SIZE", 6)
+    monkeypatch.setattr(cone_figures, "SIZE", 4)
     cone_figures._diagram.cache_clear()
     done = run("paper", "reproduce", name, "--out", tmp_path)
     cone_figures._diagram.cache_clear()

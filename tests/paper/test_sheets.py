@@ -28,7 +28,7 @@ def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
 
 
 def test_sheet_draws_what_was_found(one_panel):
-    (panel,) = find_panels("figure4", size=81, workers=1)
+    (panel,) = find_panels("figure4", size=41, workers=1)
     assert panel.counts == (2, 2, 2)
     figure = draw_sheet("figure4", [panel])
     axes = figure.axes[0]

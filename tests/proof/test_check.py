@@ -106,6 +106,7 @@ def test_a_second_search_finds_the_same_critical_points():
         assert np.allclose(p.moment, near[0].moment, rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_leaves_outside_the_box_of_their_point_are_refused():
     """Leaves of the plain prover are wide: its points are said to be alone in less."""
     wide = proved_slowly(4, 3)
@@ -270,7 +271,7 @@ def test_leaves_with_another_reason_are_refused_where_it_is_false():
         found = check_proof(changed(GOOD, kind=kinds))
         assert found.refused.startswith(f"node {place + 1} (closed")
         tried += 1
-        if tried == 6:
+        if tried == 3:
             return
     pytest.fail(f"only {tried} leaves")
 
@@ -284,7 +285,7 @@ def test_contractions_that_cut_off_a_point_are_refused():
         contraction += 1
         for p in GOOD.points:
             within = all(a <= v <= b for v, (a, b) in zip(p.x, box, strict=True))
-            if p.stratum != pins or not within or rng.random() < 0.8 or tried[kind] > 1:
+            if p.stratum != pins or not within or rng.random() < 0.8 or tried[kind]:
                 continue
             side, boxes = int(rng.integers(2)), GOOD.nodes.boxes.copy()
             j = int(rng.choice([j for j, s in enumerate(pins) if not s]))
@@ -293,13 +294,13 @@ def test_contractions_that_cut_off_a_point_are_refused():
             assert found.refused.startswith(f"node {place + 1} ({c.KINDS[kind]}, ")
             assert "cut off" in found.refused or "outside" in found.refused
             tried[kind] += 1
-    assert min(tried.values()) == 2
+    assert min(tried.values()) == 1
 
 
 def test_a_dropped_subtree_is_refused():
     rng = np.random.default_rng(0)
     inner = np.flatnonzero(GOOD.nodes.kind == c.SPLIT)
-    for place in rng.choice(inner, 2, replace=False):
+    for place in rng.choice(inner, 1, replace=False):
         first = int(place) + 1  # the lower half
         wrong = cut(GOOD, first, subtree_end(GOOD.nodes.kind, first))
         assert check_proof(wrong).refused

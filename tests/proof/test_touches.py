@@ -353,6 +353,7 @@ def test_what_is_not_proved_says_so():
     assert not stopped.finished and not stopped.complete and stopped.undecided
 
 
+@pytest.mark.slow
 def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
     """0.03 rad from the flat state: its basin is small, its proof costs what any other costs."""
     sectors = (

@@ -30,20 +30,26 @@ class Rigid:
                     self.order.append((there, here, c, sense))
             k += 1
 
+    def steps(self, phi, creases, senses):
+        """4 x 4 matrices of the motions across creases: from left to right where the sense is -1."""
+        p = self.p
+        start = p.corners[p.ends[creases, 0]]
+        axes = p.corners[p.ends[creases, 1]] - start
+        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+        angles = senses * (phi[creases] - p.reference[creases])
+        steps = np.tile(np.eye(4), (len(axes), 1, 1))
+        steps[:, :3, :3] = Rotation.from_rotvec(angles[:, None] * axes).as_matrix()
+        steps[:, :3, 3] = start - np.einsum("kij,kj->ki", steps[:, :3, :3], start)
+        return steps
+
     def place(self, phi):
         """4 x 4 matrices of the facets."""
-        p = self.p
+        facets, before, creases, senses = map(np.array, zip(*self.order[1:], strict=True))
         out = {0: np.eye(4)}
-        for f, before, c, sense in self.order[1:]:
-            a, b = p.corners[p.ends[c]]
-            axis = (b - a) / np.linalg.norm(b - a)
-            step = np.eye(4)
-            step[:3, :3] = Rotation.from_rotvec(
-                sense * (phi[c] - p.reference[c]) * axis
-            ).as_matrix()
-            step[:3, 3] = a - step[:3, :3] @ a
-            out[f] = out[before] @ step
-        return [out[f] for f in range(p.facets)]
+        steps = self.steps(phi, creases, senses)
+        for f, there, step in zip(facets.tolist(), before.tolist(), steps, strict=True):
+            out[f] = out[there] @ step
+        return [out[f] for f in range(self.p.facets)]
 
     def polygons(self, phi):
         """Corners of the facets in space."""
@@ -54,25 +60,27 @@ class Rigid:
         ]
 
     def open(self, phi):
-        """How far ends of creases are apart on the facets beside them, [6 n]."""
+        """How far the facets beside each crease are from being turned about it by its fold angle, [12 n]."""
         p, motions = self.p, np.array(self.place(phi))
-        ends = p.corners[p.ends]
-        one, other = motions[p.left], motions[p.right]
-        gap = np.einsum("cij,cej->cei", one[:, :3, :3] - other[:, :3, :3], ends)
-        return (gap + (one - other)[:, None, :3, 3]).ravel()
+        across = self.steps(phi, np.arange(p.creases), -np.ones(p.creases))
+        return (motions[p.left] @ across - motions[p.right])[:, :3].ravel()
 
-    def slopes(self, phi, h=1e-6):
-        """Differences of `open` over fold angles, pseudo-inverted: singular values below 1e-6 are none."""
+    def differences(self, phi, h=1e-6):
+        """Differences of `open` over fold angles, [12 n, n]."""
         rows = [
             (self.open(phi + h * e) - self.open(phi - h * e)) / (2 * h) for e in np.eye(len(phi))
         ]
-        return np.linalg.pinv(np.array(rows).T, rcond=1e-6)
+        return np.array(rows).T
 
-    def closed(self, phi, inverse, steps=30):
+    def slopes(self, phi):
+        """Those, pseudo-inverted: singular values below 1e-6 are none."""
+        return np.linalg.pinv(self.differences(phi), rcond=1e-6)
+
+    def closed(self, phi, inverse, steps=30, within=1e-11):
         """Close fold angles near a state by Newton's chords from there; None where that fails."""
         for _ in range(steps):
             miss = self.open(phi)
-            if np.abs(miss).max() < 1e-11:
+            if np.abs(miss).max() < within:
                 return phi
             phi = phi - inverse @ miss
         return None
@@ -81,17 +89,15 @@ class Rigid:
         """Pairs of facets without a common crease that the Flexible Collision Library finds in each other."""
         x = self.polygons(phi)
         beside = {tuple(sorted(q)) for q in zip(self.p.left, self.p.right, strict=True)}
-        found = []
-        for i in range(len(x)):
-            for j in range(i):
-                if (j, i) not in beside and _collide(x[i], x[j]):
-                    found.append((j, i))
-        return found
+        low, high = np.array([q.min(axis=0) for q in x]), np.array([q.max(axis=0) for q in x])
+        overlap = np.tril(
+            (low[:, None] <= high).all(axis=2) & (low <= high[:, None]).all(axis=2), -1
+        )
+        pairs = [(j, i) for i, j in np.argwhere(overlap).tolist()]
+        return [(j, i) for j, i in pairs if (j, i) not in beside and _collide(x[i], x[j])]
 
 
 def _collide(a, b):
-    if (a.min(axis=0) > b.max(axis=0)).any() or (b.min(axis=0) > a.max(axis=0)).any():
-        return False
     a, b = _without(a, b), _without(b, a)
     return fcl.collide(_mesh(a), _mesh(b), fcl.CollisionRequest(), fcl.CollisionResult()) > 0
 

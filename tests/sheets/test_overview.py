@@ -11,6 +11,7 @@ from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import jacobian_rank
 from tests.command_line import run
+from tests.fold_files import others
 
 KEYS = (
     "facets interior_vertices creases closure_rows rank_flat rank_folded freedoms redundant".split()
@@ -27,8 +28,16 @@ TABLE = {
     "yoshimura strips 6x6": (66, 22, 87, 66, 44, 66, 21, 0),
     "waterbomb 3x3": (54, 17, 70, 51, 34, 51, 19, 0),
 }
-"""Known from a prototype that shares no code, but for the waterbomb, whose columns are shifted here the other way."""
-LONG = {"miura 16x16": (256, 225, 480, 675, 450, 479, 1, 196)}
+"""Known from a prototype that shares no code, but for waterbombs, whose columns are shifted here the other way."""
+LONG = {
+    "miura 16x16": (256, 225, 480, 675, 450, 479, 1, 196),
+    "miura 32x32": (1024, 961, 1984, 2883, 1922, 1983, 1, 900),
+    "waterbomb 5x5": (150, 57, 206, 171, 114, 171, 35, 0),
+}
+FILES = {
+    "fold_squaretwist_4xdeg4": (9, 4, 12, 12, 8, 11, 1, 1),
+    "foldforge_miura_9xdeg4": (16, 9, 24, 27, 18, 23, 1, 4),
+}
 
 
 def strips(rows, columns):
@@ -81,27 +90,39 @@ def differences_rank(sheet, phi):
     return int((np.linalg.svd(np.array(rows), compute_uv=False) > 1e-6).sum())
 
 
+def check_counts(seen, expected, most):
+    """Counts and ranks, and those of up to so many creases by differences and by hinges."""
+    data = seen.to_dict()
+    assert tuple(data[key] for key in KEYS) == expected
+    assert data["rank_flat"] == 2 * data["interior_vertices"]  # all creases in a plane
+    sheet = Sheet(seen.pattern)
+    assert sheet.residual(seen.folded) < 1e-12 and np.abs(seen.folded).min() > 1e-3
+    if seen.pattern.creases < most:
+        assert differences_rank(sheet, seen.folded) == data["rank_folded"]
+        assert hinge_freedoms(seen.pattern, seen.folded) == data["freedoms"]
+        if seen.pattern.is_flat:
+            assert differences_rank(sheet, 0 * seen.folded) == data["rank_flat"]
+    return data
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_counts_of_other_peoples_files(name):
+    (path,) = others(f"{name}.fold")
+    check_counts(o.overview(path), FILES[name], 100)
+
+
 @pytest.mark.parametrize(
     "name", [*TABLE, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)]
 )
 def test_counts_ranks_and_freedoms(name):
     seen = o.overview(named(name))
-    data = seen.to_dict()
-    assert tuple(data[key] for key in KEYS) == (TABLE | LONG)[name]
-    v = data["interior_vertices"]
-    assert data["rank_flat"] == 2 * v  # all creases in a plane
-    sheet = Sheet(seen.pattern)
-    assert sheet.residual(seen.folded) < 1e-12 and np.abs(seen.folded).min() > 1e-3
-    if seen.pattern.creases < 100:
-        assert differences_rank(sheet, seen.folded) == data["rank_folded"]
-        assert differences_rank(sheet, 0 * seen.folded) == data["rank_flat"]
-        assert hinge_freedoms(seen.pattern, seen.folded) == data["freedoms"]
+    data = check_counts(seen, (TABLE | LONG)[name], 100 if name in TABLE else 250)
     if name.startswith(("miura", "metasheet")):  # (m - 2)(n - 2) equations say nothing new
         rows, columns = map(int, name.split()[1].split("x"))
         assert data["redundant"] == (rows - 2) * (columns - 2)
 
 
-@pytest.mark.parametrize("size", [(2, 3), (8, 8), (32, 32)])
+@pytest.mark.parametrize("size", [(2, 3), (8, 8), (16, 16), (32, 32), (5, 31)])
 def test_miura_follows_its_law(size):
     """tan(h/2) = cos gamma tan(z/2) between straight rows h and zigzags z, at every vertex of the sheet."""
     p = o.examples.pattern("miura", *size)

@@ -28,9 +28,20 @@ def _miura_scan(pattern, size):
     return 0.5 * (low + high), energy(0.5 * (low + high))
 
 
-@pytest.mark.parametrize("size", [2, 4, 8, 16, pytest.param(32, marks=pytest.mark.slow)])
-def test_miura_settles_where_its_law_says(size):
-    pattern = miura(size, size)
+@pytest.mark.parametrize(
+    ("rows", "size"),
+    [
+        (2, 2),
+        (4, 4),
+        (8, 8),
+        (5, 3),
+        (2, 9),
+        pytest.param(32, 32, marks=pytest.mark.slow),
+        (16, 16),
+    ],
+)
+def test_miura_settles_where_its_law_says(rows, size):
+    pattern = miura(rows, size)
     pattern = pattern.with_springs(1.0, list(1.2 * np.sign(miura_angles(pattern, size, 1.0))))
     zigzag, energy = _miura_scan(pattern, size)
     sheet = Sheet(pattern)
@@ -48,6 +59,9 @@ def test_miura_settles_where_its_law_says(size):
     ]
     curvature = (e[0] - 2 * e[1] + e[2]) / float(way @ way / 4)
     assert state.eigenvalue == pytest.approx(curvature, rel=2e-4)
+    if (rows, size) == (8, 8):  # of a prototype that shares no code
+        assert state.energy == pytest.approx(5.490285124421671, abs=1e-13)
+        assert state.eigenvalue == pytest.approx(0.90453678, abs=5e-9)
 
 
 def _same(found, expected):
@@ -75,57 +89,6 @@ def _compare_strip(seed):
     energies = [s.energy for s in result.minima if s.kind == "interior"]
     assert energies == pytest.approx([e for e, _ in expected], abs=1e-9)
     assert result.search.complete == result.search.curves == len(list_branches(pattern).lines)
-
-
-@pytest.mark.parametrize("size", [3, pytest.param(4, marks=pytest.mark.slow)])
-def test_a_metasheet_has_the_states_of_its_vertex_less_those_that_cross(size):
-    """States of one vertex, by its own search, are all there are; the sheet crosses itself in some of them."""
-    pattern, classes = metasheet(size)
-    k, rest = (np.array(v) for v in VERTEX_SPRINGS)
-    pattern = pattern.with_springs(list(k[classes]), list(rest[classes]))
-    result = find_states(pattern, starts=4, contact=False)
-    # the vertex: all four angles of the quadrilateral, each class once; a sheet has count creases of a class
-    loop = pattern.vertices[0]
-    order = classes[list(loop.creases)]
-    ends = pattern.corners[pattern.ends[list(loop.creases)]].sum(axis=1)
-    out = (ends - 2 * pattern.corners[loop.vertex])[:, :2]
-    azimuth = np.arctan2(out[:, 1], out[:, 0])
-    sectors = (np.roll(azimuth, -1) - azimuth) % (2 * math.pi)
-    count = np.bincount(classes)
-    scene = Scene(
-        Vertex(tuple(sectors.tolist())),
-        symmetry="C1",
-        contact="fold-limits",
-        stiffness=list((k * count)[order]),
-        rest_angles=list(rest[order]),
-    )
-    vertex = find_minima(scene)
-    assert [s.energy for s in result.minima] == pytest.approx(
-        sorted(m.energy for m in vertex.minima), rel=1e-9
-    )
-    for s in result.minima:
-        assert np.ptp(s.fold_angles[classes == 2]) < 1e-9
-        assert (
-            min(
-                np.abs(s.fold_angles[list(loop.creases)] - m.fold_angles).max()
-                for m in vertex.minima
-            )
-            < 1e-7
-        )
-    paper = find_states(pattern, starts=0)
-    assert len(paper.minima) + len(paper.crossing) == len(result.minima) or size > 3
-    assert {len(s.crossings) for s in paper.crossing} == ({5} if size == 3 else {7, 21})
-
-
-def test_closed_on_the_other_sheet_is_no_state():
-    """2.98, 1.69, -2.77, -1.58 closes with q = -1 at every vertex: no folding of paper leads there."""
-    pattern, classes = metasheet(3)
-    start = np.zeros(4)
-    start[[2, 1, 0, 3]] = 2.980, 1.688, -2.766, -1.578
-    sheet = Sheet(pattern)
-    phi, residual = sheet.project(start[classes])
-    assert residual < 1e-13
-    assert judge(sheet, phi).verdict == "no state"
 
 
 def test_touching_facets_hold_a_state():

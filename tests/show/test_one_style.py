@@ -23,7 +23,7 @@ from origami_nlp.show import (
     label_marks,
     mark_minimum,
 )
-from tests.computed_once import PANELS, barriers_with_handles, panel_boundary, panel_result
+from tests.computed_once import PANELS, barriers_with_handles, panel_boundary, panel_result, thinned
 
 TRACED = [o.examples.degree6("pi/4"), o.examples.degree6("pi/3"), o.examples.degree8("pi/12", 0.01)]
 """Of these panels other tests have the boundary."""
@@ -90,7 +90,7 @@ def explained(figure):
             assert (text in words) == (colour in {mark.get_markerfacecolor() for mark in marks})
 
 
-@pytest.mark.parametrize("number", range(len(PANELS)))
+@pytest.mark.parametrize("number", thinned(range(len(PANELS)), 6))
 def test_labels_of_the_panels_cover_nothing_and_marks_are_explained(number):
     figure = drawn(number)
     labels, marks = boxes(figure, "label"), boxes(figure, "mark")

@@ -30,6 +30,7 @@ def _zero_with_root(expr, square):
     return vanishes(even, CIRCLES) and vanishes(odd, CIRCLES)
 
 
+@pytest.mark.slow
 def test_wedge3_solves_the_derived_equation_on_both_branches():
     form, mirror, (g, e, p, _, q, _) = _wedge()
     c, s = mirror
