@@ -53,6 +53,8 @@ BESIDE_THE_TABLE = {
     "paper/baseline.START": "accuracy of published states in appendix A",
     "paper/published.PRINTED": "accuracy of published states: seven digits",
     "pattern/crease_pattern.CLOSED": "accuracy of coordinates in a file",
+    "pattern/digits.LIGHT": "weight of what groups share, beside corners",
+    "pattern/digits.SOFT": "weight of rows that depend on others",
     "pattern/drawn.GRID": "corners of drawn facets that are one vertex",
     "pattern/scene.(SMALLEST, LARGEST)": "range of a stiffness, in any unit",
     "proof/": "unit roundoff, the accuracy of sines that is trusted, widths to which boxes are bisected",
