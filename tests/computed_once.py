@@ -20,7 +20,6 @@ from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
 from origami_nlp.programme import Model
-from origami_nlp.proof import Proof, prove
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -51,17 +50,23 @@ def shared(compute: Callable[..., T]) -> Callable[..., T]:
     return functools.cache(ask)
 
 
-def proved_once(model: Model, **options: Any) -> Proof:
-    """Prove as a search does that nobody asked to: once per run for each scene, which many tests search.
+def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
+    """Compute a function of a scene (or of its model) once per run for each scene; its name does not count.
 
-    Such a proof stops after a number of boxes, not at a time, so that it is the same whenever it is asked for.
+    What depends on time, or is asked to keep a record, is computed each time.
     """
-    if set(options) != {"most"}:
-        return prove(model, **options)
-    stated = dataclasses.asdict(model.scene) | {"name": None}
-    asked = repr((stated, model.parameters.vector.tolist(), options))
-    key = hashlib.sha256(asked.encode()).hexdigest()
-    return once(f"proof-{key}", lambda: prove(model, **options))
+
+    @functools.wraps(compute)
+    def ask(stated: Scene | Model, *arguments: Any, **options: Any) -> T:
+        if {"seconds", "record"} & set(options):
+            return compute(stated, *arguments, **options)
+        scene = stated if isinstance(stated, Scene) else stated.scene
+        numbers = [] if stated is scene else stated.parameters.vector.tolist()
+        asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, arguments, options))
+        name = f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+        return once(name, lambda: compute(stated, *arguments, **options))
+
+    return ask
 
 
 def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:

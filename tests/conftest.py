@@ -4,6 +4,7 @@
 property test with random examples; what fails there is kept as an `@example` of its test.
 """
 
+import importlib
 import os
 
 # small matrices: threads of linear algebra only get into each other's way, here and in started processes;
@@ -36,11 +37,22 @@ def _folder_of_the_run(tmp_path_factory, pytestconfig):
     computed_once.folder = own.parent if hasattr(pytestconfig, "workerinput") else own
 
 
+SHARED = {
+    "origami_nlp.minima.proved": "prove",
+    "origami_nlp.chart.outline": "_outline",
+    "origami_nlp.landscape.exact": "trace_boundary",
+    "origami_nlp.contact.segments": "trace_boundary",
+}
+"""What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart."""
+
+
 @pytest.fixture(scope="session", autouse=True)
-def _unasked_proofs_once(_folder_of_the_run):
-    """What takes most of a search is the proof that its list is complete; tests search the same scenes again."""
+def _once_a_scene(_folder_of_the_run):
+    """Tests search and draw the same scenes again, through the package, the command line and the documentation."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("origami_nlp.minima.proved.prove", computed_once.proved_once)
+        for module, name in SHARED.items():
+            true = getattr(importlib.import_module(module), name)
+            patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
         yield
 
 

@@ -10,7 +10,7 @@ import pytest
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.proof import prove
 from tests import computed_once
-from tests.computed_once import PANELS, once, panel_result, proved_once
+from tests.computed_once import PANELS, by_scene, once, panel_result
 
 
 def test_a_shared_panel_is_that_of_a_search():
@@ -29,14 +29,15 @@ def test_a_shared_proof_is_that_of_its_scene():
         Scene(vertex, (1, 2, 3, k), (1.0, -0.5, 0.3, 0.8), "none", "fold-limits")
         for k in (2.0, math.nextafter(2.0, 3.0))
     ]
-    one, other = (proved_once(Model(scene), most=100_000) for scene in scenes)
+    shared = by_scene(prove)
+    one, other = (shared(Model(scene), most=100_000) for scene in scenes)
     assert one is not other and [p.x for p in one.points] != [p.x for p in other.points]
-    kept = proved_once(Model(dataclasses.replace(scenes[0], name="another")), most=100_000)
+    kept = shared(Model(dataclasses.replace(scenes[0], name="another")), most=100_000)
     fresh = prove(Model(scenes[0]), most=100_000)
     assert kept.seconds == one.seconds  # it was read
     assert repr(dataclasses.replace(fresh, seconds=one.seconds)) == repr(kept)
     assert [p.x for p in fresh.points] == [p.x for p in kept.points]
-    assert not proved_once(Model(scenes[0]), most=9).finished
+    assert not shared(Model(scenes[0]), most=9).finished
 
 
 def test_a_scene_that_only_has_the_name_of_a_panel_is_refused():

@@ -83,6 +83,9 @@ def main() -> None:
     except BrokenPipeError:  # the reader, head say, has had enough
         _close_stdout()
         sys.exit(1)
+    except KeyboardInterrupt:  # before a command has begun; `Group` sees to the time after that
+        print("origami-nlp: interrupted", file=sys.stderr)
+        sys.exit(130)
     except OSError as error:
         _close_stdout()
         where = repr(error.filename) if error.filename else "input or output"

@@ -1,3 +1,4 @@
+from .borders import Choice as Choice, choices as choices
 from .closure import Closure as Closure, Matrix as Matrix
 from .crossings import (
     DEEP as DEEP,

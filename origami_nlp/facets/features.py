@@ -50,7 +50,8 @@ class Features:
         self.crossings = crossings
 
     @cached_property
-    def _rings(self) -> _Rings:
+    def rings_of_pieces(self) -> _Rings:
+        """Convex pieces with what is next to what."""
         pieces = self.crossings.pieces
         count, q = pieces.shape
         valid = np.ones((count, q), bool)
@@ -122,7 +123,7 @@ class Features:
             pairs = pairs[np.isin(f, wanted)]
         if not len(pairs):
             return []
-        valid, ids = self._rings.valid[pairs], crossings.pieces[pairs]
+        valid, ids = self.rings_of_pieces.valid[pairs], crossings.pieces[pairs]
         same = ids[:, 0, :, None] == ids[:, 1, None]
         same &= valid[:, 0, :, None] & valid[:, 1, None]
         shared = same.sum(axis=(1, 2))
@@ -152,7 +153,7 @@ class Features:
         """Go through corners of pieces a over pieces b; `common` are places of the corner they share, [K, q, q]."""
         if not len(a):
             return
-        rings, size = self._rings, self.crossings.size
+        rings, size = self.rings_of_pieces, self.crossings.size
         of, on = x[a], x[b]
         k = np.arange(len(a))[:, None]
         after = on[k, rings.after[b]]
@@ -207,7 +208,7 @@ class Features:
         """Go through sides of pieces a and b that share no corner."""
         if not len(a):
             return
-        rings, size = self._rings, self.crossings.size
+        rings, size = self.rings_of_pieces, self.crossings.size
         k = np.arange(len(a))[:, None]
         of, on = x[a], x[b]
         u, v = (of[k, rings.after[a]] - of)[:, :, None], (on[k, rings.after[b]] - on)[:, None]

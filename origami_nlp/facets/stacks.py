@@ -132,10 +132,24 @@ class Stack:
         return self._shared(self._drawn(a, a), self._drawn(b, a))
 
     def _shared(self, one: NDArray[np.object_], other: NDArray[np.object_]) -> NDArray[np.object_]:
-        """Intersect bodies on a grid: without one, GEOS finds but points in common of some triangles that coincide."""
-        from shapely import intersection
+        """Intersect bodies on a grid: without one, GEOS finds but points in common of some triangles that coincide.
 
-        return np.asarray(intersection(one, other, grid_size=GRID * self.near))
+        Lines and points that they share besides are left out: GEOS intersects no such mixture with others.
+        """
+        from shapely import (
+            GeometryType,
+            get_dimensions,
+            get_parts,
+            get_type_id,
+            intersection,
+            multipolygons,
+        )
+
+        shared = np.asarray(intersection(one, other, grid_size=GRID * self.near))
+        for i in np.flatnonzero(get_type_id(shared) == GeometryType.GEOMETRYCOLLECTION):
+            parts = get_parts(shared[i])
+            shared[i] = multipolygons(parts[get_dimensions(parts) == 2])
+        return shared
 
     def _is_area(self, body: NDArray[np.object_]) -> NDArray[np.bool_]:
         """Tell which bodies are wider than `near`."""

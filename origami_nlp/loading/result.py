@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
-from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import Leg, Snap
@@ -26,7 +25,6 @@ from origami_nlp.show import (
     Told,
     Turnable,
     Words,
-    check_schema,
     from_plain,
     to_plain,
 )
@@ -115,16 +113,20 @@ class LoadedPath(Told, Turnable):
             ]
             for e in self.events
         ]
-        head = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
+        what = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
+        heads = ["event", "type", f"load{unit}", "contact", what, ""]
+        if all(e.located for e in self.events):
+            heads, rows = heads[:-1], [row[:-1] for row in rows]
         title = (
             f"{self.label}: {f'state #{self.state}' if self.state else 'a state'} under {self.driver.name}, "
             f"{self.low:.6g} to {self.high:.6g} {self.driver.unit}".rstrip()
         )
-        return Table(["event", "type", f"load{unit}", "contact", head, ""], rows, title, "rlrlrl")
+        return Table(heads, rows, title, "rlrlrl"[: len(heads)])
 
     def told(self) -> Iterator[Piece]:
         """Return events, what the state does, and what confirms it."""
-        yield self.table()
+        table = self.table()
+        yield table if self.events else table.title
         unit = f" {self.driver.unit}" if self.driver.unit else ""
         for leg in self.legs:
             a, b = leg.points[0].t, leg.points[-1].t
@@ -234,7 +236,7 @@ class LoadPath(LoadedPath):
     driver: Driver
     scene: Scene
 
-    PICTURE, TURNED = "draw_load", "turn_path"
+    PICTURE, TURNED, READ = "draw_load", "turn_path", SCHEMA
 
     @property
     def label(self) -> str:
@@ -260,32 +262,11 @@ class LoadPath(LoadedPath):
         return {"schema": SCHEMA, "scene": scene_to_dict(self.scene), **self._plain()}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a load path from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        LoadPath
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, or an entry is missing or wrong.
-        """
-        check_schema(data, SCHEMA, OptionError)
-        try:
-            scene = scene_from_dict(data["scene"])
-            creases = data["parameter"]["creases"]
-            driver = Driver(scene, int(creases[0]) if creases else None)
-            return cls(driver=driver, scene=scene, **read_path(data))
-        except (KeyError, TypeError, ValueError) as error:
-            raise OptionError(f"a load path of schema {SCHEMA} is not whole: {error!r}") from None
+    def _read(cls, data: dict[str, Any]) -> Self:
+        scene = scene_from_dict(data["scene"])
+        creases = data["parameter"]["creases"]
+        driver = Driver(scene, int(creases[0]) if creases else None)
+        return cls(driver=driver, scene=scene, **read_path(data))
 
 
 def read_path(data: dict[str, Any]) -> dict[str, Any]:

@@ -37,6 +37,7 @@ from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
+from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.minima.one_freedom import EXACT, trace
 from origami_nlp.minima.proved import check_prove, prove_complete
 from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
@@ -214,6 +215,7 @@ class _Job:
             return
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
+            search.also_from(flat_minima(self.model))
             if guesses:
                 search.run(search.closed(np.array(guesses)))
             self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))

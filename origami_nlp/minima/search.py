@@ -55,7 +55,7 @@ class Search:
         self._descents = Descents(under[0] if under else model)
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
-        self._below: list[np.ndarray] = []  # starts either side of saddles, for the next batch
+        self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
         self._workers, self._found = workers, found
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
@@ -66,6 +66,10 @@ class Search:
     def __exit__(self, *_: object) -> None:
         if self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
+
+    def also_from(self, x: np.ndarray) -> None:
+        """Start from states [K, n] of the scene with the next batch; like guesses, they are not counted."""
+        self._below += list(x)
 
     def run(self, starts: Samples | None = None) -> None:
         """Descend from starts (those that cross are dropped), and judge what is new among the ends.

@@ -24,7 +24,7 @@ CORNER, INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT = range(6)
 DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
 GIVEN = 6
-"""States that are given, guesses and either side of saddles: not counted."""
+"""States that are given, guesses, minima of second order beside the flat state, either side of saddles: not counted."""
 SOURCES = ("corners", "interior", "near corners", "strata", "touches", "moments")
 """Their names, in the order of their numbers."""
 

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
 from origami_nlp.minima import MinimaResult, Minimum
 from origami_nlp.modes.geodesic import Geodesic, Reach
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Piece, Table, Told, check_schema, pick
+from origami_nlp.show import Piece, Table, Told, pick
 
 if TYPE_CHECKING:
     from typing import Self
@@ -132,6 +131,7 @@ class Modes(Told):
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
+    READ = SCHEMA
 
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
@@ -192,38 +192,17 @@ class Modes(Told):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild modes from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        Modes
-            The same; what closes at the ends of a mode is kept in words.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, or an entry is missing or wrong.
-        """
-        check_schema(data, SCHEMA, OptionError)
-        try:
-            result = MinimaResult.from_dict(data["minima"])
-            states = tuple(
-                StateModes(
-                    int(s["state"]),
-                    result.minima[int(s["state"]) - 1],
-                    tuple(s["held"]),
-                    tuple(Mode.from_dict(m) for m in s["modes"]),
-                    float(s["coupling"]),
-                    str(s["why"]),
-                )
-                for s in data["states"]
+    def _read(cls, data: dict[str, Any]) -> Self:
+        result = MinimaResult.from_dict(data["minima"])
+        states = tuple(
+            StateModes(
+                int(s["state"]),
+                result.minima[int(s["state"]) - 1],
+                tuple(s["held"]),
+                tuple(Mode.from_dict(m) for m in s["modes"]),
+                float(s["coupling"]),
+                str(s["why"]),
             )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
-            raise OptionError(f"modes of schema {SCHEMA} are not whole: {error!r}") from None
+            for s in data["states"]
+        )
         return cls(result, states)

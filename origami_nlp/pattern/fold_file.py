@@ -20,6 +20,7 @@ import numpy as np
 from origami_nlp.errors import FoldFileError
 from origami_nlp.files import printable, read_limited
 from origami_nlp.numerics import TYPED
+from origami_nlp.pattern.digits import last_place
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 
 LARGEST = 50_000_000
@@ -86,6 +87,8 @@ class Frame:
         Edges (positions in `edges`) that the file states twice in different ways.
     notes
         What is odd in the frame, one line each.
+    unit
+        The last decimal place of the coordinates in the file; 0 where they are whole doubles.
     loads, held_facet
         Forces on its one vertex, each a table as in a scene file, and the facet that is held; as the file states them.
     """
@@ -107,6 +110,7 @@ class Frame:
     notes: tuple[str, ...] = ()
     loads: tuple[Any, ...] = ()
     held_facet: Any = None
+    unit: float = 0.0
 
 
 def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
@@ -167,9 +171,8 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     """
 
     def refuse(constant: str) -> float:
-        raise FoldFileError(
-            f"FOLD file holds {constant}, which is no JSON number: write null or a number"
-        )
+        why = f"FOLD file holds {constant}, which is no JSON number: write null or a number"
+        raise FoldFileError(why)
 
     try:
         data = json.loads(text, parse_constant=refuse)
@@ -260,9 +263,9 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
-    count = len(coords)
-    faces = _faces(data.get("faces_vertices"), count)
-    pairs = _edges(data.get("edges_vertices"), faces, count, notes)
+    unit = last_place(coords)
+    faces = _faces(data.get("faces_vertices"), len(coords))
+    pairs = _edges(data.get("edges_vertices"), faces, len(coords), notes)
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
     angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
@@ -308,6 +311,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         tuple(notes),
         tuple(_list(data.get(LOADS_KEY) or [], LOADS_KEY)),
         data.get(HELD_KEY),
+        unit,
     )
 
 
@@ -355,6 +359,8 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
     if np.abs(out).max() > 1e100:
         raise FoldFileError("vertices_coords exceed 1e100: rescale the pattern")
+    if 0.0 < np.ptp(out, axis=0).max() < 1e-100:
+        raise FoldFileError("vertices_coords span less than 1e-100: rescale the pattern")
     return out, wide
 
 
@@ -440,6 +446,5 @@ def _numbers(value: object, name: str, count: int) -> np.ndarray:
 
 def _same_length(values: list[Any], name: str, count: int) -> None:
     if len(values) != count:
-        raise FoldFileError(
-            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
-        )
+        why = f"{name} has {len(values)} entries, but there are {count} edges: give one each"
+        raise FoldFileError(why)

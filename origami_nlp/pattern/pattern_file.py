@@ -13,6 +13,7 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.crease_pattern import APART, CLOSED
+from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_parts import check_parts, check_sides
@@ -189,6 +190,7 @@ class _Sheet:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
         self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
         self._note_borders(sides)
+        self._make_exact()
 
     def _edge(self, side: Side) -> int | None:
         return self.number.get(_side(*(self.origin[v] for v in side)))
@@ -329,6 +331,19 @@ class _Sheet:
                 f"paper meets in points at vertices {listed(points)}: it is not joined there"
             )
         check_parts(self.frame, self.polygons, self.origin)
+
+    def _make_exact(self) -> None:
+        made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit)
+        self.corners = made.corners
+        if not made.moved:
+            return
+        what = "faces are plane"
+        if made.relations:
+            what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
+            what += " and faces are plane" if self.frame.folded else ""
+        self.notes.append(
+            f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+        )
 
     def _note_borders(self, sides: Counter[Side]) -> None:
         alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]

@@ -134,7 +134,7 @@ class Scene(Full):
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):
                 raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
-        _check_range(stiffness)
+        check_range(stiffness)
         rest = parse_angles(self.rest_angles, "rest_angles")
         _same_length(rest, "rest_angles", n)
         for i, a in enumerate(rest, start=1):
@@ -358,7 +358,7 @@ def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
     return float(max(*angles, np.abs(np.divide(new[-1], old[-1]) - 1).max()))
 
 
-def _check_range(stiffness: Sequence[float]) -> None:
+def check_range(stiffness: Sequence[float]) -> None:
     """Complain about stiffnesses that cannot be computed with, or not together."""
     soft, stiff = min(stiffness), max(stiffness)
     i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1

@@ -16,6 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, SceneError
+from origami_nlp.pattern.scene import check_range
 
 MOST_FACETS = 20_000
 """Of a pattern."""
@@ -181,6 +182,8 @@ class Pattern:
             raise SceneError(
                 f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]"
             )
+        if len(k):
+            check_range(k.tolist())
         if rest is None:
             phi = self.rest
         elif np.ndim(rest) == 0:
@@ -263,6 +266,8 @@ def make_pattern(
     FoldFileError
         If a side has more than two polygons, neighbours run in different senses, the polygons fall apart, a crease
         ends within a facet, or the surface is no sheet with holes.
+    SceneError
+        If stiffnesses cannot be computed with, or not together.
     """
     corners = np.asarray(corners, float)
     if corners.shape[1] == 2:
@@ -304,6 +309,9 @@ def make_pattern(
     right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
     _check_topology(facet_of, left, right, len(vertices) + len(holes))
     k = stiffness if isinstance(stiffness, dict) else dict.fromkeys(sides, float(stiffness))
+    springs = of(k, 1.0)
+    if sides:
+        check_range(springs.tolist())
     return Pattern(
         corners,
         tuple(tuple(map(int, p)) for p in polygons),
@@ -313,7 +321,7 @@ def make_pattern(
         right,
         of(fold_angles, 0.0),
         "".join((assignment or {}).get(s, "U") for s in sides),
-        of(k, 1.0),
+        springs,
         of(rest, 0.0),
         of(file_angles, math.nan),
         np.array([(numbers or {}).get(s, c) for c, s in enumerate(sides)], int),

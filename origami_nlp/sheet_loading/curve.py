@@ -1,11 +1,14 @@
-"""Equilibria of a sheet over a load, as a curve for the tracer of `path`, with creases held at their fold limits.
+"""Equilibria of a sheet over a load, as a curve for the tracer of `path`, with contacts held.
+
+Creases at their fold limits are no unknowns; gaps g of features that touch are equations beside closure c, and their
+multipliers the forces by which facets push.
 
 The curve lives in (phi, T), T the load over the mean stiffness.  Newton carries multipliers along: those of least
 squares change so fast beside the flat state that it would be slow there.  One vertex is followed by `path.Web`, which
 picks independent rows of closure and decomposes dense matrices; a sheet has redundant rows as a rule and may be large.
 Here linear systems are those of the proximal method, in which no rank is decided:
 
-    F = (U' - T w' - J' lam, c),        [ H  -w'  J' ] [ d  ]
+    F = (U' - T w' - J' lam, (c, g)),   [ H  -w'  J' ] [ d  ]
                                         [ r   r_T 0  ] [ dT ]
                                         [ J   0  -eps] [-dlam],        r: one more equation.
 
@@ -23,8 +26,9 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.facets import Factor, Matrix, Normal, Sheet
-from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME, STATIONARY
+from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME, STATIONARY, null_space
 from origami_nlp.path import Tally
+from origami_nlp.sheet_loading.held import Contact, creases_of, touches_of, touching_rows
 from origami_nlp.sheet_loading.loaded import LoadedSheet
 from origami_nlp.sheet_loading.work import Work
 
@@ -42,14 +46,18 @@ Row = Callable[[np.ndarray, "System"], tuple[np.ndarray, float]]
 
 
 class System:
-    """The equations of a point (phi, T) with creases held, and their linear systems.
+    """The equations of a point (phi, T) with contacts held, and their linear systems.
 
     Attributes
     ----------
     sheet
         Under the load.
+    held
+        Creases, then touches.
+    closure
+        What must vanish, gaps of touches last, [m + t].
     multipliers
-        Of closure, [m]; of smallest norm where none are given.
+        Of closure and touches, [m + t]; of smallest norm where none are given.
     balance
         Torque over the mean stiffness that is left, all creases, [n].
     residual
@@ -61,17 +69,21 @@ class System:
         sheet: Sheet,
         work: Work,
         point: np.ndarray,
-        held: tuple[int, ...],
+        held: tuple[Contact, ...],
         multipliers: np.ndarray | None = None,
     ) -> None:
         phi, size = point[:-1], len(point) - 1
-        self.held = held
-        self.free = np.setdiff1d(np.arange(size), held)
+        self.held, self.creases = held, creases_of(held)
+        self.free = np.setdiff1d(np.arange(size), self.creases)
         self.sheet = LoadedSheet(sheet, work, float(point[-1]) * sheet.scale)
         self.phi, self.pulled = phi, work.gradient(phi)
         at = sheet.closure.turned(phi)
         self.closure = sheet.closure.values(phi, at)
         self._whole = sheet.closure.jacobian(phi, at)
+        self._rows = touching_rows(sheet, phi, touches_of(held))
+        if self._rows.touches:
+            self.closure = np.concatenate([self.closure, self._rows.gaps])
+            self._whole = _stacked(self._whole, self._rows.slopes)
         self.jacobian: Matrix = self._whole[:, self.free]
         torque = self.sheet.torque(phi)
         if multipliers is None:
@@ -79,19 +91,31 @@ class System:
         self.multipliers = multipliers
         self.balance = torque - self._whole.T @ self.multipliers
         self.size = 1.0 + float(np.abs(torque).max(initial=0.0))
-        self.hessian = self.sheet.hessian(phi, self.multipliers)
+        self._count = len(self.closure) - len(self._rows.touches)
+        hessian = self.sheet.hessian(phi, self.multipliers[: self._count])
+        if self._rows.touches:
+            hessian = hessian - self._rows.bent(sheet, phi, self.multipliers[self._count :])
+        self.hessian = hessian
 
     @property
     def residual(self) -> float:
         """Largest entry of the equations."""
         left = float(np.abs(self.balance[self.free]).max(initial=0.0)) / self.size
-        return max(left, float(np.abs(self.closure).max(initial=0.0)))
+        return max(left, self.missing)
+
+    @property
+    def missing(self) -> float:
+        """Largest entry of closure and gaps."""
+        return float(np.abs(self.closure).max(initial=0.0))
 
     @property
     def forces(self) -> np.ndarray:
-        """Moments over the mean stiffness of the limits held, positive where they push, [r]."""
-        held = list(self.held)
-        return -np.sign(self.phi[held]) * self.balance[held]
+        """Moments of the limits held, and forces of touches times the sheet's size, positive where they push, [r].
+
+        Over the mean stiffness.
+        """
+        limits = -np.sign(self.phi[self.creases]) * self.balance[self.creases]
+        return np.concatenate([limits, self.multipliers[self._count :]])
 
     def step(self, row: np.ndarray, right: float) -> tuple[np.ndarray, np.ndarray] | None:
         """Return Newton's step (dphi, dT) [n + 1] under row . step = right, and the multipliers after it.
@@ -108,10 +132,11 @@ class System:
         if found is None:
             return None
         d, change = found
-        held = list(self.held)
+        held = self.creases
         left = self.hessian[held] @ d[:-1] - d[-1] * self.pulled[held]
         left = left + (self._whole.T @ change)[held]
-        return d, -np.sign(self.phi[held]) * left
+        limits = -np.sign(self.phi[held]) * left
+        return d, np.concatenate([limits, -change[self._count :]])
 
     def _solve(
         self, row: np.ndarray, top: np.ndarray, right: float, bottom: np.ndarray
@@ -151,9 +176,18 @@ class System:
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Of the Hessian on what closure and held creases leave free, over the mean stiffness, ascending."""
-        z = self.sheet.kernel(self.phi, self.held)
+        """Of the Hessian on what closure and contacts leave free, over the mean stiffness, ascending."""
+        z = self.sheet.kernel(self.phi, self.creases)
+        if self._rows.touches:
+            z = z @ null_space(self._rows.slopes @ z)
         return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
+
+
+def _stacked(matrix: Matrix, rows: np.ndarray) -> Matrix:
+    """Return a matrix with more rows."""
+    if isinstance(matrix, np.ndarray):
+        return np.vstack([matrix, rows])
+    return sparse.vstack([matrix, sparse.csr_array(rows)]).tocsr()
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +203,7 @@ class LoadedState:
     system
         Of this point.
     rates
-        Change of the moments of held limits along the tangent, [r].
+        Change of `System.forces` along the tangent, [r].
     """
 
     x: np.ndarray
@@ -193,8 +227,8 @@ class LoadedState:
         return float(self.x[-1]) * self.system.sheet.scale
 
     @property
-    def held(self) -> tuple[int, ...]:
-        """Creases held at their fold limit."""
+    def held(self) -> tuple[Contact, ...]:
+        """Contacts that are held."""
         return self.system.held
 
     @property
@@ -216,7 +250,7 @@ class LoadedState:
 
 @dataclass(frozen=True, eq=False)
 class LoadCurve:
-    """Equilibria over the load with creases held; a `tracer.Curve`.
+    """Equilibria over the load with contacts held; a `tracer.Curve`.
 
     Attributes
     ----------
@@ -225,14 +259,14 @@ class LoadCurve:
     work
         What the load works on.
     held
-        Creases held at their fold limit.
+        Creases at their fold limit, then features that touch.
     tally
         What following cost.
     """
 
     sheet: Sheet
     work: Work
-    held: tuple[int, ...]
+    held: tuple[Contact, ...]
     tally: Tally
     _known: list[tuple[np.ndarray, System]] = field(default_factory=list)
     _last: list[np.ndarray] = field(default_factory=list)
@@ -266,12 +300,13 @@ class LoadCurve:
             point = point + step
             if length <= SAME:  # its square is rounding
                 system = self.system(point, multipliers)
-                break
+                # off closure a gap is one along a tree, its slope one along a walk: one step more
+                if system.missing <= CLOSES:
+                    break
         else:
             return None
         self._known[:] = [(point, system)]
-        closes = float(np.abs(system.closure).max(initial=0.0)) <= CLOSES
-        good = closes and system.residual <= STATIONARY
+        good = system.missing <= CLOSES and system.residual <= STATIONARY
         return (point, system) if good and self.sheet.closure.on_sheet(point[:-1]) else None
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:

@@ -20,11 +20,12 @@ from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheet_loading.branch import STEPS, Branch, Follower
 from origami_nlp.sheet_loading.curve import LoadedState
 from origami_nlp.sheet_loading.events import Found
+from origami_nlp.sheet_loading.held import touches_of
 from origami_nlp.sheet_loading.loaded import LoadedSheet
 from origami_nlp.sheet_loading.packing import Packed, pack_branches
 from origami_nlp.sheet_loading.result import SheetLoadPath
 from origami_nlp.sheet_loading.work import DeadForce, Pull, Torque, Work
-from origami_nlp.sheets import SheetState, descend, find_states, judge, press
+from origami_nlp.sheets import Descended, SheetState, descend, find_states, judge, press
 
 MOST_CREASES = 600
 """Of a sheet: the kernel of closure is decomposed at every step."""
@@ -37,6 +38,8 @@ FLAT = 1e-3
 """Largest fold angle of a state that is called flat in words [rad]."""
 SIDE = 0.01
 """Torque over the mean stiffness between a snap and the searches beside it."""
+MEETS = ("touches", "slides")
+"""Events at which facets meet so that no single gap keeps them apart."""
 SNAPS = ("fold", "nonsmooth-fold", "branching")
 """Events at which a stable state ends."""
 
@@ -86,7 +89,7 @@ def find_load_path(
     Raises
     ------
     OptionError
-        If an argument is not what it must be, the sheet has no such state, or it is one that facets in contact hold.
+        If an argument is not what it must be, or the sheet has no such state.
 
     Examples
     --------
@@ -139,11 +142,6 @@ def _state(pattern: Pattern, state: Any, search: dict[str, Any]) -> tuple[int, S
     which = f"state = {number}" if number else "state"
     if state.verdict != "minimum" or len(state.fold_angles) != pattern.creases:
         raise OptionError(f"{which} is no stable state of this pattern: {state.certificate}")
-    touching = [c.words() for c in state.contacts if c.type != "fold-limit"]
-    if touching:
-        raise OptionError(
-            f"{which} is held by contact: {touching[0]}; only fold limits are followed, load another state"
-        )
     if not np.any(state.fold_angles):
         raise OptionError(
             f"{which} is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
@@ -198,7 +196,8 @@ class _Job:
                 (k, e) for k, e in branch.events if e.type not in ("closes", "leaves")
             )
             if event.type not in SNAPS:
-                named = event.contact if event.type == "touches" else event.why
+                told = (event.contact, event.why) if event.type in MEETS else (event.why,)
+                named = ": ".join(part for part in told if part)
                 why = "range" if event.type == "range" else f"stopped: {named}"
                 self._add(position, toward, why, event, None)
                 last = branch.states[position]
@@ -210,11 +209,6 @@ class _Job:
             self.falls.append(fall)
             self._add(position, toward, "snap", event, len(self.falls))
             phi, load = fall.landed.fold_angles, fall.load
-            if any(c.type != "fold-limit" for c in fall.landed.contacts):
-                self.alarms.append(
-                    f"after snap {len(self.falls)} facets touch: not followed further"
-                )
-                return None
             if once or not self.follower.low <= load <= self.follower.high:
                 return None
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
@@ -233,7 +227,7 @@ class _Job:
                 abs(at), 1e-3 * (self.follower.high - self.follower.low)
             )
             loaded = LoadedSheet(self.sheet, self.work, load * self.sheet.scale)
-            end = descend(loaded, event.state.phi)
+            end = self._down(loaded, event.state)
             if np.abs(end.phi - event.state.phi).max() <= 10 * share:
                 continue
             if not end.arrived:
@@ -241,15 +235,20 @@ class _Job:
                 why = f"the descent does not come to rest, {flat}"
                 continue
             found = judge(loaded, end.phi)
-            if found.verdict == "crosses":
-                pressed = press(loaded, event.state.phi)
-                found = judge(loaded, pressed.phi) if pressed.arrived else found
             if found.verdict == "minimum":
                 return _Fall(event, load, found, self._again(branch, event))
             why = found.certificate
         where = event.state.t
         self.alarms.append(f"no certified minimum was reached from the end at {where:.9g}: {why}")
         return None
+
+    def _down(self, loaded: LoadedSheet, state: LoadedState) -> Descended:
+        """Descend from a state: where facets touch, or would come to cross, along states that do not cross."""
+        if not touches_of(state.held):
+            end = descend(loaded, state.phi)
+            if not any(self.sheet.crossings.find(phi) for phi in (*end.path, end.phi)):
+                return end
+        return press(loaded, state.phi)
 
     @staticmethod
     def _again(branch: Branch, event: Found) -> float | None:
@@ -308,11 +307,12 @@ class _Job:
         )
 
     def _at(self, landed: SheetState, load: float, other: float) -> LoadedState | None:
-        """Return the landed state at another load, by Newton with the same creases held."""
-        held = [c.where[0] for c in landed.contacts if c.type == "fold-limit"]
-        along = np.append(np.zeros(self.sheet.size), 1.0)
-        point = np.append(landed.fold_angles, load)
-        return self.follower.curve(held).where(point, -1, other, along)
+        """Return the landed state at another load, by Newton with what pushes held."""
+        toward = math.copysign(1.0, other - load)
+        begun = self.follower.begin(landed.fold_angles, load, toward)
+        if begun is None:
+            return None
+        return self.follower.curve(begun.held).where(begun.x, -1, other, begun.tangent)
 
     def _confirmed(self, k: int, search: dict[str, Any]) -> Confirmed | None:
         """Search on both sides of a snap for the states that the path has there."""

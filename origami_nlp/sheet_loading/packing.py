@@ -21,9 +21,10 @@ from origami_nlp.facets import Sheet
 from origami_nlp.numerics import SETTLED
 from origami_nlp.sheet_loading.branch import STABLE, Branch
 from origami_nlp.sheet_loading.curve import LoadedState
-from origami_nlp.sheet_loading.events import Found, words
+from origami_nlp.sheet_loading.events import Found
+from origami_nlp.sheet_loading.held import touches_of, words
 from origami_nlp.sheet_loading.work import Work
-from origami_nlp.sheets import judge
+from origami_nlp.sheets import balance, closed_contacts, judge, told_contacts
 
 ENDS = ("range", STABLE)
 """Ends of a branch that are no events."""
@@ -145,10 +146,24 @@ def _kind(state: LoadedState, number: int, out: Packed) -> tuple[str, str]:
 
 
 def _point(state: LoadedState, sheet: Sheet) -> PathPoint:
-    carried = tuple(
-        Multiplier(words((c,)), float(f * sheet.scale), (float(f * sheet.scale),) * 2)
-        for c, f in zip(state.held, state.system.forces, strict=True)
-    )
     low = state.lowest * sheet.scale if math.isfinite(state.lowest) else math.nan
     phi = tuple(state.phi.tolist())
-    return PathPoint(state.t, phi, float(sheet.pattern.energy(state.phi)), carried, low, math.nan)
+    return PathPoint(
+        state.t, phi, float(sheet.pattern.energy(state.phi)), _carried(state), low, math.nan
+    )
+
+
+def _carried(state: LoadedState) -> tuple[Multiplier, ...]:
+    """Return what contacts carry; where features touch, all that are closed, and between which bounds."""
+    sheet, phi = state.system.sheet, state.phi
+    if not touches_of(state.held):
+        moments = (state.system.forces * sheet.scale).tolist()
+        both = zip(state.held, moments, strict=True)
+        return tuple(Multiplier(words((c,)), f, (f, f)) for c, f in both)
+    rows = closed_contacts(sheet, phi)
+    contacts = told_contacts(sheet, rows, balance(sheet, phi, rows, sheet.kernel(phi)))
+    closed = (*rows.limits.tolist(), *rows.touches)
+    return tuple(
+        Multiplier(words((c,)), told.force, told.between or (told.force, told.force))
+        for c, told in zip(closed, contacts, strict=True)
+    )

@@ -9,11 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.errors import OptionError
 from origami_nlp.loading import LoadedPath, read_path
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheet_loading.work import DeadForce, Pull, Torque, Work
-from origami_nlp.show import check_schema
 
 if TYPE_CHECKING:
     from typing import Self
@@ -56,11 +54,8 @@ class SheetLoadPath(LoadedPath):
     driver: Work
     pattern: Pattern
 
-    PICTURE, TURNED = "draw_sheet_load", "turn_sheet_path"
-    WAY = (
-        "ways down are not examined: facets may pass through each other on them; contact of facets is not solved, "
-        "where two touch a path stops"
-    )
+    PICTURE, TURNED, READ = "draw_sheet_load", "turn_sheet_path", SCHEMA
+    WAY = "facets do not cross at the states of the path, nor at those of ways down; between states it is not asked"
 
     @property
     def label(self) -> str:
@@ -85,32 +80,9 @@ class SheetLoadPath(LoadedPath):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a load path from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        SheetLoadPath
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, or an entry is missing or wrong.
-        FoldFileError
-            If its pattern is none.
-        """
-        check_schema(data, SCHEMA, OptionError)
-        try:
-            pattern = pattern_from_dict(data["pattern"])
-            return cls(driver=_work(pattern, data["load"]), pattern=pattern, **read_path(data))
-        except (KeyError, TypeError, ValueError) as error:
-            raise OptionError(f"a load path of schema {SCHEMA} is not whole: {error!r}") from None
+    def _read(cls, data: dict[str, Any]) -> Self:
+        pattern = pattern_from_dict(data["pattern"])
+        return cls(driver=_work(pattern, data["load"]), pattern=pattern, **read_path(data))
 
 
 def _work(pattern: Pattern, load: dict[str, Any]) -> Work:

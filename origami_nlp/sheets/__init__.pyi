@@ -1,11 +1,17 @@
 from .branches import Branches as Branches, list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .contacts import closed_contacts as closed_contacts
+from .contacts import (
+    balance as balance,
+    closed_choices as closed_choices,
+    closed_contacts as closed_contacts,
+    told_contacts as told_contacts,
+)
 from .counts import (
     Overview as Overview,
     jacobian_rank as jacobian_rank,
     overview as overview,
 )
+from .curvature import curvature as curvature
 from .curve import (
     Curve as Curve,
     follow_curve as follow_curve,
@@ -31,7 +37,7 @@ from .interpolant import (
     interpolate as interpolate,
     wells as wells,
 )
-from .judgement import curvature as curvature, judge as judge
+from .judgement import judge as judge
 from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion

@@ -76,11 +76,16 @@ def list_branches(pattern: Pattern, phi: np.ndarray | None = None) -> Branches:
             return Branches(nothing, (), "the reference state is not flat")
     if pattern.holes:
         return Branches(nothing, (), "ways round holes are not enumerated")
-    modes = [vertex_modes(axes) for axes in Closure(pattern).axes(phi)]
+    modes = list_modes(pattern, phi)
     if any(m is None for m in modes):
         degree = max(len(loop.creases) for loop in pattern.vertices)
         return Branches(nothing, (), f"vertices of degree {degree} have no modes to be enumerated")
     return combine(pattern, [m or [] for m in modes])
+
+
+def list_modes(pattern: Pattern, phi: np.ndarray) -> list[list[np.ndarray] | None]:
+    """Return the motions of each vertex of a closed state by itself, as `vertex_modes` does."""
+    return [vertex_modes(axes) for axes in Closure(pattern).axes(phi)]
 
 
 def combine(pattern: Pattern, modes: Sequence[Sequence[np.ndarray]]) -> Branches:

@@ -8,15 +8,17 @@ touches, at borders or face to face, only makes them fewer.  A strict minimum of
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, Features, Placed, Sheet, Touch
+from origami_nlp.facets import INSIDE, Choice, Features, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import (
     CLOSES,
     DEPENDENT,
     INDEPENDENT,
+    SAME,
     extremes,
     nonnegative_least_squares,
     unbounded,
@@ -122,6 +124,22 @@ def _without_borders(features: Features, touches: list[Touch]) -> list[Touch]:
     return [t for t in touches if t.type == "vertex-face" or not told(t)]
 
 
+def closed_choices(sheet: Sheet, phi: np.ndarray) -> list[Choice]:
+    """Return what keeps facets apart that meet at borders: of each choice one gap at least stays open.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state in which no facets cross, [n] [rad].
+
+    Returns
+    -------
+    list of tuple of Touch
+        Without those that have a gap which is closed on every piece anyway.
+    """
+    return choices(Features(sheet.crossings), Placed(sheet.crossings.poses, phi))
+
+
 def balance(sheet: Sheet, phi: np.ndarray, rows: Rows, z: np.ndarray) -> Balance:
     """Balance the springs of a closed state by contacts; z is a basis of what closure allows, [n, t]."""
     torque = sheet.torque(phi)
@@ -149,4 +167,19 @@ def told_contacts(sheet: Sheet, rows: Rows, found: Balance) -> tuple[SheetContac
             touch = rows.touches[k - len(rows.limits)]
             contact = touch.type, touch.facets, float(force * unit), touch.corners, between
             out.append(SheetContact(*contact))
+    return tuple(out)
+
+
+def joined_contacts(told: Sequence[tuple[SheetContact, ...]]) -> tuple[SheetContact, ...]:
+    """Return the contacts of several pieces, each once, with bounds of what it carries on all."""
+    found: dict[object, list[SheetContact]] = {}
+    for contacts in told:
+        for c in contacts:
+            found.setdefault((c.type, c.where, c.corners), []).append(c)
+    out = []
+    for same in found.values():
+        ends = [e for c in same for e in (c.between or (c.force, c.force))]
+        ends += [0.0] * (len(same) < len(told))
+        unique = max(ends) - min(ends) <= SAME * max(ends)
+        out.append(replace(same[0], between=None if unique else (min(ends), max(ends))))
     return tuple(out)

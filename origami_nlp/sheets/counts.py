@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.errors import OptionError
 from origami_nlp.facets import Layers, Sheet, check_orders
 from origami_nlp.numerics import CLOSES, RANK, TYPED
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.angle_sums import angle_sums
-from origami_nlp.show import Piece, Table, Told, check_schema, from_plain
+from origami_nlp.show import Piece, Table, Told, from_plain
 
 if TYPE_CHECKING:
     from typing import Self
@@ -80,6 +79,7 @@ class Overview(Told):
     """
 
     PICTURE = "draw_overview"
+    READ = SCHEMA
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None
@@ -227,41 +227,18 @@ class Overview(Told):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild an overview from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        Overview
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, or an entry is missing or wrong.
-        FoldFileError
-            If its pattern is none.
-        """
-        check_schema(data, SCHEMA, OptionError)
-        try:
-            folded, layers = data["folded"], data["layers"]
-            return cls(
-                pattern_from_dict(data["pattern"]),
-                int(data["closure_rows"]),
-                data["rank_flat"],
-                data["rank_folded"],
-                None if folded is None else np.array(folded["fold_angles"], float),
-                "" if folded is None else str(folded["start"]),
-                0 if folded is None else int(folded["crossings"]),
-                None if layers is None else from_plain(Layers, layers),
-            )
-        except (KeyError, TypeError, ValueError) as error:
-            raise OptionError(f"counts of schema {SCHEMA} are not whole: {error!r}") from None
+    def _read(cls, data: dict[str, Any]) -> Self:
+        folded, layers = data["folded"], data["layers"]
+        return cls(
+            pattern_from_dict(data["pattern"]),
+            int(data["closure_rows"]),
+            data["rank_flat"],
+            data["rank_folded"],
+            None if folded is None else np.array(folded["fold_angles"], float),
+            "" if folded is None else str(folded["start"]),
+            0 if folded is None else int(folded["crossings"]),
+            None if layers is None else from_plain(Layers, layers),
+        )
 
     def _rows(self) -> Iterable[dict[str, object]]:
         names = ["name", "facets", "creases", "interior_vertices", "holes", "closure_rows"]

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
@@ -81,7 +82,7 @@ def find_states(
     Raises
     ------
     OptionError
-        If `starts` or `seed` is no count, or `seconds` is negative.
+        If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
 
     Examples
     --------
@@ -93,6 +94,8 @@ def find_states(
     pattern = as_pattern(pattern)
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
+    if not pattern.creases:
+        raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
         search.from_crossroads()

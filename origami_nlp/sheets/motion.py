@@ -20,7 +20,7 @@ from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.counts import Overview, overview
 from origami_nlp.sheets.curve import Curve, follow_curve
-from origami_nlp.show import Piece, Table, Told, check_schema
+from origami_nlp.show import Piece, Table, Told
 
 if TYPE_CHECKING:
     from typing import Self
@@ -66,6 +66,7 @@ class Motion(Told):
     """
 
     PICTURE = "draw_motion"
+    READ = SCHEMA
     pattern: Pattern
     freedoms: int
     phi: np.ndarray
@@ -134,43 +135,18 @@ class Motion(Told):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a motion from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        Motion
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, or an entry is missing or wrong.
-        FoldFileError
-            If its pattern is none.
-        """
-        check_schema(data, SCHEMA, OptionError)
-        try:
-            a = data["touching"]
-            phi, arc, energy = (
-                np.array(data[key], float) for key in ("fold_angles", "arc", "energy")
-            )
-            return cls(
-                pattern_from_dict(data["pattern"]),
-                int(data["freedoms"]),
-                phi,
-                arc,
-                energy,
-                str(data["end"]),
-                None if a is None else (int(a[0]) - 1, int(a[1]) - 1),
-            )
-        except (KeyError, TypeError, ValueError, IndexError) as error:
-            raise OptionError(f"a motion of schema {SCHEMA} is not whole: {error!r}") from None
+    def _read(cls, data: dict[str, Any]) -> Self:
+        a = data["touching"]
+        phi, arc, energy = (np.array(data[key], float) for key in ("fold_angles", "arc", "energy"))
+        return cls(
+            pattern_from_dict(data["pattern"]),
+            int(data["freedoms"]),
+            phi,
+            arc,
+            energy,
+            str(data["end"]),
+            None if a is None else (int(a[0]) - 1, int(a[1]) - 1),
+        )
 
     def _rows(self) -> Iterable[dict[str, object]]:
         for k, phi in enumerate(self.phi):

@@ -5,8 +5,9 @@ features that face each other kept open to first order; it is then put back onto
 that it would have passed.  A step after which facets cross is shortened.  So every state on the way is closed and free
 of crossings, and features that face each other are all that has to be known: no planes, no forces from afar.
 
-Where features meet at borders, one of several gaps is enough to keep facets apart, and it is not known which: steps are
-tried with the one that is passed least.
+Where features meet at borders, one of several gaps is enough to keep facets apart: the state is judged on every piece
+(`pieces`), and where one of them leads down the descent goes on there.  Beside such places steps are tried with the
+gap that is open furthest.
 """
 
 from __future__ import annotations
@@ -14,12 +15,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
+from typing import Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Sheet, Touch
+from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
+from origami_nlp.sheets.contacts import closed_choices, closed_contacts
 from origami_nlp.sheets.descent import TRUST, Descended
+from origami_nlp.sheets.pieces import judge_pieces
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -38,18 +42,18 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, are rows of a step."""
 FAR = 1.0
 """Distance from which features are looked at, over the sheet's size, once facets have been found to cross."""
-SHORTEST = 1e-11
+SHORTEST = 1e-8
 """Of a step [rad]."""
 SETTLING = 1e-2
 """Reduced torque over the mean stiffness from which on the polish is tried."""
 FLAT = 1e-9
 """Curvatures over the mean stiffness above minus this are not left as saddles."""
-SLIPS = 1e-2, 1e-3, 1e-4
-"""Steps [rad] with which a state at borders is left."""
-MOST_CHOSEN = 12
-"""Rounds in which rows are chosen for such a step."""
+SLIPS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
+"""Steps [rad] beside borders that are as close, over the sheet's size."""
+End: TypeAlias = Literal["still", "lower", "held", "not settled"]
+"""Of a step: a minimum, gone to a lower state, a state that was not decided, none."""
 UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
-"""Why a descent ends that is left without features."""
+"""Why a descent ends at a state that is neither held on every piece nor left on one."""
 
 
 def press(sheet: Sheet, phi: np.ndarray, most: int = 300, until: float = math.inf) -> Descended:
@@ -117,16 +121,17 @@ class _Press:
                 return Descended(self.phi, False, step, many)
             z = sheet.kernel(self.phi)
             forces, hessian, left = balanced(sheet, self.phi, rows, z)
-            if np.abs(left).max(initial=0.0) < SETTLING:
-                end = self._settled(rows, forces)
-                if end is not None:
-                    if self._sure():
-                        return Descended(end, True, step, "still")
-                    if not self._slip():
-                        return Descended(end, False, step, UNTOLD)
-                    continue
-            if not self._step(rows, z, hessian) and not self._slip():
-                return Descended(self.phi, False, step, UNTOLD)
+            near = np.abs(left).max(initial=0.0) < SETTLING
+            end = self._settled(rows, forces) if near else "not settled"
+            if end == "still":
+                return Descended(self.phi, True, step, end)
+            if end == "lower" or (end != "held" and self._step(rows, z, hessian)):
+                continue
+            end = self._slip()
+            if end != "lower":
+                return Descended(
+                    self.phi, end == "still", step, "still" if end == "still" else UNTOLD
+                )
         return Descended(self.phi, False, most, "too many steps")
 
     def _step(self, rows: Rows, z: np.ndarray, hessian: np.ndarray) -> bool:
@@ -155,86 +160,85 @@ class _Press:
             self.radius = 0.3 * min(self.radius, length)
         return False
 
-    def _settled(self, rows: Rows, forces: np.ndarray) -> np.ndarray | None:
-        """Solve for the state beside this one that contacts hold; None if there is none, or lower ones beside it."""
+    def _settled(self, rows: Rows, forces: np.ndarray) -> End:
+        """Solve for the state beside this one that contacts hold and judge it; go to a lower one beside it."""
         sheet = self.sheet
-        end = polish(sheet, self.phi, rows, forces)
-        if end is None or np.abs(end - self.phi).max() > CLOSE:
-            return None
-        if sheet.energy(end) > self.energy + 1e-12 * (1 + self.energy):
-            return None
-        if sheet.crossings.find(end):
-            return None
-        before = self.phi, self.known
-        self._go(end)
+        if not self._polished(rows, forces):
+            return "not settled"
         at = self._rows()
-        if at.gaps.min(initial=0.0) < -CLOSES:
-            self.phi, self.known = before
-            self._go(self.phi)
-            return None
-        z = sheet.kernel(end)
-        forces, hessian, left = balanced(sheet, end, at, z)
+        z = sheet.kernel(self.phi)
+        forces, hessian, left = balanced(sheet, self.phi, at, z)
         if np.abs(left).max(initial=0.0) > 1e3 * STILL * (1 + np.abs(forces).max(initial=0.0)):
-            return None
+            return "not settled"
         free = z @ null_space(at.slopes[forces > LOADED] @ z)
         if free.shape[1]:
             values, vectors = np.linalg.eigh(free.T @ hessian @ free)
             if values[0] < -FLAT and self._off(at, free @ vectors[:, 0]):
-                return None
-        return end
-
-    def _sure(self) -> bool:
-        """Tell whether all that pushes are features that meet inside each other."""
-        rows, inside = self._apart()
-        forces, _, _ = balanced(self.sheet, self.phi, rows, self.sheet.kernel(self.phi))
-        return bool((forces[~inside] <= LOADED).all())
-
-    def _apart(self) -> tuple[Rows, np.ndarray]:
-        """Return the rows, and which of them are limits, open, or of features that meet inside each other."""
-        rows = self._rows()
+                return "lower"
         met = {t.key for t, _ in self.features.facing(self.place, 2 * NEAR, INSIDE)}
-        inside = rows.gaps > NEAR
-        inside[: len(rows.limits)] = True
-        inside[len(rows.limits) :] |= np.array([t.key in met for t in rows.touches], bool)
-        return rows, inside
+        pushing = forces[len(at.limits) :] > LOADED
+        if all(t.key in met for t, on in zip(at.touches, pushing, strict=True) if on):
+            return "still"
+        return self._judged()
 
-    def _slip(self) -> bool:
-        """Step down where features meet at borders: with rows that are certain, and of the others as few as will do."""
+    def _polished(self, rows: Rows, forces: np.ndarray) -> bool:
+        """Go to the state beside this one at which rows that push are closed, and nothing is left."""
         sheet = self.sheet
-        rows, use = self._apart()
+        end = polish(sheet, self.phi, rows, forces)
+        if end is not None and (beyond := np.abs(end[rows.limits]) > math.pi).any():
+            held = np.r_[beyond, np.zeros(len(rows.touches), bool)]
+            end = polish(sheet, self.phi, rows, np.where(held, 1.0, forces))
+        if end is None or np.abs(end).max() > math.pi or np.abs(end - self.phi).max() > CLOSE:
+            return False
+        if sheet.crossings.find(end):
+            return False
+        opened = float(
+            forces @ np.maximum(-rows.gaps, 0.0)
+        )  # facets may have reached into each other
+        if sheet.energy(end) > self.energy + 1e-12 * (1 + self.energy) + 2 * opened:
+            return False
+        before = self.phi, self.known
+        self._go(end)
+        if not opened and self._rows().gaps.min(initial=0.0) < -CLOSES:
+            self.phi, self.known = before
+            self._go(self.phi)
+            return False
+        return True
+
+    def _judged(self) -> End:
+        """Judge a state on every piece that meets there; go to a lower one beside it."""
+        sheet, phi = self.sheet, self.phi
+        rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
+        pieces = judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))
+        if pieces.lower is not None:
+            self.radius = float(np.abs(pieces.lower - phi).max())
+            self._go(pieces.lower)
+            return "lower"
+        return "held" if pieces.left else "still"
+
+    def _slip(self) -> End:
+        """Step down beside borders: of what keeps facets apart there, with the gap that is open furthest."""
+        sheet = self.sheet
         z = sheet.kernel(self.phi)
-        _, hessian, _ = balanced(sheet, self.phi, rows, z)
-        reduced, torque = z.T @ hessian @ z, z.T @ sheet.torque(self.phi)
         for reach in SLIPS:
-            chosen = use.copy()
-            for _ in range(MOST_CHOSEN):
-                some = rows.only(chosen)
-                d = z @ quadratic(reduced, torque, some, z)
-                length = float(np.abs(d).max(initial=0.0))
-                if length == 0.0:
-                    break
-                new = put_back(sheet, self.phi + min(1.0, reach / length) * d, some)
-                if new is None or sheet.energy(new) > self.energy - 1e-12 * (1 + self.energy):
-                    break
-                crossed = sheet.crossings.find(new)
-                if not crossed:
-                    self._go(new)
-                    self.radius = reach
-                    return True
-                gaps = Rows.at(sheet, new, rows.limits, rows.touches).gaps
-                more = chosen.copy()
-                for pair in crossed:
-                    passed = [
-                        k
-                        for k, t in enumerate(rows.touches, len(rows.limits))
-                        if not chosen[k] and gaps[k] < 0 and self.features.between(t, pair)
-                    ]
-                    if passed:
-                        more[max(passed, key=lambda k: gaps[k])] = True
-                if (more == chosen).all():
-                    break
-                chosen = more
-        return False
+            limits = np.flatnonzero(math.pi - np.abs(self.phi) < 2 * reach)
+            inside = [t for t, _ in self.features.facing(self.place, REACH, reach)]
+            meeting = choices(self.features, self.place, reach)
+            furthest = [max(choice, key=lambda t: t.gap(self.place)) for choice in meeting]
+            rows = Rows.at(sheet, self.phi, limits, [*dict.fromkeys([*inside, *furthest])])
+            forces, hessian, left = balanced(sheet, self.phi, rows, z)
+            if np.abs(left).max(initial=0.0) < SETTLING and self._polished(rows, forces):
+                return self._judged()
+            d = z @ quadratic(z.T @ hessian @ z, z.T @ sheet.torque(self.phi), rows, z)
+            share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+            new = put_back(sheet, self.phi + share * d, rows)
+            if new is None or sheet.energy(new) > self.energy - 1e-12 * (1 + self.energy):
+                continue
+            if np.abs(new - self.phi).max() <= 3 * reach and not sheet.crossings.find(new):
+                self._go(new)
+                self.radius = reach
+                return "lower"
+        return "held"
 
     def _off(self, rows: Rows, way: np.ndarray) -> bool:
         """Leave a saddle along a way of negative curvature, where it is free."""

@@ -6,7 +6,7 @@ Rows that push balance the springs; a state is solved for with those rows as equ
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,6 +74,16 @@ class Rows:
         many = len(self.limits)
         touches = tuple(t for t, on in zip(self.touches, which[many:], strict=True) if on)
         return Rows(self.limits[which[:many]], touches, self.gaps[which], self.slopes[which])
+
+    def with_touches(self, others: Rows, which: Iterable[int]) -> Rows:
+        """Return the rows with some touches of other rows at the same state, by number; each once."""
+        new = [k for k in which if others.touches[k] not in self.touches]
+        touches = (*self.touches, *(others.touches[k] for k in new))
+        gaps, slopes = (
+            np.r_[self.gaps, others.gaps[new]],
+            np.vstack([self.slopes, others.slopes[new]]),
+        )
+        return Rows(self.limits, touches, gaps, slopes)
 
     def bent(self, sheet: Sheet, phi: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Return the Hessian of forces . gaps, [n, n]; forces over the mean stiffness, [r]."""

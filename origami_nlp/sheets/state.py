@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.files import Brief
 
 Verdict: TypeAlias = Literal["minimum", "not a minimum", "undecided", "crosses", "no state"]
-Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching"]
+Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -39,16 +39,20 @@ class SheetContact(Brief):
     corners: tuple[int, ...] = ()
     between: tuple[float, float] | None = None
 
-    def words(self) -> str:
-        """Say what touches and what it carries, 1-based."""
+    def features(self) -> str:
+        """Say what touches, 1-based."""
         if self.type == "fold-limit":
-            return f"crease {self.where[0] + 1} at its fold limit: moment {self._carried()}"
+            return f"crease {self.where[0] + 1} at its fold limit"
         a, b = (f + 1 for f in self.where)
         p, q, r, s = (c + 1 for c in self.corners)
-        what = f"corner {p} of facet {b} on facet {a}"
         if self.type == "edge-edge":
-            what = f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
-        return f"{what}: force {self._carried()}"
+            return f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
+        return f"corner {p} of facet {b} on facet {a}"
+
+    def words(self) -> str:
+        """Say what touches and what it carries, 1-based."""
+        carries = "moment" if self.type == "fold-limit" else "force"
+        return f"{self.features()}: {carries} {self._carried()}"
 
     def _carried(self) -> str:
         if self.between is None:
@@ -92,13 +96,15 @@ class SheetState(Brief):
         ``"minimum"`` (strict, certified), ``"not a minimum"`` (a lower state was found beside it), ``"crosses"``
         (facets pass through each other), ``"no state"`` (it does not close, or is beyond a limit), ``"undecided"``.
     kind
-        Of a minimum: no contact, all contacts loaded, or some not; None otherwise.
+        Of a minimum: no contact, all contacts loaded, some not, or closure loses rank there and nothing balances the
+        springs; None otherwise.
     freedoms
         Creases less the rank of closure.
     closure_residual
         Largest entry of closure.
     kkt_residual
-        Torque that closure and contacts do not balance, over the largest.
+        Torque that closure and contacts do not balance, over the largest; not small where a minimum is degenerate, or
+        flat and alone.
     eigenvalue
         Smallest curvature of the Lagrangian over the mean stiffness along what loaded contacts leave free; inf where
         they leave nothing; nan where it was not asked for.

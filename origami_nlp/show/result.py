@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.show.plain import check_schema
 
 if TYPE_CHECKING:
     from typing import Self
@@ -33,6 +34,8 @@ class Result:
     ----------
     PICTURE
         Name of the function in the face of the class's room that draws it; "" without a picture.
+    READ
+        Schema of what `_read` reads back; "" where it cannot be read.
 
     Examples
     --------
@@ -45,6 +48,7 @@ class Result:
     """
 
     PICTURE = ""
+    READ = ""
 
     def draw(self, path: str | PathLike[str] | None = None) -> Figure:
         """Draw the result; the picture is the one that its command writes with ``--figure``.
@@ -169,9 +173,22 @@ class Result:
         Raises
         ------
         OptionError
-            If results of this class cannot be read back.
+            If results of this class cannot be read back, or `data` is of another schema, or an entry is missing or
+            wrong.
         """
-        raise cls._lacks("no way to be read back: find it anew")
+        if not cls.READ:
+            raise cls._lacks("no way to be read back: find it anew")
+        check_schema(data, cls.READ, OptionError)
+        try:
+            return cls._read(data)
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            why = f"data of schema {cls.READ} are not whole: {error!r}"
+            raise OptionError(why) from None
+
+    @classmethod
+    def _read(cls, data: dict[str, Any]) -> Self:
+        """Rebuild a result from plain data of the schema `READ`; what is missing or wrong there may raise anything."""
+        raise NotImplementedError
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         """Return a mapping a row of the data frame; a class that has rows says which."""

@@ -34,7 +34,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,7 +41,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.errors import SweepError
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -53,7 +52,7 @@ from origami_nlp.pattern import (
 )
 from origami_nlp.sheets import find_states
 from origami_nlp.sweep.spec import MOST_SCENES, Sweep, check_axes, read_axis
-from origami_nlp.sweep.store import Outcome
+from origami_nlp.sweep.store import Outcome, Rows, attempted
 
 _PLACE = re.compile(r"(creases|mountains|valleys)\.(stiffness|rest_angles)(?:\[(\d{1,5})\])?")
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
@@ -256,31 +255,23 @@ def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
     Outcome
         Minima with their freedoms as dimension.
     """
-    begin = time.perf_counter()
-    try:
-        sheet = sweep.pattern(index)
-    except OrigamiError as error:
-        return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
     s = sweep.search
-    try:
+
+    def states(sheet: Pattern) -> tuple[Rows, int, None]:
         found = find_states(sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"])
-    except (
-        Exception
-    ) as error:  # one sheet must not end the sweep: it is reported as failed, by name
-        reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-        return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
-    states = tuple(
-        (
-            m.energy,
-            m.kind,
-            m.freedoms,
-            m.closure_residual,
-            m.kkt_residual if math.isfinite(m.kkt_residual) else None,
-            1,
-            None,
-            m.fold_angles.tolist(),
+        rows = tuple(
+            (
+                m.energy,
+                m.kind,
+                m.freedoms,
+                m.closure_residual,
+                m.kkt_residual if math.isfinite(m.kkt_residual) else None,
+                1,
+                None,
+                m.fold_angles.tolist(),
+            )
+            for m in found.minima
         )
-        for m in found.minima
-    )
-    seconds = time.perf_counter() - begin
-    return Outcome(index, "done", "", seconds, found.search.starts, None, states)
+        return rows, found.search.starts, None
+
+    return attempted(index, sweep.pattern, states)

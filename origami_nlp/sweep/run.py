@@ -24,9 +24,10 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
+from origami_nlp.pattern import Scene
 from origami_nlp.sweep.patterns import PatternSweep, run_pattern
 from origami_nlp.sweep.spec import Sweep
-from origami_nlp.sweep.store import Outcome, Store
+from origami_nlp.sweep.store import Outcome, Rows, Store, attempted
 from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int, int], None]
@@ -59,15 +60,11 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
     if isinstance(sweep, PatternSweep):
         return run_pattern(sweep, index)
-    begin = time.perf_counter()
-    try:
-        scene = sweep.scene(index)
-    except OrigamiError as error:
-        return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
-    try:
+    s = sweep.search
+
+    def states(scene: Scene) -> tuple[Rows, int, float]:
         from origami_nlp.minima import find_minima
 
-        s = sweep.search
         result = find_minima(
             scene,
             seed=s["seed"],
@@ -78,34 +75,22 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             prove=False,
             guesses=[np.array(g) for g in guesses],
         )
-    except (
-        Exception
-    ) as error:  # one scene must not end the sweep: it is reported as failed, by name
-        reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-        return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
-    states = tuple(
-        (
-            m.energy,
-            m.kind,
-            m.local_dimension,
-            m.closure_residual,
-            m.kkt_residual if np.isfinite(m.kkt_residual) else None,
-            int(m.polished),
-            m.full_space.verdict if m.full_space else None,
-            list(m.fold_angles),
+        rows = tuple(
+            (
+                m.energy,
+                m.kind,
+                m.local_dimension,
+                m.closure_residual,
+                m.kkt_residual if np.isfinite(m.kkt_residual) else None,
+                int(m.polished),
+                m.full_space.verdict if m.full_space else None,
+                list(m.fold_angles),
+            )
+            for m in result.minima
         )
-        for m in result.minima
-    )
-    missing = result.search.expected_undiscovered
-    return Outcome(
-        index,
-        "done",
-        "",
-        time.perf_counter() - begin,
-        result.search.starts,
-        missing if np.isfinite(missing) else None,
-        states,
-    )
+        return rows, result.search.starts, result.search.expected_undiscovered
+
+    return attempted(index, sweep.scene, states)
 
 
 def run_chain(sweep: Sweep, chain: range) -> list[Outcome]:

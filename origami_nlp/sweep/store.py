@@ -15,19 +15,23 @@ Only the process that runs the sweep writes.
 from __future__ import annotations
 
 import json
+import math
 import sqlite3
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from origami_nlp.arguments import check_path
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 
 SCHEMA = "origami-nlp/sweep/1"
 FILE = "sweep.sqlite"
+T = TypeVar("T")
+Rows = tuple[tuple[Any, ...], ...]
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,41 @@ class Outcome:
     seconds: float
     starts: int
     missing: float | None
-    states: tuple[tuple[Any, ...], ...]
+    states: Rows
+
+
+def attempted(
+    index: int, make: Callable[[int], T], find: Callable[[T], tuple[Rows, int, float | None]]
+) -> Outcome:
+    """Make a scene and find its states; errors become the outcome, so that one scene does not end a sweep.
+
+    Parameters
+    ----------
+    index
+        Of the scene, from 0.
+    make
+        Makes it.
+    find
+        Returns its states as rows, the starts of the search, and how many are expected to be missing, if known.
+
+    Returns
+    -------
+    Outcome
+        ``invalid`` where the values make no scene, ``failed`` where the search does not end.
+    """
+    begin = time.perf_counter()
+    try:
+        made = make(index)
+    except OrigamiError as error:
+        return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
+    try:
+        rows, starts, missing = find(made)
+    except Exception as error:  # whatever it is: it is reported, by name
+        reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
+    if missing is not None and not math.isfinite(missing):
+        missing = None
+    return Outcome(index, "done", "", time.perf_counter() - begin, starts, missing, rows)
 
 
 class Store:

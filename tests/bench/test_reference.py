@@ -84,11 +84,17 @@ def whole_rotation(scene, phi):
 
 
 @pytest.mark.parametrize(
-    "scene", [panel_problems()[8].scene, panel_problems()[17].scene, SCENES["none"]], ids=repr
+    "scene",
+    [
+        pytest.param(panel_problems()[8].scene, marks=pytest.mark.slow),
+        panel_problems()[17].scene,
+        SCENES["none"],
+    ],
+    ids=repr,
 )
 def test_references_close_and_balance_in_the_whole_vertex(scene):
     """Independent residual with 50 digits: the loop of all N folds closes; torques are in the row space of C."""
-    result = find_minima(scene, max_starts=40)
+    result = find_minima(scene, max_starts=40, prove=False)
     checked = 0
     for m in result.minima:
         model = result.model
@@ -131,7 +137,7 @@ def test_a_flat_folding_is_known_exactly_and_a_wrong_state_is_refused():
 
 def test_thin_sets_have_references_too():
     scene = panel_problems()[4].scene
-    result = find_minima(scene, max_starts=20)
+    result = find_minima(scene, max_starts=20, prove=False)
     thin = [m for m in result.minima if m.local_dimension == 1]
     assert thin
     for m in thin:

@@ -13,7 +13,7 @@ from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.kkt import StartStream
 from origami_nlp.programme import Model
-from tests.computed_once import panel_result
+from tests.computed_once import panel_result, thinned
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61
@@ -225,9 +225,10 @@ CURVE_SCENES = {
 }
 
 
-@pytest.mark.parametrize("scene", CURVE_SCENES.values(), ids=CURVE_SCENES)
-def test_curves(scene):
+@pytest.mark.parametrize("name", thinned([*CURVE_SCENES], 2))
+def test_curves(name):
     """Traced states close, and states found otherwise lie on a curve."""
+    scene = CURVE_SCENES[name]
     chart = landscape(scene, 201)
     assert chart.kind == "curve"
     every = np.concatenate([b.fold_angles for b in chart.branches])
@@ -247,7 +248,7 @@ def test_curves(scene):
         # states of one orbit count once: sqrt(N) is the most by which the distance grows
         reach = 4 * math.pi / 201 * math.sqrt(scene.degree)
         assert np.linalg.norm(every - phi, axis=1).min() < reach
-    for m in o.find_minima(scene).minima:
+    for m in o.find_minima(scene, prove=False).minima:
         assert chart.place(m.fold_angles).point[1] == pytest.approx(m.energy, rel=1e-12)
 
 

@@ -10,6 +10,7 @@ import time
 import pytest
 
 from origami_nlp import examples
+from origami_nlp.cli import main
 from tests.command_line import run, scene_file
 
 pty = pytest.importorskip("pty")
@@ -118,3 +119,14 @@ def test_a_result_prints_no_shorter_in_a_narrow_terminal(tmp_path, monkeypatch):
     assert {w for w in lost if w.isalpha()} <= {"s"}, lost
     numbers = [re.findall(r"0\.\d{6,}", text) for text in (plain, narrow)]
     assert numbers[0] == numbers[1] and len(numbers[0]) > 3
+
+
+def test_interrupted_before_a_command_has_begun_ends_with_the_same_line(monkeypatch, capsys):
+    def begun():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("origami_nlp.cli.entry.app", begun)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 130
+    assert capsys.readouterr().err == "origami-nlp: interrupted\n"

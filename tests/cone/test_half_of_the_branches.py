@@ -83,10 +83,10 @@ def maps(degree, end, size=200):
     [
         (6, "contract", None, 0),
         (8, "contact", 20, 0.0453),
-        (14, "contract", 142, 0.0143),
         *(
             pytest.param(*row, marks=pytest.mark.slow)
             for row in (
+                (14, "contract", 142, 0.0143),
                 (8, "contract", None, 0),
                 (12, "contract", None, 0),
                 (6, "contact", None, 0),

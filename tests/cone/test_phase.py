@@ -37,7 +37,7 @@ def sample(curve, many, rng):
     [
         (6, 0.0),
         *(pytest.param(n, 0.0, marks=SLOW) for n in (8, 10, 12)),
-        (8, 1e-3),
+        pytest.param(8, 1e-3, marks=SLOW),
         pytest.param(10, 0.05, marks=SLOW),
     ],
 )

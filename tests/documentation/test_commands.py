@@ -21,6 +21,8 @@ TERMINAL = ("bash", "console")
 PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
+DEAR = {"check_a_claim", "design", "loads", "many_scenes", "pattern", "slow"}
+"""Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
 
 
@@ -52,7 +54,11 @@ def run_page(page, folder, long):
         run_block(block, names)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=[pytest.mark.slow] if p.stem in DEAR else []) for p in PAGES],
+    ids=name_of,
+)
 def test_blocks_run_and_print_what_is_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run_page(page, tmp_path, long=False)

@@ -18,9 +18,9 @@ def draw(n, seed=0, contact="fold-limits"):
     return Scene(Vertex(tuple(sectors)), tuple(k.tolist()), tuple(rest.tolist()), "none", contact)
 
 
-@pytest.mark.parametrize("n", [26, 50])
+@pytest.mark.parametrize("n", [26, pytest.param(50, marks=pytest.mark.slow)])
 def test_polished_as_with_all_rows(n, monkeypatch):
-    found = find_minima(draw(n, 1), max_starts=120, effort="quick")
+    found = find_minima(draw(n, 1), max_starts=120, effort="quick", prove=False)
     model, many = found.model, 0
     for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
         x = np.array(minimum.fold_angles)
@@ -79,10 +79,10 @@ def folded(scene, phi):
     return frames, np.array(creases)
 
 
-@pytest.mark.parametrize("n", [5, 9, 30])
+@pytest.mark.parametrize("n", [5, 9, pytest.param(30, marks=pytest.mark.slow)])
 def test_one_moment_in_the_frame_of_every_facet(n):
     scene = draw(n)
-    found = find_minima(scene, max_starts=60, effort="quick")
+    found = find_minima(scene, max_starts=60, effort="quick", prove=False)
     for minimum in found.minima[:4]:
         phi = np.array(minimum.fold_angles)
         frames, creases = folded(scene, phi)

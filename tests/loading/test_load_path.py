@@ -189,3 +189,10 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
 def test_bad_arguments_are_refused_by_name(arguments, word):
     with pytest.raises(OptionError, match=word):
         load_path(SCENE, **arguments, max_starts=16)
+
+
+def test_a_path_without_events_shows_no_empty_table():
+    quiet = replace(LOOP, events=(), snaps=(), legs=LOOP.legs[:1])
+    first = next(iter(quiet.told()))
+    assert isinstance(first, str) and "under" in first
+    assert "" not in LOOP.table().heads  # of the column for events that are not located

@@ -16,7 +16,7 @@ CROWDED = {
     "six of 60 degrees, alternating": (6, (math.pi, -math.pi) * 3, 10),
     "six of 60 degrees, all but one alike": (6, (math.pi,) * 5 + (-math.pi,), 10),
 }
-"""Degree, rest angles, processor seconds where this was measured; a test allows for a machine three times slower."""
+"""Degree, rest angles, processor seconds where this was measured; a test allows for one ten times slower."""
 
 
 @pytest.mark.parametrize("name", CROWDED)
@@ -25,7 +25,7 @@ def test_a_search_takes_seconds_and_lists_whole_orbits(name):
     scene = Scene(Vertex((2 * math.pi / n,) * n), (1.0,) * n, rest, "none", "full")
     begin = time.process_time()
     minima = find_minima(scene).minima
-    assert time.process_time() - begin < 3 * seconds and minima
+    assert time.process_time() - begin < 10 * seconds and minima
     states = np.array([m.fold_angles for m in minima])
     for order, sign in Model(scene).own_symmetries:
         for m in minima:

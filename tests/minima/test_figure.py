@@ -90,7 +90,7 @@ def outside(figure):
     ]
 
 
-@pytest.mark.parametrize("name", thinned([*SCENES], 2))
+@pytest.mark.parametrize("name", thinned([*SCENES], 3))
 def test_figures_are_complete_and_tidy(results, name, tmp_path):
     result = results[name]
     path = tmp_path / "figure.png"

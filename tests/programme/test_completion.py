@@ -51,7 +51,7 @@ def check_closed(model, states, given, solve):
     assert (states == given)[kept].all()
 
 
-@pytest.mark.parametrize("contact", ["fold-limits", "none"])
+@pytest.mark.parametrize("contact", ["fold-limits", pytest.param("none", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
 def test_completed_states_close(shape, contact):
     rng = np.random.default_rng(1)
@@ -217,7 +217,7 @@ def distinct_rows(x):
     return np.array(kept)
 
 
-@pytest.mark.parametrize("n", [4, 5, 6])
+@pytest.mark.parametrize("n", [4, 5, pytest.param(6, marks=pytest.mark.slow)])
 def test_all_corners_are_listed(n):
     rng = np.random.default_rng(n)
     for _ in range(7 - n):

@@ -206,7 +206,7 @@ def test_panels_leave_no_box(index):
     """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
     scene = replace(examples.panels()[index], contact="fold-limits")
     model = Model(scene)
-    proof = prove(model, seconds=30)
+    proof = prove(model, most=20_000)
     assert proof.finished and not proof.undecided
     assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
     boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]

@@ -12,12 +12,11 @@ from scipy.optimize import minimize_scalar
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet
-from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheet_loading import DeadForce, LoadedSheet, Pull, SheetLoadPath, Torque
 from origami_nlp.sheets import descend, judge
 from tests.command_line import run
-from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
+from tests.sheets.patterns import miura, miura_angles, strip, wheel
 from tests.sheets.trigonometry import strip_states
 
 GAMMA, REST = math.radians(70), 1.2
@@ -42,17 +41,6 @@ def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
         list(stiffness), list(signs * np.where(straight, rest[1], rest[0]))
     )
     return pattern, settled(pattern, miura_angles(pattern, n, near, GAMMA))
-
-
-WELL = [1.41, -0.33, 1.33, 0.32, 0.32, 1.41, -0.33, 1.33, 1.41, -0.33, 1.33, 0.32]
-"""One of them, in two digits."""
-
-
-def bistable():
-    """A sheet of 3 x 3 facets whose springs hold it in two ways."""
-    pattern, classes = metasheet(3)
-    k, rest = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
-    return pattern.with_springs([k[c] for c in classes], [rest[c] for c in classes])
 
 
 # ---------------------------------------------------------------- one vertex
@@ -234,27 +222,6 @@ def test_a_pull_knows_no_facet_that_is_held():
     for a, b in ((0, 24), (24, 0), (3, 21)):
         far = float(Pull(pattern, (a, b)).conjugate(start.fold_angles))
         assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
-
-
-# ---------------------------------------------------------------- contact
-
-
-def test_a_path_stops_where_facets_touch():
-    pattern = bistable()
-    start = settled(pattern, WELL)
-    path = o.find_load_path(pattern, 1, state=start, confirm=False)
-    sheet = Sheet(pattern)
-    assert any("touch" in leg.why for leg in path.legs)
-    for leg in path.legs:
-        assert not any(sheet.crossings.find(np.array(p.fold_angles)) for p in leg.points)
-    for event in path.events:
-        if event.type == "touches":
-            # a little further facets pass through each other
-            leg = min(path.legs, key=lambda leg: abs(leg.points[-1].t - event.t))
-            a, b = (np.array(p.fold_angles) for p in leg.points[-2:])
-            beyond, _ = sheet.project(b + 1e-3 * (b - a) / np.abs(b - a).max())
-            assert event.located and abs(event.residuals.event) < STATIONARY
-            assert sheet.crossings.find(beyond)
 
 
 # ---------------------------------------------------------------- whoever states it, however

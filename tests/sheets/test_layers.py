@@ -54,6 +54,18 @@ def test_facets_that_lie_on_each_other_are_seen_whatever_rounding_does():
     assert np.abs(common - math.sqrt(0.125)).max() < 1e-8
 
 
+def test_facets_that_share_a_line_besides_an_area_are_intersected_with_others():
+    """GEOS refuses polygons together with lines: of two that share both, the lines are left out."""
+    from shapely import area, polygons
+
+    stack = Stack(Sheet(wheel(np.full(4, math.pi / 2))).crossings, np.zeros(4))
+    one = polygons([[(0, 0), (2, 0), (2, 1), (1, 1), (1, 0.5), (0, 0.5)]])
+    other = polygons([[(0, 0.5), (1, 0.5), (2, 0.5), (2, 1), (0, 1)]])
+    both = stack._shared(one, other)
+    assert both[0].geom_type == "MultiPolygon" and area(both)[0] == pytest.approx(0.5)
+    assert area(stack._shared(both, other))[0] == pytest.approx(0.5)
+
+
 def _some_order(lengths, signs):
     """Go through all orders of the layers of a folded strip: heights of its facets, 0 lowest."""
     n = len(lengths)

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import origami_nlp as o
 from origami_nlp import examples
 from origami_nlp.facets import Sheet
+from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import (
     Clearance,
     find_states,
@@ -126,3 +128,9 @@ def test_states_of_a_miura_across_shut_rows():
     for seed in range(3):
         for s in find_states(pattern, starts=40, seed=seed).minima:
             assert any(np.abs(s.fold_angles - t.fold_angles).max() < 1e-6 for t in listed.minima)
+
+
+def test_one_facet_has_nothing_to_fold():
+    alone = make_pattern(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), [(0, 1, 2)])
+    with pytest.raises(o.OrigamiError, match="no crease"):
+        find_states(alone, starts=1)

@@ -61,7 +61,7 @@ def test_curves_of_events_are_told(events6):
             (degree6, math.pi / 4, False),
             (degree8, math.pi / 4, False),
         ],
-        2,
+        3,
     ),
 )
 def test_signatures_on_both_sides(make, alpha, changes):

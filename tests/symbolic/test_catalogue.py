@@ -35,9 +35,12 @@ def test_every_section_and_appendix_of_the_paper_is_covered():
         assert place in places
 
 
-def test_every_claim_is_decided_within_the_budget(run):
-    undecided = [r.claim.id for r in run.results if not r.verdict.decided]
-    assert undecided == []
+def test_every_claim_is_decided(run):
+    assert [r.claim.id for r in run.results if not r.verdict.decided] == []
+
+
+@pytest.mark.slow  # of wall time: a busy machine takes longer
+def test_the_whole_run_keeps_to_its_budget(run):
     assert run.seconds < BUDGET_SECONDS
 
 

@@ -59,7 +59,7 @@ def test_fold_sums_of_admissible_states_vanish_at_the_flat_state_only(claim_id):
     vertex, (p, q) = VERTEX[claim_id], PART[claim_id]
     alpha = np.pi * p / q
     rng = np.random.default_rng(20)
-    phi_2, phi_3 = rng.uniform(-np.pi, np.pi, (2, 3000))
+    phi_2, phi_3 = rng.uniform(-np.pi, np.pi, (2, 1500))
     point = degree6(alpha, np.pi - 2 * alpha, phi_2, phi_3)
     signs = []
     for f2, f3, (f1, f4) in zip(phi_2, phi_3, point.value, strict=True):

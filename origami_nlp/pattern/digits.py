@@ -1,0 +1,338 @@
+"""Corners of a file moved, within the digits that it states, so that its sheet is what was drawn.
+
+Patterns that fold at all often do so by relations between their sector angles: a Miura sheet is rigid unless these are
+exact.  Coordinates with few digits miss them, and what a search finds is then a matter of rounding.  Faces of a folded
+form that are not quite plane are worse: whether facets that meet touch or cross depends on the corner that one measures
+from.
+
+What holds within the digits is made to hold: plane faces; sectors that are equal, or supplementary; creases in a line;
+alternate sectors with the sum pi (Kawasaki); sides of equal length, so that layers end where they did.  Corners move as
+little as that takes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from origami_nlp.numerics import RESOLVED, SUMMED, cross
+
+ROUNDS = 8
+"""Of Newton."""
+COARSE = 1e-3
+"""Angles [rad] below which a file must state its sectors, or nothing can be said of what was drawn."""
+SOFT = 1e-10
+"""Rows that depend on others are weighed with this, so that they need not be told."""
+LIGHT = 1e-6
+"""Weight of the angles and lengths that groups share, beside corners over the size of the sheet."""
+MOST_ROUND = 12
+"""Sectors of a vertex up to which creases in a line are looked for."""
+MOST_POLYGONS = 2_000
+"""Up to which relations are looked for: some seconds."""
+
+Side = tuple[int, int]
+Term = tuple[int, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Exact:
+    """What was made of a file's corners.
+
+    Attributes
+    ----------
+    corners
+        Points, [V, 3]; those that were given where nothing is to be done.
+    moved
+        How far the one that moved most did, 0 for none.
+    relations
+        Number of relations between sectors that missed by more than rounding and hold now.
+    """
+
+    corners: np.ndarray
+    moved: float
+    relations: int
+
+
+def last_place(coords: np.ndarray) -> float:
+    """Return the last decimal place that numbers state, or single precision does; 0 where they are whole doubles."""
+    for digits in range(13):
+        if (np.round(coords, digits) == coords).all():
+            return 10.0**-digits
+    if (coords.astype(np.float32) == coords).all():
+        return 2.0**-23 * float(np.abs(coords).max())
+    return 0.0
+
+
+def made_exact(
+    corners: np.ndarray,
+    polygons: Sequence[Sequence[int]],
+    joins: Sequence[Side] = (),
+    unit: float = 0.0,
+) -> Exact:
+    """Move corners as little as makes faces plane and relations between sectors hold.
+
+    Parameters
+    ----------
+    corners
+        Points, [V, 3].
+    polygons
+        Corners of each, of one sense.
+    joins
+        Sides that are no creases.
+    unit
+        Last decimal place of the corners; 0 for whole doubles.
+
+    Returns
+    -------
+    Exact
+        With planes only where relations ask for more than the digits allow.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> square = np.array([[0, 0, 1e-6], [1, 0, 0], [1, 1, 1e-6], [0, 1, 0]])
+    >>> made = made_exact(square, [(0, 1, 2, 3)], unit=1e-6)
+    >>> float(np.ptp(made.corners[:, 2])) < 1e-15, round(made.moved, 12)
+    (True, 5e-07)
+    """
+    origin = corners.mean(axis=0)
+    size = float(np.abs(corners - origin).max())
+    x = (corners - origin) / size
+    at = _Sectors(polygons, joins)
+    rows = at.relations(x, unit / size)
+    most = 2 * unit if rows is not None and rows.by_digits else RESOLVED * size
+    for relations in (rows, None) if rows is not None else (None,):
+        wanted = relations.missing(at.measures(x)) if relations is not None else np.zeros(0)
+        if max(_unplane(x, at), np.abs(wanted).max(initial=0.0)) <= SUMMED:
+            return Exact(corners, 0.0, 0)
+        new = _solved(x, at, relations)
+        if new is None:
+            continue
+        moved = size * float(np.linalg.norm(new - x, axis=1).max())
+        if relations is None or moved <= most:
+            many = int((np.abs(wanted) > SUMMED).sum())
+            return Exact(origin + size * new, moved, many)
+    return Exact(corners, 0.0, 0)
+
+
+class _Sectors:
+    """Corners and sides of polygons, and how corners follow each other round interior vertices."""
+
+    def __init__(self, polygons: Sequence[Sequence[int]], joins: Sequence[Side]) -> None:
+        self.wide = [np.array(p) for p in polygons if len(p) > 3]
+        flat = [
+            (p[i - 1], v, p[(i + 1) % len(p)], k)
+            for k, p in enumerate(polygons)
+            for i, v in enumerate(p)
+        ]
+        self.before, self.here, self.after, self.polygon = np.array(flat).T
+        self.lists = [np.array(p) for p in polygons]
+        starts = {(v, w): i for i, (_, v, w, _) in enumerate(flat)}
+        joined = {tuple(sorted(s)) for s in joins}
+        self.inside = np.zeros(len(flat), bool)
+        sides = np.unique(np.sort(np.column_stack([self.here, self.after]), axis=1), axis=0)
+        self.start, self.end = sides.T
+        # from the side to the next corner, counter-clockwise, to that to the one before
+        follows = [starts.get((v, u), -1) for u, v, _, _ in flat]
+        crease = [tuple(sorted((v, w))) not in joined for _, v, w, _ in flat]
+        self.rings: list[
+            list[list[int]]
+        ] = []  # of each interior vertex, its sectors, the corners of each
+        seen = np.zeros(len(flat), bool)
+        for i in range(len(flat)):
+            ring, k = [], i
+            while k >= 0 and not seen[k]:
+                seen[k] = True
+                ring.append(k)
+                k = follows[k]
+            first = next((j for j, c in enumerate(ring) if crease[c]), None)
+            if k != i or not ring or first is None:
+                continue
+            sectors: list[list[int]] = []
+            for c in ring[first:] + ring[:first]:
+                if crease[c]:
+                    sectors.append([])
+                sectors[-1].append(c)
+            self.rings.append(sectors)
+            self.inside[ring] = True
+
+    def frames(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return both sides at each corner and the normal of its polygon, [C, 3] each."""
+        normals = np.array(
+            [
+                cross(p - p[0], np.roll(p, -1, axis=0) - p[0]).sum(axis=0)
+                for p in (x[q] for q in self.lists)
+            ]
+        )
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        return x[self.before] - x[self.here], x[self.after] - x[self.here], normals[self.polygon]
+
+    def measures(self, x: np.ndarray) -> np.ndarray:
+        """Return the inner angle at each corner [rad], then the length of each side, [C + S]."""
+        u, v, n = self.frames(x)
+        angle = np.arctan2((n * cross(v, u)).sum(axis=1), (u * v).sum(axis=1))
+        lengths = np.linalg.norm(x[self.end] - x[self.start], axis=1)
+        return np.concatenate([np.where(angle < 0, angle + 2 * math.pi, angle), lengths])
+
+    def slopes(self, x: np.ndarray) -> sparse.csr_array:
+        """Return the derivatives of the measures, [C + S, 3 V]."""
+        u, v, n = self.frames(x)
+        du = cross(n, u) / (u**2).sum(axis=1, keepdims=True)
+        dv = -cross(n, v) / (v**2).sum(axis=1, keepdims=True)
+        along = x[self.end] - x[self.start]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+
+        def spread(places: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> sparse.csr_array:
+            columns = 3 * np.column_stack(places)[:, :, None] + np.arange(3)
+            rows = np.repeat(np.arange(len(columns)), 3 * len(places))
+            entries = np.concatenate(values, axis=1).ravel(), (rows, columns.ravel())
+            return sparse.csr_array(entries, shape=(len(columns), x.size))
+
+        of_angles = spread([self.before, self.after, self.here], [du, dv, -du - dv])
+        return sparse.vstack([of_angles, spread([self.start, self.end], [-along, along])]).tocsr()
+
+    def relations(self, x: np.ndarray, unit: float) -> _Relations | None:
+        """Find what holds within the digits; None where there is nothing to hold."""
+        if not self.rings or len(self.lists) > MOST_POLYGONS:
+            return None
+        u, v, _ = self.frames(x)
+        blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
+        by_digits = RESOLVED < float(blur[self.inside].max()) <= COARSE
+        angles, sides = len(u), len(self.start)
+        if not by_digits:
+            blur[:] = RESOLVED
+        blur = np.concatenate([blur, np.full(sides, 2 * unit if by_digits else RESOLVED)])
+        found = _Found(self.measures(x), blur)
+        for ring in self.rings:
+            d = len(ring)
+            found.hold(ring, 2 * math.pi)
+            if d % 2 == 0:
+                found.hold(ring[::2], math.pi)
+                found.hold(ring[1::2], math.pi)
+            for first in range(d) if d <= MOST_ROUND else ():
+                for many in range(2, d - 1):
+                    found.hold([ring[(first + j) % d] for j in range(many)], math.pi)
+        sectors = [sector for ring in self.rings for sector in ring]
+        rim = [[int(c)] for c in np.flatnonzero(~self.inside)]
+        found.group([*sectors, *rim], math.pi / 2)
+        found.group([[angles + k] for k in range(sides)], 0.0)
+        return found.relations(by_digits)
+
+
+class _Found:
+    """Relations on their way.
+
+    values, blur: measures, and how far digits leave them open, [C + S].
+    """
+
+    def __init__(self, values: np.ndarray, blur: np.ndarray) -> None:
+        self.values, self.blur = values, blur
+        self.terms: list[list[Term]] = []
+        self.totals: list[float] = []
+        self.groups = 0
+
+    def hold(self, sectors: Sequence[Sequence[int]], total: float) -> None:
+        """Ask for a sum of sectors, each a sum of measures, if that is so within the digits."""
+        row = [c for sector in sectors for c in sector]
+        if abs(self.values[row].sum() - total) <= self.blur[row].sum():
+            self.terms.append([(c, 1.0) for c in row])
+            self.totals.append(total)
+
+    def group(self, sectors: Sequence[Sequence[int]], middle: float) -> None:
+        """Ask that sectors be equal that are as far from `middle`, on either side, within the digits."""
+        off = np.array([self.values[s].sum() for s in sectors]) - middle
+        noise = np.array([self.blur[s].sum() for s in sectors])
+        order = np.argsort(np.abs(off), kind="stable")
+        step = np.diff(np.abs(off)[order]) > noise[order][1:] + noise[order][:-1]
+        for members in np.split(order, np.flatnonzero(step) + 1):
+            if (np.abs(off[members]) <= noise[members]).any():
+                for s in members:
+                    self.hold([sectors[s]], middle)
+            elif len(members) > 1:
+                shared = len(self.values) + self.groups
+                self.groups += 1
+                for s in members:
+                    sign = math.copysign(1.0, off[s])
+                    self.terms.append([*((c, sign) for c in sectors[s]), (shared, -1.0)])
+                    self.totals.append(sign * middle)
+
+    def relations(self, by_digits: bool) -> _Relations:
+        """Return them."""
+        row = np.repeat(np.arange(len(self.terms)), [len(t) for t in self.terms])
+        column = np.array([c for t in self.terms for c, _ in t], int)
+        value = np.array([v for t in self.terms for _, v in t], float)
+        shape = (len(self.terms), len(self.values) + self.groups)
+        rows = sparse.csr_array((value, (row, column)), shape=shape)
+        return _Relations(rows, np.array(self.totals), len(self.values), by_digits)
+
+
+@dataclass(frozen=True, eq=False)
+class _Relations:
+    """Rows of measures and of what groups of them share, [R, C + S + G], and what they come to, [R]."""
+
+    rows: sparse.csr_array
+    totals: np.ndarray
+    count: int
+    by_digits: bool
+
+    def missing(self, measures: np.ndarray) -> np.ndarray:
+        """Return by how much rows miss, what groups share being the mean of their members, [R]."""
+        own = self.rows[:, : self.count] @ measures - self.totals
+        member = self.rows[:, self.count :]
+        many = np.maximum(-member.sum(axis=0), 1.0)
+        return np.asarray(own + member @ (-(member.T @ own) / many))
+
+
+def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sparse.csr_array]:
+    """Return how far faces are from plane, [q - 3] heights of each, and the derivatives of these."""
+    heights, entries = [np.zeros(0)], [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
+    row = 0
+    for p in at.wide:
+        y = x[p] - x[p].mean(axis=0)
+        vt = np.linalg.svd(y, full_matrices=False)[2]
+        # less what turning or lifting the plane takes away
+        plane = np.column_stack([np.ones(len(p)), y @ vt[0], y @ vt[1]])
+        free = np.linalg.qr(plane, mode="complete")[0][:, 3:].T
+        heights.append(free @ (y @ vt[2]))
+        rows = np.repeat(row + np.arange(len(free)), 3 * len(p))
+        columns = np.tile((3 * p[:, None] + np.arange(3)).ravel(), len(free))
+        entries.append((rows, columns, (free[:, :, None] * vt[2]).ravel()))
+        row += len(free)
+    rows, columns, values = (np.concatenate(e) for e in zip(*entries, strict=True))
+    return np.concatenate(heights), sparse.csr_array((values, (rows, columns)), shape=(row, x.size))
+
+
+def _unplane(x: np.ndarray, at: _Sectors) -> float:
+    if not x[:, 2].any():
+        return 0.0
+    return float(np.abs(_heights(x, at)[0]).max(initial=0.0))
+
+
+def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.ndarray | None:
+    """Return the nearest points at which planes and relations hold; None where Newton finds none."""
+    flat = not x[:, 2].any()
+    groups = relations.rows.shape[1] - relations.count if relations is not None else 0
+    weights = np.concatenate([np.ones(x.size), np.full(groups, LIGHT)])
+    for _ in range(ROUNDS):
+        values, blocks = [], []
+        if not flat:
+            heights, slopes = _heights(x, at)
+            values.append(heights)
+            blocks.append(sparse.hstack([slopes, sparse.csr_array((len(heights), groups))]))
+        if relations is not None:
+            values.append(relations.missing(at.measures(x)))
+            own = relations.rows[:, : relations.count] @ at.slopes(x)
+            blocks.append(sparse.hstack([own, relations.rows[:, relations.count :]]))
+        value, rows = np.concatenate(values), sparse.vstack(blocks)
+        if np.abs(value).max(initial=0.0) <= SUMMED:
+            return x
+        soft = sparse.eye_array(len(value)) * SOFT
+        system = sparse.block_array([[sparse.diags_array(weights), rows.T], [rows, -soft]])
+        step = splu(system.tocsc()).solve(np.concatenate([np.zeros(len(weights)), -value]))
+        x = x + step[: x.size].reshape(-1, 3)
+    return None

@@ -1,0 +1,79 @@
+"""Strict minima by first order alone, at states where closure loses rank.
+
+Where vertices are flat, or folded flat, motions that closure allows to first order are more than those along which
+closed states leave: no multipliers balance the springs, and the state may be a strict minimum all the same.  What
+counts is the tangent cone: energy rises along every way out if its slope is positive on all of the cone but 0, and
+then it rises beside the state (a sequence of lower states that came to it would leave a direction of the cone along
+which it does not).  The ways that `list_branches` enumerates contain the cone; with none of them the state is alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import nearest_in_cone, nonnegative_least_squares, null_space
+from origami_nlp.sheets.branches import SAME_WAY, Branches, combine, list_modes
+
+STEEP = 1e-4
+"""Slopes along unit directions below this share of the largest torque do not count as rising: ways are known to
+`SAME_WAY`."""
+
+
+def slopes(sheet: Sheet, phi: np.ndarray) -> tuple[bool, list[np.ndarray]]:
+    """Compare the energy with the ways out of a closed state.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and the state, [n] [rad].
+
+    Returns
+    -------
+    rises : bool
+        Whether it rises to first order along all of them, or none leads out: a strict minimum.
+    falling : list of numpy.ndarray
+        Directions [n] of ways along which it falls.
+    """
+    ways = _ways(sheet, phi)
+    if ways.reason:
+        return False, []
+    torque = sheet.torque(phi)
+    steep = STEEP * float(np.abs(torque).max(initial=0.0))
+    inward = -np.sign(phi) * (math.pi - np.abs(phi) < SAME_WAY)
+    rises, falling = True, []
+    for d in ways.open(phi):
+        rises &= bool(torque @ d > steep)
+        if torque @ d < -steep:
+            falling.append(d)
+    for basis in ways.families:
+        rows = inward[:, None] * basis
+        rows = rows[np.abs(rows).max(axis=1) > SAME_WAY]
+        rises &= _rises_on(rows, basis.T @ torque, steep)
+        down = basis @ nearest_in_cone(-basis.T @ torque, rows)
+        if np.linalg.norm(down) > steep:
+            falling.append(down)
+    return rises, falling
+
+
+def _ways(sheet: Sheet, phi: np.ndarray) -> Branches:
+    """Return subspaces that contain the tangent cone: of vertices without modes, what first order allows."""
+    axes = sheet.closure.axes(phi)
+    known = zip(list_modes(sheet.pattern, phi), axes, strict=True)
+    return combine(
+        sheet.pattern, [[null_space(a.T, SAME_WAY)] if m is None else m for m, a in known]
+    )
+
+
+def _rises_on(rows: np.ndarray, torque: np.ndarray, steep: float) -> bool:
+    """Tell whether torque . y > 0 for all y != 0 with rows y >= 0, [r, k].
+
+    So it is where the torque is a sum of rows with positive factors, and rows span.
+    """
+    if len(rows) < len(torque) or np.linalg.svd(rows, compute_uv=False)[-1] < SAME_WAY:
+        return False
+    aim = torque - steep * rows.sum(axis=0)
+    left = rows.T @ nonnegative_least_squares(rows.T, aim) - aim
+    return float(np.abs(left).max()) <= SAME_WAY * steep

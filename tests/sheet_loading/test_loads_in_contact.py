@@ -1,0 +1,341 @@
+"""Load paths through contact of facets: against spherical trigonometry, rotation matrices, and the work of the load."""
+
+import math
+import re
+from functools import cache
+from itertools import combinations, pairwise, product
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+from scipy.linalg import null_space
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+import origami_nlp as o
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import STATIONARY
+from origami_nlp.path import Steps
+from origami_nlp.sheets import judge, press
+from tests.sheets.patterns import QUAD, metasheet
+from tests.sheets.rigid import Rigid, _collide
+from tests.sheets.trigonometry import quadrilateral
+
+FIRST_TOUCH = -2.0762838873
+"""Angle of class 2 at which facets of the metasheet of 3 x 3 meet: a prototype's bisection, ten digits."""
+
+
+class Turned(Rigid):
+    """Facets by rotation matrices, closed where every crease is folded by its angle, those off the tree too."""
+
+    def open(self, phi):
+        p, motions = self.p, self.place(phi)
+        miss = []
+        for c, (left, right) in enumerate(zip(p.left, p.right, strict=True)):
+            a, b = p.corners[p.ends[c]]
+            axis = (b - a) / np.linalg.norm(b - a)
+            turn = Rotation.from_rotvec((phi[c] - p.reference[c]) * axis).as_matrix()
+            step = np.vstack([np.column_stack([turn, a - turn @ a]), [0, 0, 0, 1]])
+            miss.append((motions[left] - motions[right] @ step)[:3])
+        return np.array(miss).ravel()
+
+    def crossing(self, phi):
+        """Pairs of facets that the collision library finds in each other when all are a little smaller."""
+        x = [q + 1e-6 * (q.mean(axis=0) - q) for q in self.polygons(phi)]
+        return [pair for pair in combinations(range(len(x)), 2) if _collide(*(x[k] for k in pair))]
+
+
+# ---------------------------------------------------------------- one freedom, in closed form
+
+
+def classes_at(driven):
+    """Fold angles of the classes of the metasheet, [4], over that of class 2."""
+    q = np.array(QUAD)
+    inner = []
+    for i in range(4):
+        u, v = q[i - 1] - q[i], q[(i + 1) % 4] - q[i]
+        inner.append(math.acos(u @ v / np.linalg.norm(u) / np.linalg.norm(v)))
+    # a vertex has all corners of the quadrilateral: its creases are of classes 2, 1, 0, 3
+    others = quadrilateral((inner[2], inner[1], inner[0], inner[3]), driven, dart=False)
+    return np.array([others[1], others[0], driven, others[2]])
+
+
+@cache
+def driven_sheet():
+    """A metasheet whose springs are at rest at -1.5, a class for each crease, and the state there."""
+    pattern, classes = metasheet(3)
+    rest = classes_at(-1.5)[classes]
+    pattern = pattern.with_springs(1.0, list(rest))
+    sheet = Sheet(pattern)
+    phi, residual = sheet.project(rest)
+    assert residual < 1e-13 and np.abs(phi - rest).max() < 1e-12  # trigonometry closes the sheet
+    return pattern, classes, judge(sheet, phi)
+
+
+def over_driven(pattern, classes, driven, h=1e-4):
+    """Fold angles, and their derivative by the driven angle: differences of fourth order."""
+    a, b, c, d = (classes_at(driven + k * h)[classes] for k in (-2, -1, 1, 2))
+    return classes_at(driven)[classes], (a - 8 * b + 8 * c - d) / (12 * h)
+
+
+def meetings(rigid, phi, pairs, room=0.0):
+    """Signed distances of features of facets that face each other inside: two sides, a corner and a face."""
+    x, found = rigid.polygons(phi), {}
+    for i, j in pairs:
+        for a, b in product(range(len(x[i])), range(len(x[j]))):
+            p, q, r, s = x[i][a - 1], x[i][a], x[j][b - 1], x[j][b]
+            n = np.cross(q - p, s - r)
+            share = np.linalg.lstsq(np.column_stack([q - p, r - s]), r - p, rcond=None)[0]
+            if ((share > room) & (share < 1 - room)).all():
+                found["edge-edge", i, j, a, b] = float((r - p) @ n / np.linalg.norm(n))
+        for one, other in ((i, j), (j, i)):
+            ring = x[other]
+            n = np.cross(ring[1] - ring[0], ring[2] - ring[0])
+            n /= np.linalg.norm(n)
+            sides = ring - np.roll(ring, 1, axis=0)
+            for a, corner in enumerate(x[one]):
+                inward = np.cross(n, sides) @ corner - np.einsum(
+                    "ki,ki->k", np.cross(n, sides), ring
+                )
+                if inward.min() > room or inward.max() < -room:
+                    found["vertex-face", one, other, a] = float((corner - ring[0]) @ n)
+    return found
+
+
+def apart(pattern):
+    """Pairs of facets that share no corner."""
+    rings = [set(q) for q in pattern.polygons]
+    return [(i, j) for j in range(len(rings)) for i in range(j) if not rings[i] & rings[j]]
+
+
+def first_meeting(rigid, classes):
+    """Where features of two facets meet first as the driven angle grows in size, and which, by brute force."""
+    pairs = apart(rigid.p)
+
+    def distance(driven, key):
+        phi = classes_at(driven)[classes]
+        return meetings(rigid, phi, [tuple(sorted(key[1:3]))], -math.inf)[key]
+
+    grid = np.linspace(-1.9, -2.2, 7)
+    known = [meetings(rigid, classes_at(t)[classes], pairs, 0.01) for t in grid]
+    met = [
+        (brentq(distance, grid[k], grid[k + 1], args=(key,), xtol=1e-14), key)
+        for k in range(len(grid) - 1)
+        for key in known[k].keys() & known[k + 1].keys()
+        if known[k][key] * known[k + 1][key] < 0
+    ]
+    return max(met)
+
+
+def named(pattern, key):
+    """Corners and facet of either side, by number."""
+    out = []
+    for facet, end in ((key[1], key[3]), (key[2], key[4])):
+        (ring,) = [q for q, f in zip(pattern.polygons, pattern.facet_of, strict=True) if f == facet]
+        out += [*sorted((ring[end - 1], ring[end])), facet]
+    return out
+
+
+@cache
+def pressed_path(steps=None):
+    """The metasheet under a torque on a crease of class 2, until facets push, and back."""
+    pattern, classes, start = driven_sheet()
+    i = int(np.flatnonzero(classes == 2)[0])
+    return i, o.find_load_path(pattern, i + 1, state=start, to=-30.0, back=True, steps=steps)
+
+
+def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
+    pattern, classes, _ = driven_sheet()
+    rigid = Turned(pattern)
+    touch, key = first_meeting(rigid, classes)
+    facets = tuple(sorted(key[1:3]))
+    assert touch == pytest.approx(FIRST_TOUCH, abs=2e-10)
+    i, path = pressed_path()
+    closes, leaves = path.events
+    assert {closes.type, leaves.type} == {"closes", "leaves"} and not path.alarms
+    phi, slope = over_driven(pattern, classes, touch)
+    load = float((phi - pattern.rest) @ slope / slope[i])  # all stiffnesses are 1
+    for event in (closes, leaves):
+        assert event.located and abs(event.residuals.event) <= STATIONARY
+        assert event.residuals.kkt <= STATIONARY
+        assert [int(n) - 1 for n in re.findall(r"\d+", event.contact)] == named(pattern, key)
+        assert event.t == pytest.approx(load, abs=1e-9)
+        assert np.array(event.fold_angles) == pytest.approx(phi, abs=1e-10)
+    # beyond it nothing moves, and the force takes what the load adds: F gap' = dE - t dphi_i
+    h = 1e-4
+    gap = [abs(meetings(rigid, classes_at(touch + k * h)[classes], [facets])[key]) for k in (1, 2)]
+    gap_slope = (4 * gap[0] - gap[1]) / (2 * h)  # on the open side, where the distance is the gap
+    pushed = 0
+    for branch in path.branches:
+        for p in branch.points:
+            if p.multipliers:
+                (force,) = p.multipliers
+                want = (load - p.t) * slope[i] / gap_slope
+                assert force.value == pytest.approx(want, rel=1e-6, abs=1e-9)
+                assert np.array(p.fold_angles) == pytest.approx(phi, abs=1e-10)
+                pushed += 1
+    assert pushed > 4
+    assert [leg.why for leg in path.legs] == ["range", "range"]
+    assert path.legs[1].points[-1].fold_angles == pytest.approx(pattern.rest, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("longest", [0.03, 0.3])
+def test_steps_of_other_lengths_find_the_same_events(longest):
+    _, path = pressed_path()
+    _, other = pressed_path(Steps(1e-3, longest, 1e-9, turn=longest, sharpest=3 * longest))
+    assert len(other.legs[0].points) != len(path.legs[0].points)
+    for a, b in zip(path.events, other.events, strict=True):
+        assert a.type == b.type and a.t == pytest.approx(b.t, abs=1e-10)
+        assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-10)
+
+
+# ---------------------------------------------------------------- several freedoms
+
+
+@cache
+def sprung(seed, name="yoshimura", size=(3, 3)):
+    """A pattern with random springs, a stable state of it, and a crease to load."""
+    rng = np.random.default_rng(seed)
+    pattern = o.examples.pattern(name, *size)
+    k, rest = rng.uniform(0.3, 2, pattern.creases), rng.uniform(-2.5, 2.5, pattern.creases)
+    pattern = pattern.with_springs(list(k), list(rest))
+    sheet = Sheet(pattern)
+    phi, _ = sheet.project(0.3 * rng.normal(size=pattern.creases))
+    return pattern, judge(sheet, press(sheet, phi).phi), int(rng.integers(pattern.creases)) + 1
+
+
+@cache
+def loaded(seed, to, back=False, **more):
+    pattern, start, crease = sprung(seed)
+    return o.find_load_path(pattern, crease, state=start, to=to, back=back, confirm=False, **more)
+
+
+def pushes(point):
+    return [m for m in point.multipliers if "facet" in m.contact]
+
+
+def held_forces(rigid, pattern, crease, p, h=1e-5):
+    """Sizes of the forces of facets on each other that balance springs and load, by differences on closed states."""
+    phi = np.array(p.fold_angles)
+    closed = {k for k, d in meetings(rigid, phi, apart(pattern)).items() if abs(d) < 1e-11}
+    inverse = rigid.slopes(phi)
+    unit = h * np.eye(len(phi))
+    rows = np.array([rigid.open(phi + e) - rigid.open(phi - e) for e in unit]).T / (2 * h)
+    z = null_space(rows, rcond=1e-7)
+    pairs = sorted({tuple(sorted(k[1:3])) for k in closed})
+    ends = [
+        [meetings(rigid, rigid.closed(phi + g * d, inverse), pairs) for g in (h, -h)] for d in z.T
+    ]
+    slopes = np.array([[(a[k] - b[k]) / (2 * h) for k in sorted(closed)] for a, b in ends])
+    # a side of two facets touches once: columns that are one but for their sign
+    signs = np.sign(slopes[np.abs(slopes).argmax(axis=0), range(len(closed))])
+    slopes = np.unique((slopes * signs).round(6), axis=1)
+    torque = pattern.stiffness * (phi - pattern.rest)
+    torque[crease - 1] -= p.t
+    forces, *_ = np.linalg.lstsq(slopes, z.T @ torque, rcond=None)
+    assert slopes @ forces == pytest.approx(z.T @ torque, abs=2e-6)
+    return sorted(f for f in np.abs(forces) if f > 1e-4)
+
+
+def test_a_side_rolls_over_a_facet():
+    """Its touch with one side of the facet is joined, then replaced, by that with another; forces by rotations."""
+    pattern, start, crease = sprung(35)
+    assert [c.type for c in start.contacts] == ["edge-edge"]
+    path = loaded(35, 1.2)
+    closes, leaves = path.events
+    assert (closes.type, leaves.type) == ("closes", "leaves") and closes.t < leaves.t
+    assert closes.located and leaves.located and [leg.why for leg in path.legs] == ["range"]
+    rigid, many = Turned(pattern), []
+    points = path.branches[0].points
+    both = [p for p in points if sum(m.value > 1e-3 for m in pushes(p)) == 2]
+    for p in (both[-1], points[-1]):
+        forces = held_forces(rigid, pattern, crease, p)
+        assert forces == pytest.approx(
+            sorted(m.value for m in pushes(p) if m.value > 1e-4), abs=1e-4
+        )
+        assert not rigid.crossing(np.array(p.fold_angles))
+        many.append(len(forces))
+    assert set(many) == {1, 2}
+
+
+@pytest.mark.slow
+def test_the_way_back_meets_the_same_events():
+    path = loaded(35, 1.2, back=True)
+    assert [leg.why for leg in path.legs] == ["range", "range"]
+    loads = sorted(e.t for e in path.events)
+    assert len(loads) == 4 and loads[::2] == pytest.approx(loads[1::2], abs=1e-10)
+    first, last = path.legs[0].points[0], path.legs[1].points[-1]
+    assert last.t == 0.0 and last.fold_angles == pytest.approx(first.fold_angles, abs=1e-9)
+
+
+def test_springs_take_up_the_work_of_the_load_in_contact():
+    path = loaded(35, 1.2)
+    (leg,) = path.legs
+    events = [e.t for e in path.events]
+    for a, b in pairwise((leg.points[0].t, *events, leg.points[-1].t)):
+        part = [p for p in leg.points if a - 1e-12 <= p.t <= b + 1e-12]
+        t, w, e = (np.array([getattr(p, n) for p in part]) for n in ("t", "angle", "energy"))
+        t, kept = np.unique(t, return_index=True)
+        fine = np.linspace(t[0], t[-1], 2_001)
+        done = np.trapezoid(fine, PchipInterpolator(t, w[kept])(fine))
+        assert len(t) > 2
+        assert e[-1] - e[0] == pytest.approx(done, rel=1e-2, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_contact_leaves_under_a_load_that_grows():
+    path = loaded(39, 7.5)
+    (event,) = path.events
+    assert event.type == "leaves" and event.located and not path.alarms
+    points = path.branches[0].points
+    before, after = [p for p in points if p.t < event.t], [p for p in points if p.t > event.t]
+    assert all(len(pushes(p)) == 1 and pushes(p)[0].value > 0 for p in before)
+    assert after and not any(pushes(p) for p in after)
+
+
+def test_a_snap_lands_in_contact_and_goes_on():
+    pattern, start, _ = sprung(3)
+    assert [c.type for c in start.contacts] == ["vertex-face"]
+    path = loaded(3, 3.6)
+    (snap,) = path.snaps
+    assert snap.type == "fold" and snap.kind == "contact-pinned" and not path.alarms
+    assert [leg.why for leg in path.legs] == ["snap", "range"]
+    rigid = Turned(pattern)
+    beyond = [p for p in path.branches[1].points if p.t > snap.t]
+    assert beyond and all(pushes(p)[0].value > 0 for p in beyond)
+    for phi in (snap.before, snap.after, beyond[-1].fold_angles):
+        assert not rigid.crossing(np.array(phi))
+
+
+@pytest.mark.slow
+def test_searches_find_the_states_on_both_sides_of_a_snap_into_contact():
+    pattern, start, crease = sprung(3)
+    path = o.find_load_path(pattern, crease, state=start, to=3.6)
+    assert path.snaps[0].confirmed.found == (True, True)
+
+
+def test_a_path_stops_by_name_where_a_corner_slides_to_a_border():
+    pattern, _, _ = sprung(12)
+    path = loaded(12, -3.0)
+    (leg,) = path.legs
+    slides = next(e for e in path.events if e.type == "slides")
+    assert "to a border" in leg.why and slides.located
+    # the corner is within 1e-6 of a side of the facet, and lies on it
+    rigid, phi = Turned(pattern), np.array(slides.fold_angles)
+    assert not rigid.crossing(phi)
+    corner, facet = (
+        int(x) - 1 for x in re.match(r"corner (\d+) .* on facet (\d+)", slides.contact).groups()
+    )
+    x = rigid.polygons(phi)
+    at = next(x[f][list(q).index(corner)] for f, q in enumerate(pattern.polygons) if corner in q)
+    n = np.cross(x[facet][1] - x[facet][0], x[facet][2] - x[facet][0])
+    n /= np.linalg.norm(n)
+    assert abs(n @ (at - x[facet][0])) < 1e-11
+    sides = x[facet] - np.roll(x[facet], 1, axis=0)
+    depth = [
+        abs(np.cross(n, u / np.linalg.norm(u)) @ (at - end))
+        for u, end in zip(sides, x[facet], strict=True)
+    ]
+    size = float(np.ptp(pattern.corners, axis=0).max())
+    assert min(depth) / size == pytest.approx(1e-6, abs=1e-10)

@@ -1,0 +1,162 @@
+"""States at which facets meet at borders: a minimum on every piece, or left for lower ones."""
+
+import itertools
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import origami_nlp as o
+from origami_nlp import find_minima
+from origami_nlp.facets import Placed, Sheet
+from origami_nlp.pattern import Scene
+from origami_nlp.sheets import closed_choices, judge, press
+from origami_nlp.sheets.rows import Rows, polish
+from tests.sheets.patterns import wheel
+
+SIXTH = np.full(6, math.pi / 3)
+SHUT = np.arange(6) == 5
+
+
+@cache
+def pressed():
+    """Six equal sectors with a crease shut, so that those beside it lie on each other, at rest but for that: judged."""
+    signs, out = math.pi * np.array([-1, 0.5, 0.5, -1, 0.5, 0.5]), []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        rest = np.clip(signs + 0.3 * rng.normal(size=6), -math.pi, math.pi)
+        sheet = Sheet(wheel(SIXTH).with_springs(list(rng.uniform(0.5, 1.5, 6)), list(rest)))
+        start = 0.5 * signs + 0.2 * rng.normal(size=6)
+        start[5] = math.pi
+        for _ in range(30):
+            start, _ = sheet.project(start, SHUT)
+            z = sheet.kernel(start, [5])
+            start = start - 0.5 * z @ (z.T @ sheet.torque(start))
+        phi = polish(sheet, start, Rows.at(sheet, start, np.array([5]), ()), np.ones(1))
+        if phi is not None and np.abs(phi).max() <= math.pi and not sheet.crossings.find(phi):
+            out.append((sheet, judge(sheet, phi)))
+    return out
+
+
+@cache
+def meeting():
+    """States with that crease shut at which the others may open either way: (sheet at random rest, fold angles)."""
+    out = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        rest = rng.uniform(-math.pi, math.pi, 6)
+        sheet = Sheet(wheel(SIXTH).with_springs(list(rng.uniform(0.5, 1.5, 6)), list(rest)))
+        phi, residual = sheet.project(np.where(SHUT, math.pi, rng.uniform(-1.5, 1.5, 6)), SHUT)
+        if residual <= 1e-12 and np.abs(phi).max() <= math.pi and sheet.closure.on_sheet(phi):
+            if not sheet.crossings.find(phi):
+                out.append((sheet, phi))
+    return out
+
+
+def test_of_each_choice_one_gap_stays_open_exactly_where_another_library_finds_no_crossing():
+    pytest.importorskip("fcl", reason="python-fcl, of the extra test")
+    from tests.sheets.rigid import Rigid
+
+    both = [0, 0]
+    pushed = [(sheet, state.fold_angles) for sheet, state in pressed()[:3]]
+    for seed, (sheet, phi) in enumerate([*pushed, *meeting()[:3]]):
+        body, rng = Rigid(sheet.pattern), np.random.default_rng(seed)
+        inverse, z = body.slopes(phi), sheet.kernel(phi)
+        meet = closed_choices(sheet, phi)
+        for _ in range(25):
+            new = body.closed(phi + 1e-3 * z @ rng.normal(size=z.shape[1]), inverse)
+            if new is None or np.abs(new).max() > math.pi:
+                continue
+            at = Placed(sheet.crossings.poses, new)
+            room = min(max(t.gap(at) for t in choice) for choice in meet)
+            if abs(room) > 1e-6:  # corners that facets share are cut by 1e-7 there
+                crosses = bool(body.collide(new))
+                assert crosses == (room < 0)
+                both[crosses] += 1
+    assert min(both) > 20
+
+
+def test_energy_rises_on_what_is_left_beside_a_minimum():
+    """The shut crease stays shut there, as opening it crosses on either side of those that lie on each other."""
+    crossed = 0
+    for seed, (sheet, state) in enumerate(pressed()[:6]):
+        assert state.verdict == "minimum" and "on each of 3 pieces" in state.certificate
+        assert state.kkt_residual < 1e-10
+        rng, phi = np.random.default_rng(seed), state.fold_angles
+        energy = sheet.energy(phi)
+        for k in range(40):
+            start = phi + 10.0 ** -(1 + k % 4) * rng.normal(size=6)
+            held = SHUT if k % 2 else ~np.ones(6, bool)
+            start[5] = math.pi if k % 2 else min(start[5], math.pi)
+            new, residual = sheet.project(start, held)
+            if residual > 1e-12 or np.abs(new).max() > math.pi or np.abs(new - phi).max() > 0.3:
+                continue
+            crosses = bool(sheet.crossings.find(new))
+            assert crosses or sheet.energy(new) > energy
+            crossed += crosses and sheet.energy(new) < energy
+    assert crossed > 20
+
+
+def steepest(sheet, phi):
+    """Least torque . d over all pieces, |d| <= 1: HiGHS on differences of gaps, and on all products of choices."""
+    meet = closed_choices(sheet, phi)
+    touches = list(dict.fromkeys(t for choice in meet for t in choice))
+    poses, h = sheet.crossings.poses, 1e-6
+
+    def differences(f):
+        return np.array([(f(phi + e) - f(phi - e)) / (2 * h) for e in h * np.eye(len(phi))]).T
+
+    slopes = differences(lambda x: np.array([t.gap(Placed(poses, x)) for t in touches]))
+    closure = differences(sheet.closure.values)
+    low, high = -(phi > -math.pi).astype(float), (phi < math.pi).astype(float)
+    least = 0.0
+    same = np.abs(slopes[:, None] - slopes[None]).max(axis=2) < 1e-6
+    numbers = [[int(same[touches.index(t)].argmax()) for t in choice] for choice in meet]
+    for product in {frozenset(p) for p in itertools.product(*numbers)}:
+        rows = slopes[list(product)]
+        least = min(least, linprog(
+            sheet.torque(phi), A_ub=-rows, b_ub=np.zeros(len(rows)),
+            A_eq=closure, b_eq=np.zeros(len(closure)), bounds=np.column_stack([low, high]),
+        ).fun)  # fmt: skip
+    return least
+
+
+@pytest.mark.slow
+def test_products_of_choices_have_a_way_down_exactly_where_it_is_no_minimum():
+    sheet, state = pressed()[0]
+    assert steepest(sheet, state.fold_angles) > -1e-8
+    other, phi = meeting()[0]
+    assert judge(other, phi).verdict == "not a minimum"
+    assert steepest(other, phi) < -0.1
+
+
+def test_a_descent_on_what_is_left_comes_back():
+    for sheet, state in pressed()[:3]:
+        rng, back = np.random.default_rng(0), 0
+        for _ in range(6):
+            start = np.where(SHUT, math.pi, state.fold_angles + 0.02 * rng.normal(size=6))
+            start, residual = sheet.project(start, SHUT)
+            if residual > 1e-12 or np.abs(start).max() > math.pi or sheet.crossings.find(start):
+                continue
+            end = press(sheet, start)
+            assert end.arrived
+            back += np.abs(end.phi - state.fold_angles).max() < 1e-9
+        assert back
+
+
+@pytest.mark.slow
+def test_degenerate_minima_of_one_vertex_are_minima_of_its_sheet():
+    """Creases on each other: by the search for single vertices, and by this way; but for those folded flat."""
+    scene = o.examples.degree6("pi/3", ratio=1)
+    scene = Scene(scene.vertex, scene.stiffness, scene.rest_angles, "C1", "full")
+    sheet = Sheet(wheel(SIXTH).with_springs(list(scene.stiffness), list(scene.rest_angles)))
+    many = 0
+    for found in find_minima(scene, prove=False).minima:
+        phi = np.clip(found.fold_angles, -math.pi, math.pi)
+        verdict = judge(sheet, phi).verdict
+        flat = np.minimum(np.abs(phi), math.pi - np.abs(phi)).max() < 1e-9
+        assert verdict == "minimum" or (flat and verdict == "undecided")
+        many += verdict == "minimum" and found.kind == "degenerate"
+    assert many > 5
