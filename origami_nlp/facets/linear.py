@@ -6,7 +6,6 @@ No step decides on a rank: closure multipliers carry a small weight, and what it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,14 +20,12 @@ WEIGHT = 1e-10
 """Of closure multipliers in linear systems, beside squares of singular values of closure."""
 MOST_TIMES = 60
 """Iterations that take it back, each by WEIGHT / (WEIGHT + value^2): two as a rule, more beside a singular state."""
-REFINED = 1e-13
-"""Residual over the right-hand side up to which elimination in a symmetric order is trusted."""
-SYMMETRIC = {
+SYMMETRIC: dict[str, Any] = {
     "options": {"SymmetricMode": True},
     "diag_pivot_thresh": 0.0,
     "permc_spec": "MMD_AT_PLUS_A",
 }
-"""Elimination without exchange of rows: a fifth of the entries and of the time."""
+"""Elimination of definite matrices without exchange of rows: a fifth of the entries and of the time."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -57,7 +54,7 @@ class Factor:
         else:
             damping = -WEIGHT * sparse.eye_array(m)
             blocks = [[sparse.csr_array(matrix), jacobian.T], [jacobian, damping]]
-            self._solve = _symmetric(sparse.block_array(blocks, format="csc"))
+            self._solve = splu(sparse.block_array(blocks, format="csc")).solve
 
     def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return both parts of the solution, [n] and [m]."""
@@ -120,26 +117,6 @@ class Normal:
                 break
             before = size
         return v
-
-
-def _symmetric(matrix: sparse.csc_array) -> Callable[[np.ndarray], np.ndarray]:
-    """Factorise a symmetric matrix, indefinite: without exchange of rows, refined, or where that fails with it."""
-    exact: list[Any] = []
-    try:
-        fast = splu(matrix, **SYMMETRIC)
-    except RuntimeError:  # a pivot vanishes
-        return splu(matrix).solve
-
-    def solve(b: np.ndarray) -> np.ndarray:
-        if not exact:
-            x = fast.solve(b)
-            x += fast.solve(b - matrix @ x)
-            if np.abs(b - matrix @ x).max() <= REFINED * np.abs(b).max():
-                return x
-            exact.append(splu(matrix))
-        return exact[0].solve(b)
-
-    return solve
 
 
 def dense(matrix: Matrix) -> np.ndarray:
