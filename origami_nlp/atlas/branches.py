@@ -184,7 +184,7 @@ def point_of(
     forces = []
     if frame.hold.contacts:
         held = zip(frame.hold.contacts, frame.forces.tolist(), strict=True)
-        spread = _spread(State(p, frame.state), dependent) if dependent else {}
+        spread = _spread(frame.seen, dependent) if dependent else {}
         for contact, value in held:
             unit = p.scale / p.weight(contact)
             low, high = spread.get(contact, (value, value))
@@ -208,7 +208,7 @@ def _dependent(frame: Equilibrium) -> Pieces:
     """Return the contacts that are closed at a state, piece by piece, where they do not determine their multipliers."""
     if not frame.hold.contacts:
         return ()
-    state = State(frame.programme, frame.state)
+    state = frame.seen
     unique = all(state.on(piece).multiplier_set.unique for piece in state.pieces)
     return () if unique else tuple(state.pieces)
 

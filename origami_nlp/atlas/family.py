@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -176,16 +176,29 @@ class Family:
     scene_of
         Makes the scene at t; sector angles, rest angles, preload, forces and logarithms of stiffness must be linear in
         t (in ln t where `Over.log`).
+    samples
+        How many scenes are posed before it is followed, to see whether it is smooth.
     """
 
     over: Over
     scene_of: Callable[[float], Scene] = field(repr=False)
+    samples: int = field(default=SAMPLES, repr=False)
 
     def scene(self, t: float) -> Scene:
         """Return the scene at t, named after it."""
         made = self.scene_of(t)
         label = f"{made.label}, " if made.label else ""
         return replace(made, name=f"{label}{self.over.name} = {t:.10g}")
+
+    @cached_property
+    def sampled(self) -> Callable[[float], Scene]:
+        """`scene_of`, each scene made once: those that are posed here, and without their symmetry."""
+        return lru_cache(maxsize=SAMPLES)(self.scene_of)
+
+    @property
+    def one_vertex(self) -> bool:
+        """Whether all scenes along `line` are of one vertex."""
+        return self.line.sector_angles is None
 
     @cached_property
     def line(self) -> ParameterLine:
@@ -198,8 +211,8 @@ class Family:
         """
         over = self.over
         low, high = over.s_of(over.low), over.s_of(over.high)
-        where = np.linspace(low, high, SAMPLES)
-        scenes = [self.scene_of(over.t_of(float(s))) for s in where]
+        where = np.linspace(low, high, self.samples)
+        scenes = [self.sampled(over.t_of(float(s))) for s in where]
         names = [f"{over.name} = {over.t_of(float(s)):.6g}" for s in where]
         posed = posed_alike([Model(scene) for scene in scenes], over.name, names)
         self._check(posed, where)

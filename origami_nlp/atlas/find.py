@@ -11,18 +11,17 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
-from origami_nlp.atlas.family import Family, Over, family_of, parse_over
+from origami_nlp.atlas.family import SAMPLES, Family, Over, family_of, parse_over
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.atlas.records import Check, Cost, PathBranch
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, check_prove, find_minima, full_scene
+from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
@@ -119,13 +118,12 @@ def follow_family(
     survey = _Survey(family, through_folds, full_space, morse, search, steps)
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
-    for t in ([middle] if checks == 1 else [*ends, middle])[:checks]:
-        survey.check(t)
+    survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])
     while len(survey.checks) < checks:
         s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
         if s is None:
             break
-        survey.check(family.over.t_of(s))
+        survey.check([family.over.t_of(s)])
     return survey.atlas()
 
 
@@ -162,7 +160,8 @@ class _Survey:
     def _full_line(self) -> ParameterLine | None:
         if not self._full or self._scene.group.is_trivial:
             return None
-        return Family(self.over, lambda t: full_scene(self.family.scene(t))).line
+        few = 2 if self.family.one_vertex else SAMPLES
+        return Family(self.over, lambda t: full_scene(self.family.sampled(t)), few).line
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -174,28 +173,36 @@ class _Survey:
             )
         return self._across[frame]
 
-    def check(self, t: float) -> None:
-        """Search at t, follow what is new, and compare."""
+    def check(self, values: list[float]) -> None:
+        """Search at some values at once; follow what is new at one after the other, and compare."""
         begin = time.perf_counter()
-        scene = self.family.scene(t)
-        result = find_minima(scene, **self._search)  # type: ignore[arg-type]
-        morse = self._identity(scene, result) if self._morse else ""
+        scenes = [self.family.scene(t) for t in values]
+        results = find_minima_of_each(scenes, **self._search)  # type: ignore[arg-type]
         seconds = time.perf_counter() - begin
         self._begin += seconds
-        model = Model(scene)
-        s = self.over.s_of(t)
-        new, met = 0, []
+        for t, result in zip(values, results, strict=True):
+            self._compare(t, result, seconds / len(values))
+
+    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
+        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+        begin = time.perf_counter()
+        morse = self._identity(result.scene, result) if self._morse else ""
+        more = time.perf_counter() - begin
+        seconds, self._begin = seconds + more, self._begin + more
+        model, s = result.model, self.over.s_of(t)
+        new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))
-            if _nearest(self._minima(s), x) > SETTLED:
+            if _nearest(followed, x) > SETTLED:
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
                     self.alarms.append(
                         f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
                     )
                     continue
                 new += self.web.add(x, s, "minimum")
+                followed = self._minima(s)
             met.append(x)
-        followed, missed = self._minima(s), 0
+        missed = 0
         for frame in followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
                 what = classify(State(model, frame.state))

@@ -57,7 +57,7 @@ def parts_of(arc: Arc) -> list[Part]:
 
 
 def _judged(frame: Equilibrium) -> tuple[str, str]:
-    what = classify(State(frame.programme, frame.state))
+    what = frame.judged
     return (what.kind or what.verdict, what.reason)
 
 
@@ -73,7 +73,8 @@ def breaking_eigenvalue(
     pieces = touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
     # what closed together at another state of these contacts, and is closed here, leaves the same pieces
     closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
-    if pieces is None or np.abs(full.local.openings(closed)[0]).max(initial=0.0) > TOUCHES:
+    open_now = closed and np.abs(full.local.openings(closed)[0]).max() > TOUCHES
+    if pieces is None or open_now:
         pieces = touching[frame.hold] = tuple(full.pieces)
     return breaking_stiffness(full, scene, pieces[0]) if len(pieces) == 1 else math.nan
 
@@ -111,7 +112,10 @@ def states_at(
             _stays(branches[branch - 1] if branch else None, value) if stable else None,
         )
         out.append((frame.state, found))
-    return tuple(sorted((s for _, s in out), key=lambda s: (s.energy, s.fold_angles)))
+    # ties (mirror images of one another) in a fixed order
+    return tuple(
+        sorted((s for _, s in out), key=lambda s: (round(s.energy / model.scale, 9), s.fold_angles))
+    )
 
 
 def _stays(branch: PathBranch | None, value: float) -> tuple[float, float] | None:

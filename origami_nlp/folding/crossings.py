@@ -92,6 +92,20 @@ def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray)
     return _depth(_off_planes(rays, *_ends(_pairs(pairs), rays.shape[-2])))
 
 
+def facet_heights(rays: np.ndarray, facets: np.ndarray | None = None) -> np.ndarray:
+    """Return the sines of rays [..., R, 3] off the planes of facets (all, or [F] of them), [..., F, R]."""
+    first = np.arange(rays.shape[-2]) if facets is None else facets
+    normals = cross(rays[..., first, :], rays[..., (first + 1) % rays.shape[-2], :])
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
+    return np.asarray(normals @ rays.swapaxes(-1, -2))
+
+
+def depths_at(heights: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
+    """Return `pair_depths` of a state where the heights of all rays off all facets are known, [N, N]."""
+    table = _ends(_pairs(pairs), len(heights))[0]
+    return _depth(heights[table[:, :, 1], table[:, :, 0]] * _SIGNS)
+
+
 _SIGNS = np.array([1.0, -1.0, -1.0, 1.0])
 
 
@@ -114,10 +128,7 @@ def _off_planes(
     rays: np.ndarray, table: np.ndarray, facets: np.ndarray, on: np.ndarray
 ) -> np.ndarray:
     """Sines of the ends of pairs (`_ends`) off the other facet, [..., P, 4]: of one sign where they cross."""
-    normals = cross(rays[..., facets, :], rays[..., (facets + 1) % rays.shape[-2], :])
-    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
-    heights = normals @ rays.swapaxes(-1, -2)  # [..., facet, ray]
-    return np.asarray(heights[..., on, table[:, :, 0]] * _SIGNS)
+    return np.asarray(facet_heights(rays, facets)[..., on, table[:, :, 0]] * _SIGNS)
 
 
 def _depth(v: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.folding.crossings import pair_depths
+from origami_nlp.folding.crossings import depths_at, facet_heights
 from origami_nlp.folding.layers import layer_problem
 from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
 from origami_nlp.pattern import Vertex
@@ -157,6 +157,13 @@ def _not_adjacent(count: int) -> tuple[tuple[int, int], ...]:
     return tuple((i, j) for i, j in every if 2 <= j - i <= count - 2)
 
 
+@lru_cache(maxsize=64)
+def _not_ends(count: int) -> np.ndarray:
+    """Tell which creases are not ends of a facet, [facet, crease]."""
+    own = np.eye(count, dtype=bool)
+    return ~(own | np.roll(own, 1, axis=1))
+
+
 def examine(
     vertex: Vertex,
     fold_angles: np.ndarray,
@@ -219,12 +226,16 @@ def examine(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
     n = len(phi)
-    pairs = _not_adjacent(n)
-    depth = pair_depths(creases, pairs)
+    pairs, heights = _not_adjacent(n), facet_heights(creases)
+    depth = depths_at(heights, pairs)
     if depth.max(initial=0.0) > tolerance:
         m = int(depth.argmax())
         i, j = pairs[m]
         return bad(f"facets {i + 1} and {j + 1} cross, {depth[m]:.1e} deep")
+    if np.abs(heights[_not_ends(n)]).min(initial=math.inf) > 2 * tolerance:
+        return Embedding(
+            True, "", residual, False
+        )  # no crease near a facet that does not end there
     problem = layer_problem(creases, phi, tolerance)
     if problem is None:
         return Embedding(True, "", residual, False)

@@ -253,14 +253,20 @@ def _nodes_on_arcs(
     across = cross(a, b)
     sine = np.linalg.norm(across, axis=1)
     normal = across / sine[:, None]
-    length = np.arctan2(sine, np.einsum("ij,ij->i", a, b))
+    start, end = node.tolist(), [*node[1:].tolist(), int(node[0])]
+    near = np.abs(normal @ c.T) <= tolerance
+    place = {w: k for k, w in enumerate(nodes)}
+    arcs, ends = np.arange(len(a)), [[place[w] for w in side] for side in (start, end)]
+    near[arcs, ends] = False
+    paths = [[u, v] for u, v in zip(start, end, strict=True)]
+    some = np.flatnonzero(near.any(axis=1))
+    a, b, normal = a[some], b[some], normal[some]
+    length = np.arctan2(sine[some], np.einsum("ij,ij->i", a, b))
     along = np.arctan2(cross(normal, a) @ c.T, a @ c.T)
-    inside = (np.abs(normal @ c.T) <= tolerance) & (along > 0) & (along < length[:, None])
-    start, end = node.tolist(), np.roll(node, -1).tolist()
-    paths = []
-    for i, on in enumerate(inside):
-        between = [nodes[k] for k in np.flatnonzero(on)[np.argsort(along[i, on], kind="stable")]]
-        paths.append([start[i], *(w for w in between if w not in (start[i], end[i])), end[i]])
+    inside = near[some] & (along > 0) & (along < length[:, None])
+    for i, on, at in zip(some.tolist(), inside, along, strict=True):
+        between = [nodes[k] for k in np.flatnonzero(on)[np.argsort(at[on], kind="stable")]]
+        paths[i][1:1] = between
     return paths
 
 

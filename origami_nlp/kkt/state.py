@@ -68,20 +68,27 @@ class State:
         return self.local.closure_jacobian / self.programme.root
 
     @cached_property
+    def _factors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Singular values and vectors of `jacobian`."""
+        u, values, vt = np.linalg.svd(self.jacobian)
+        return u, values, vt
+
+    @cached_property
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the directions that closure allows to first order, in the metric, [n, t]."""
-        return null_space(self.jacobian)
+        _, values, vt = self._factors
+        return vt[int((values > RANK).sum()) :].T
 
     @cached_property
     def regular(self) -> bool:
         """Whether closure has full rank."""
-        return bool((np.linalg.svd(self.jacobian, compute_uv=False) > RANK).all())
+        return bool((self._factors[1] > RANK).all())
 
     @cached_property
     def second_order(self) -> list[np.ndarray]:
         """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
         p = self.programme
-        u, values, _ = np.linalg.svd(self.jacobian)
+        u, values, _ = self._factors
         lost = u.T[int((values > RANK).sum()) :]
         unit = np.outer(p.root, p.root)
         z = self.kernel
@@ -203,12 +210,13 @@ class Stratum:
     @cached_property
     def jacobian(self) -> np.ndarray:
         """Of closure and the contacts together, in the metric, [m + r, n]."""
-        return np.vstack([self.state.jacobian, self.slopes])
+        own = self.state.jacobian
+        return np.vstack([own, self.slopes]) if self.contacts else own
 
     @cached_property
     def tangent(self) -> np.ndarray:
         """Orthonormal basis of the directions that keep the contacts closed to first order, in the metric, [n, t]."""
-        return null_space(self.jacobian)
+        return null_space(self.jacobian) if self.contacts else self.state.kernel
 
     @property
     def dimension(self) -> int:

@@ -15,6 +15,7 @@ from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
     check_options as check_options,
     find_minima as find_minima,
+    find_minima_of_each as find_minima_of_each,
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
@@ -25,10 +26,10 @@ from .fold_out import (
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
+    group_average as group_average,
     hessian_spectra as hessian_spectra,
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
-    permutations as permutations,
 )
 from .ipopt import (
     OPTIONS as OPTIONS,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, RANK, ROUNDED
-from origami_nlp.programme import OPEN, Folded, Kinematics, Model
+from origami_nlp.programme import OPEN, Folded, Kinematics, Model, Parameters
 
 EXPLORED = 1e-11
 """Closure and held gaps of states on their way."""
@@ -57,11 +58,32 @@ class Closing:
     ----------
     model
         The posed scene.
+    springs
+        Those that samples name by their number (`Samples.springs`), of the vertex of the model and without forces in
+        space; by default those of the model alone.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
         self.model, self.kinematics = model, Kinematics(model)
-        self.root = np.sqrt(model.parameters.stiffness)
+        self._all, self._several = model.parameters, bool(springs)
+        if springs:
+            stiffness, rest, load = (
+                np.array([getattr(p, name) for p in springs])
+                for name in ("stiffness", "rest", "load")
+            )
+            self._all = replace(self._all, stiffness=stiffness, rest=rest, load=load)
+        self._roots = np.sqrt(self._all.stiffness)
+
+    def springs(self, s: Samples) -> Parameters:
+        """Return the springs of samples: numbers [n] where all have the same, [K, n] otherwise."""
+        p, k = self._all, s.springs
+        if not self._several:
+            return p
+        return replace(p, stiffness=p.stiffness[k], rest=p.rest[k], load=p.load[k])
+
+    def root(self, s: Samples) -> np.ndarray:
+        """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
+        return self._roots[s.springs] if self._several else self._roots
 
     def rows(self, s: Samples) -> tuple[Folded, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
@@ -81,8 +103,9 @@ class Closing:
     def point(self, s: Samples) -> Point:
         """Balance the torque of samples on their free creases."""
         at, _, jacobian = self.rows(s)
-        torque = self.model.parameters.torque(s.x) / self.root
-        return balance(s, at, jacobian / self.root, torque)
+        root = self.root(s)
+        torque = self.springs(s).torque(s.x) / root
+        return balance(s, at, jacobian / root[..., None, :], torque)
 
     def hessian(self, s: Samples, p: Point) -> np.ndarray:
         """Hessian of the Lagrangian in the metric, [K, n, n]."""
@@ -95,7 +118,8 @@ class Closing:
         own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
         if dead is not None:
             curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
-        return own - curved / np.outer(self.root, self.root)
+        root = self.root(s)
+        return own - curved / (root[..., :, None] * root[..., None, :])
 
     def close(self, s: Samples, steps: int = STEPS, to: float = EXPLORED) -> Samples:
         """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""

@@ -12,6 +12,7 @@ facet stops there and holds it.  What comes out are candidates: polishing and ju
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
 from origami_nlp.numerics import EPS, ROUNDED
-from origami_nlp.programme import OPEN, Model
+from origami_nlp.programme import OPEN, Model, Parameters
 
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""
@@ -81,6 +82,8 @@ class Descents:
     ----------
     model
         The posed scene.
+    springs
+        Where samples of several scenes of one vertex descend together, those of each; see `Closing`.
 
     Attributes
     ----------
@@ -88,12 +91,25 @@ class Descents:
         What brings states onto their strata, and what tells where they cross something.
     """
 
-    def __init__(self, model: Model) -> None:
-        self.model, self.closing, self.crossings = model, Closing(model), Crossings(model)
-        self._root, self._m = self.closing.root, model.equation_count
+    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
+        self.model, self.closing = model, Closing(model, springs)
+        self.crossings, self._m = Crossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
         self._chain = plain and model.size >= LONG_CHAIN
         self._many = plain and model.size > MOST_ONE_BY_ONE
+
+    @classmethod
+    def of_each(cls, several: Sequence[Descents]) -> Descents | None:
+        """Return descents whose samples name one of several scenes; None where their vertices, or labels, differ."""
+        if len(several) <= 1:
+            return None
+        first, models = several[0].model, [descents.model for descents in several]
+        same = not any(d._chain or d.model.parameters.dead is not None for d in several) and all(
+            m.structure == first.structure
+            and np.array_equal(m.parameters.sectors, first.parameters.sectors)
+            for m in models
+        )
+        return cls(first, [m.parameters for m in models]) if same else None
 
     def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
@@ -105,8 +121,12 @@ class Descents:
         reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
         idle = np.zeros(k, dtype=int)
         converged, settled = np.zeros(k, dtype=bool), np.zeros(k, dtype=bool)
+        crowd = np.bincount(s.springs)
         for step in range(MOST_STEPS):
-            if not len(live) or (step >= LONG and len(live) * FEW <= k):
+            if step >= LONG:
+                few = np.bincount(s.springs[live], minlength=len(crowd)) * FEW <= crowd
+                live = live[~few[s.springs[live]]]
+            if not len(live):
                 break
             slotted = s.slots[live].max(axis=1) != OPEN
             apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
@@ -135,7 +155,8 @@ class Descents:
         s, p, released, opens = self._release(s, p, slope, size)
         free = s.shut == 0
         down = np.where(free, p.left, 0.0)
-        swept = sweep(s, p, self._root) if self._chain else None
+        root = self.closing.root(s)
+        swept = sweep(s, p, root) if self._chain else None
         h = np.zeros((len(s), 0, 0)) if swept else self._on_stratum(s, p)
         d = swept.direction if swept else _direction(h, down)
         # a contact that is let go must open: the steepest way down does that
@@ -143,7 +164,8 @@ class Descents:
         d[wrong] = -down[wrong]
         converged = (slope <= FLAT_SLOPE) & ~released
         known = (swept.curvature, swept.bent) if swept else None
-        escaped = self._leave_saddles(h, down, d, converged, escapes, known)
+        wide = np.broadcast_to(root, d.shape)
+        escaped = self._leave_saddles(h, down, d, wide, converged, escapes, known)
         go = np.flatnonzero(~converged)
         moved, reach = np.ones(len(s), dtype=bool), reach.copy()
         if len(go):
@@ -152,7 +174,7 @@ class Descents:
             )
             moved[go] = np.abs(tried.x - s.x[go]).max(axis=1) > TINY
             put(s, go, tried)
-            tiny = np.abs(d[go] / self._root).max(axis=1) < TINY
+            tiny = np.abs(d[go] / wide[go]).max(axis=1) < TINY
             converged[go] = ~accepted & tiny & ~released[go]
         return s, _Progress(reach, escaped, converged, moved)
 
@@ -169,6 +191,7 @@ class Descents:
         h: np.ndarray,
         down: np.ndarray,
         d: np.ndarray,
+        root: np.ndarray,
         converged: np.ndarray,
         escapes: np.ndarray,
         known: tuple[np.ndarray, np.ndarray] | None = None,
@@ -192,7 +215,7 @@ class Descents:
         side = np.sign(np.einsum("ki,ki->k", v, -down[where]))
         lead = v[np.arange(len(v)), np.abs(v).argmax(axis=1)]
         side = np.where(side == 0, np.sign(lead), side)
-        d[where] = v * (side * ESCAPE / np.abs(v / self._root).max(axis=1))[:, None]
+        d[where] = v * (side * ESCAPE / np.abs(v / root[where]).max(axis=1))[:, None]
         converged[where], escaped[where] = False, True
         return escaped
 
@@ -234,11 +257,11 @@ class Descents:
         escaped: np.ndarray,
     ) -> tuple[Samples, np.ndarray, np.ndarray]:
         """Try a step; returns the samples (where it failed, as they were), whether it was taken, the next reach."""
-        dx = d / self._root
+        dx = d / self.closing.root(s)
         longest = np.abs(dx).max(axis=1)
         trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, 1e-300)))
         trial = self.closing.close(trial)
-        energy = self.model.parameters.energy(s.x)
+        energy = self.closing.springs(s).energy(s.x)
         before = _Before(s.x, energy, np.einsum("ki,ki->k", down, d) * share, escaped)
         good, gap, side = self._try(trial, before)
         if (gap != OPEN).any():
@@ -271,7 +294,7 @@ class Descents:
         good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + EPS).all(axis=1) & (at.sheet > 0)
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
-        now, e = self.model.parameters.energy(trial.x), before.energy
+        now, e = self.closing.springs(trial).energy(trial.x), before.energy
         lower = now <= e + 1e-4 * np.minimum(before.slope, 0) + 1e-11 * (1 + e)
         good &= lower | (before.escaped & (now <= e + 1e-9))
         gap, side = self.crossings.of(at, trial.x, trial.shut)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,45 +22,28 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
-    Solve,
     State,
-    flat_foldings,
     passing_moment,
-    polish,
-    rest_state,
-    rigid_states,
 )
-from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.full_space import judge_in_full_space
-from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.ipopt import Confirmation, confirm
-from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
-from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.near_flat import flat_minima
-from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.job import Job, Progress
+from origami_nlp.minima.minimum import Minimum, Rejected
 from origami_nlp.minima.proved import check_prove, prove_complete
-from origami_nlp.minima.record import Answer, Record, close_orbit, exact_state, judge, listed
+from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.search import Search
-from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, effort_of, is_chain
-from origami_nlp.minima.stopping import chao1
-from origami_nlp.numerics import CLOSES, SAME
-from origami_nlp.pattern import Labels, Scene, Vertex, canonical_labels
+from origami_nlp.minima.search import finish
+from origami_nlp.minima.starts import effort_of
+from origami_nlp.numerics import CLOSES
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
-MOST_BATCHED = 24
-"""Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from
-one start after the other."""
 MOST_CONFIRMED = 100
 """Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
-FEW_FREEDOMS = 2
-"""Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
-Progress = Callable[[int, int, int], None]
-"""Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
@@ -157,176 +139,69 @@ def find_minima(
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
-    begin = time.perf_counter()
-    model = Model(scene)
-    job = _Job(model, seed, wanted, (fewest_starts, max_starts), progress)
-    job.list_states()
-    # where nothing can move within the symmetry, the listed states are all there is
-    if model.freedom > 0:
-        job.search([model.reduce(g) for g in guesses], workers)
-    for answer in job.record.minima:
-        close_orbit(model, job.record, answer)
-    completeness = prove_complete(model, job.record, prove)
-    minima, others, outcomes = _sort_out(model, job.record)
+    job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress)
+    finish([job.work(guesses, workers)])
+    return _result(job, effort, prove, full)
+
+
+def find_minima_of_each(
+    scenes: Sequence[Scene],
+    *,
+    seed: int = 0,
+    effort: str = "normal",
+    max_starts: int = MOST_STARTS,
+    prove: bool | float | None = None,
+) -> list[MinimaResult]:
+    """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
+
+    Descents of all of them are made together then; starts, judgements and stopping are those of each search alone.
+
+    Parameters
+    ----------
+    scenes
+        The scenes.
+    seed, effort, max_starts, prove
+        As for `find_minima`.
+
+    Returns
+    -------
+    list of MinimaResult
+        In the order of the scenes; `SearchReport.seconds` counts the time of all from first to last.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.minima import find_minima_of_each
+    >>> scenes = [o.examples.degree6("pi/4", ratio) for ratio in (0.1, 10)]
+    >>> [len(result.minima) for result in find_minima_of_each(scenes, prove=False)]
+    [2, 2]
+    """
+    check_options(seed, max_starts)
+    wanted = effort_of(effort)
+    check_prove("prove", prove)
+    for scene in scenes:
+        check_type("scenes", scene, Scene)
+    jobs = [Job(Model(scene), seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    finish([job.work([], 1) for job in jobs])
+    return [_result(job, effort, prove, False) for job in jobs]
+
+
+def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> MinimaResult:
+    """Close orbits, prove, decide in the full space, as far as asked, and report."""
+    model, record = job.model, job.record
+    for answer in record.minima:
+        close_orbit(model, record, answer)
+    completeness = prove_complete(model, record, prove)
+    minima, others, outcomes = _sort_out(model, record)
     if full:
-        minima = _in_full_space(scene, minima)
-    report = job.report(others, outcomes, time.perf_counter() - begin, effort)
-    return MinimaResult(scene, model, tuple(minima), report, completeness)
-
-
-class _Job:
-    """One search: what it may spend, and its record."""
-
-    def __init__(
-        self,
-        model: Model,
-        seed: int,
-        effort: Effort,
-        starts: tuple[int, int],
-        progress: Progress | None,
-    ) -> None:
-        self.model, self.seed, self.effort = model, seed, effort
-        self.fewest, self.most = starts
-        self.progress = progress
-        self.record = Record()
-        self.stopped_by = "rule"
-        self.complete = ""
-        self.strata: tuple[StrataCount, ...] = ()
-        self.corners: tuple[int, bool] = (0, False)
-
-    def list_states(self) -> None:
-        """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
-        model = self.model
-        states = itertools.chain(rest_state(model), hinge_minima(model), flat_foldings(model))
-        if model.freedom <= 0:
-            states = itertools.chain(states, rigid_states(model, self.seed))
-        for x in states:
-            if self.record.known(x) is None:
-                self.record.answers.append(listed(model, x))
-
-    def search(self, guesses: list[np.ndarray], workers: int) -> None:
-        """Start from guesses, then round after round until the stopping rule says that it is enough."""
-        # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
-            self.stopped_by = "complete"
-            return
-        if self.model.size > MOST_BATCHED and not is_chain(self.model):
-            self._one_by_one()
-            return
-        under = self._under()
-        with Search(self.model, self.record, under, workers, self._tell) as search:
-            search.also_from(flat_minima(self.model))
-            if guesses:
-                search.run(search.closed(np.array(guesses)))
-            self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.effort))
-
-    def _rounds(self, search: Search, rounds: Rounds) -> None:
-        self.stopped_by = "cap"
-        quiet = 0
-        for samples in rounds:
-            found = len(self.record.minima)
-            search.run(samples[np.arange(min(len(samples), self.most - self.record.starts))])
-            quiet = quiet + 1 if len(self.record.minima) == found else 0
-            self._tell()
-            if self.record.starts >= self.most:
-                break
-            if self.record.starts >= self.fewest and self._enough(quiet):
-                found = len(self.record.minima)
-                search.run()
-                if len(self.record.minima) == found:
-                    self.stopped_by = "rule"
-                    break
-                quiet = 0
-        search.run()
-        tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
-        self.corners = tried, rounds.every_corner and tried == rounds.corners
-        if rounds.touches is not None:
-            self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
-
-    def _traced(self) -> bool:
-        """Judge all that the curves of one freedom hold; tells whether they were resolved."""
-        traced = trace(self.model)
-        exact = np.isin(traced.origins, EXACT)
-        for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
-            end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
-            state = polish(self.model, end, contacts)
-            if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
-                # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
-                state = exact_state(self.model, x)
-            answer, new = self.record.file(self.model, state)
-            answer.listed = True
-            if new:
-                judge(self.model, answer)
-        self.complete = traced.reason if traced.complete and not self.model.scene.loads else ""
-        return traced.complete
-
-    def _under(self) -> tuple[Model, Labels] | None:
-        """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
-        scene = self.model.scene
-        if not scene.group.is_trivial or scene.loads:
-            return None
-        labels = canonical_labels(scene)
-        return Model(labels.relabelled(scene)), labels
-
-    def _enough(self, quiet: int) -> bool:
-        hits = self.record.drawn_hits
-        if min(hits, default=self.effort.hits) >= self.effort.hits:
-            # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
-            return quiet > 0 or few
-        return quiet >= self.effort.quiet and chao1(hits) < 0.5
-
-    def _one_by_one(self) -> None:
-        """Search with IPOPT alone."""
-        self.stopped_by = "cap"
-        quiet = 0
-        fewest = max(self.fewest, 16 * self.effort.hits)
-        for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
-            if new is not None:
-                judge(self.model, new)
-            quiet = 0 if new is not None and new.is_minimum else quiet + 1
-            self._tell()
-            if self.record.starts >= fewest and self._enough(quiet // fewest):
-                self.stopped_by = "rule"
-                break
-
-    def _tell(self) -> None:
-        if self.progress:
-            r = self.record
-            self.progress(r.starts, len(r.minima), r.seen_once)
-
-    def report(
-        self,
-        others: list[Rejected],
-        outcomes: dict[str, int],
-        seconds: float,
-        effort: str,
-    ) -> SearchReport:
-        """Say what was done."""
-        r = self.record
-        return SearchReport(
-            starts=r.starts,
-            feasible_starts=r.feasible_starts,
-            solves=r.solves,
-            statuses=dict(r.statuses),
-            outcomes=outcomes,
-            expected_undiscovered=chao1(r.drawn_hits),
-            stopped_by=self.stopped_by,
-            seconds=seconds,
-            seed=self.seed,
-            rejected=tuple(o for o in others if o.verdict != "undecided"),
-            undecided=tuple(o for o in others if o.verdict == "undecided"),
-            iterations=r.iterations,
-            effort=effort,
-            by_source={name: count for name, count in r.by_source.items() if count},
-            stalled=r.stalled,
-            seen_once=r.seen_once,
-            quiet=r.quiet,
-            corners=self.corners[0],
-            every_corner=self.corners[1],
-            complete=self.complete,
-            strata=self.strata,
-        )
+        minima = _in_full_space(model.scene, minima)
+    report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)
+    return MinimaResult(model.scene, model, tuple(minima), report, completeness)
 
 
 def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:

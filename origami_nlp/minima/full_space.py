@@ -8,6 +8,7 @@ strictly falling energy, and end at a lower stable state.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -171,6 +172,18 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
     return out
 
 
+def group_average(scene: Scene) -> np.ndarray:
+    """Return the projector of fold angles on those that keep the scene's group: the mean of `permutations`, [N, N]."""
+    return _average(scene.group.elements, scene.degree)
+
+
+@lru_cache(maxsize=64)
+def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
+    i = np.arange(n)
+    images = [np.eye(n)[(s - i) % n if mirrored else (i + s) % n] for s, mirrored in elements]
+    return np.asarray(np.mean(images, axis=0))
+
+
 def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) -> str:
     """Say which elements of the scene's group a change of the fold angles keeps."""
     size = float(np.abs(direction).max())
@@ -205,7 +218,7 @@ def hessian_spectra(
     balance = state.gradient - piece.slopes.T @ mu.smallest
     lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
     h = z.T @ piece.hessian_with(np.concatenate([lam, mu.smallest])) @ z
-    average = np.mean([np.eye(len(state.x))[p] for _, p in permutations(scene)], axis=0)
+    average = group_average(scene)
     breaking = null_space(average @ z, INDEPENDENT)
     scale = state.programme.scale
     full = np.linalg.eigvalsh(h) * scale

@@ -28,6 +28,8 @@ class Samples:
         Whether contacts are held until the descent has converged on its stratum, shape [K].
     source
         Which kind of start it is, shape [K].
+    springs
+        Under which of the springs that descents were given it is, shape [K].
     """
 
     x: np.ndarray
@@ -36,6 +38,7 @@ class Samples:
     sides: np.ndarray
     hold: np.ndarray
     source: np.ndarray
+    springs: np.ndarray
 
     @classmethod
     def on(
@@ -51,6 +54,7 @@ class Samples:
             np.ones((k, SLOTS), dtype=int),
             np.full(k, hold),
             np.full(k, source),
+            np.zeros(k, dtype=int),
         )
 
     def __getitem__(self, which: np.ndarray) -> Samples:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +26,8 @@ ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
+Work = Generator[tuple[Descents, Samples], Ends, None]
+"""A search on its way: it asks for descents of samples, and is sent their ends."""
 
 
 class Search:
@@ -71,7 +74,7 @@ class Search:
         """Start from states [K, n] of the scene with the next batch; like guesses, they are not counted."""
         self._below += list(x)
 
-    def run(self, starts: Samples | None = None) -> None:
+    def run(self, starts: Samples | None = None) -> Work:
         """Descend from starts (those that cross are dropped), and judge what is new among the ends.
 
         Starts either side of the saddles found before go with them: a batch costs by the call more than by the sample.
@@ -87,7 +90,10 @@ class Search:
             record.feasible_starts += int((feasible & counted).sum())
             for source, name in enumerate(SOURCES):
                 record.by_source[name] += int((some.source == source).sum())
-            for ends in self._descended(some[feasible]):
+            parts = self._parts(some[feasible])
+            made = self._made_by_workers(parts)
+            for part in parts:
+                ends = next(made) if made else (yield self._descents, part)
                 good = ends.converged | ends.settled
                 record.stalled += int((~good & (ends.samples.source != GIVEN)).sum())
                 self._file(ends, np.flatnonzero(good))
@@ -107,17 +113,18 @@ class Search:
                 out.append(([(r[0], r[1]) for r in touches], shut))
         return out
 
-    def _descended(self, starts: Samples) -> Iterator[Ends]:
-        """Descend in batches whose sizes do not depend on who makes them, small ones first: early answers."""
+    def _parts(self, starts: Samples) -> list[Samples]:
+        """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
         early = self._answer_of or self._descents.crossings.any
         first, rest = np.split(np.arange(len(starts)), [0 if early else FIRST_BATCH])
         split = [first, *np.array_split(rest, -(-len(rest) // BATCH) or 1)]
-        parts = [starts[part] for part in split if len(part)]
-        if self._workers == 1 or len(parts) == 1:
-            yield from map(self._descents.run, parts)
-        else:
-            self._pool = self._pool or worker_pool(self._workers)
-            yield from self._pool.map(self._descents.run, parts)
+        return [starts[part] for part in split if len(part)]
+
+    def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:
+        if self._workers == 1 or len(parts) <= 1:
+            return None
+        self._pool = self._pool or worker_pool(self._workers)
+        return self._pool.map(self._descents.run, parts)
 
     def _feasible(self, starts: Samples) -> np.ndarray:
         crossings = self._descents.crossings
@@ -198,6 +205,38 @@ class Search:
             if gap != OPEN
         ]
         return tuple(dict.fromkeys((*limits, *gaps)))
+
+
+def finish(searches: Sequence[Work]) -> None:
+    """Bring searches to their ends.
+
+    Descents that several ask for at the same time are made together where their scenes have one vertex: a batch costs
+    by the call more than by the sample.
+    """
+    asked = {k: ask for k, search in enumerate(searches) if (ask := next(search, None))}
+    number = {k: i for i, k in enumerate(asked)}
+    together = Descents.of_each([descents for descents, _ in asked.values()])
+    while asked:
+        if together is None or len(asked) == 1:
+            answers = [descents.run(samples) for descents, samples in asked.values()]
+        else:
+            parts = [
+                replace(samples, springs=np.full(len(samples), number[k]))
+                for k, (_, samples) in asked.items()
+            ]
+            answers = _split(together.run(joined(*parts)), [len(part) for part in parts])
+        for k, ends in zip(list(asked), answers, strict=True):
+            try:
+                asked[k] = searches[k].send(ends)
+            except StopIteration:
+                del asked[k]
+
+
+def _split(ends: Ends, lengths: list[int]) -> list[Ends]:
+    """Return the ends of each of some searches, as if it had descended alone."""
+    own = replace(ends.samples, springs=np.zeros(len(ends.samples), dtype=int))
+    cuts = np.split(np.arange(len(own)), np.cumsum(lengths)[:-1])
+    return [Ends(own[k], ends.converged[k], ends.settled[k]) for k in cuts]
 
 
 def _gap_under(model: Model, other: Model, labels: Labels) -> np.ndarray:

@@ -158,7 +158,8 @@ class Rounds:
         self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
         sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
         hold, source = np.ones(len(new), dtype=bool), np.full(len(new), TOUCH)
-        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source)
+        springs = np.zeros(len(new), dtype=int)
+        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source, springs)
 
     def _near_corners(self, count: int) -> Samples:
         """Corners with a random subset of their creases let go."""

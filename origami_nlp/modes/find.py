@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, Minimum, full_scene, mode_symmetry, permutations
+from origami_nlp.minima import MinimaResult, Minimum, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED
@@ -150,7 +150,7 @@ def _blocks(
     """
     if scene.group.is_trivial:
         return [("", np.eye(len(h)))], 0.0
-    average = np.mean([np.eye(len(z))[p] for _, p in permutations(scene)], axis=0)
+    average = group_average(scene)
     share, vectors = np.linalg.eigh(z.T @ average @ z)
     breaking, kept = vectors[:, share <= 0.5], vectors[:, share > 0.5]
     between = np.abs(kept.T @ h @ breaking).max(initial=0.0)

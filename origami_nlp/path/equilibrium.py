@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import CURVED, DEPENDENT, ROUNDED, SAME, SETTLED, STATIONARY, null_space
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.tracer import ASIDE
@@ -22,6 +23,8 @@ from origami_nlp.programme import Contact, Programme
 
 NEWTON = 10
 """Steps of the corrector: from a predicted point it needs two to four."""
+ASLANT = 10.0
+"""One over the cosine between a curve and where it went before: up to here one factorisation gives a step across it."""
 LONGEST = 0.5
 """A Newton step longer than this has left the neighbourhood of the predicted point."""
 
@@ -50,23 +53,39 @@ class System:
         self.line, self.hold, self.x = line, hold, x
         self.programme: Programme = line.at(s)
         p = self.programme
-        root, rows = p.root, list(hold.closure)
-        local = p.local(x)
-        values, slopes = local.openings(hold.contacts)
-        self.jacobian = np.vstack([local.closure_jacobian[rows], slopes]) / root
+        root, local = p.root, p.local(x)
+        rows = slice(None) if len(hold.closure) == p.equation_count else list(hold.closure)
+        closure, jacobian = local.closure[rows], local.closure_jacobian[rows] / root
+        self.values, self.jacobian = closure, jacobian
+        if hold.contacts:
+            values, slopes = local.openings(hold.contacts)
+            self.jacobian = np.concatenate([jacobian, slopes / root])
+            self.values = np.concatenate([closure, values])
         gradient = local.gradient / root
         self.size = 1.0 + float(np.abs(gradient).max())
         self.multipliers = np.linalg.lstsq(self.jacobian.T, gradient, rcond=DEPENDENT)[0]
-        full = np.zeros(p.equation_count + len(hold.contacts))
-        full[rows] = self.multipliers[: len(rows)]
-        full[p.equation_count :] = self.multipliers[len(rows) :]
+        m, kept = p.equation_count, len(closure)
+        full = self.multipliers
+        if kept < m:
+            full = np.zeros(m + len(hold.contacts))
+            full[:m][rows], full[m:] = self.multipliers[:kept], self.multipliers[kept:]
         self.all_multipliers = full
-        self.hessian = p.lagrangian_hessian(x, full, hold.contacts) / np.outer(root, root)
+        self.hessian = p.lagrangian_hessian(x, full, hold.contacts) / (root[:, None] * root)
         torque, moved = p.drift(x, full, hold.contacts, line.slope(s))
         self.drift = torque / root / line.weight
-        self.moved = np.concatenate([moved[rows], moved[p.equation_count :]]) / line.weight
+        moved = moved if kept == m else np.concatenate([moved[:m][rows], moved[m:]])
+        self.moved = moved / line.weight
         self.imbalance = gradient - self.jacobian.T @ self.multipliers
-        self.values = np.concatenate([local.closure[rows], values])
+
+    @cached_property
+    def seen(self) -> State:
+        """Its state as it is judged: what is asked of it twice is computed once."""
+        return State(self.programme, self.x)
+
+    @cached_property
+    def judged(self) -> Classification:
+        """What `kkt.classify` says of it."""
+        return classify(self.seen)
 
     @property
     def residual(self) -> float:
@@ -98,6 +117,26 @@ class System:
         v = vt[-1]
         size = float(np.hypot(np.linalg.norm(v[:n]), v[-1]))
         return v / size if size > SETTLED * np.linalg.norm(v) else None
+
+    def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
+        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1].
+
+        It is the step under the row `null`, by one factorisation instead of singular values.
+        """
+        n = len(self.imbalance)
+        whole = np.zeros((len(self.matrix) + 1,) * 2)
+        whole[:-1], whole[-1, :n], whole[-1, -1] = self.matrix, along[:n], along[-1]
+        right = np.zeros((len(whole), 2))
+        right[:-1, 0], right[-1, 1] = -np.concatenate([self.imbalance, self.values]), 1.0
+        try:
+            d = np.linalg.solve(whole, right)
+        except np.linalg.LinAlgError:
+            return None
+        step, v = np.vstack([d[:n], d[-1:]]).T  # a step across `along`, and one along the curve
+        step = step - (step @ v) / (v @ v) * v
+        if not (np.isfinite(step).all() and np.linalg.norm(v) <= ASLANT):
+            return None
+        return np.append(step[:n] / self.programme.root, step[-1] / self.line.weight)
 
     def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
         """Return Newton's step in (x, s) under one more equation, row . (dy, dnu, w ds) = right.
@@ -159,6 +198,18 @@ class Equilibrium:
         return self.system.hold
 
     @property
+    def seen(self) -> State:
+        """The state as it is judged."""
+        seen = self.system.seen
+        return seen if np.array_equal(seen.x, self.state) else State(self.programme, self.state)
+
+    @property
+    def judged(self) -> Classification:
+        """What `kkt.classify` says of the state."""
+        seen = self.seen
+        return self.system.judged if seen is self.system.seen else classify(seen)
+
+    @property
     def forces(self) -> np.ndarray:
         """Multipliers of the contacts held, scaled energy, positive where they push, [r]."""
         return self.system.multipliers[len(self.hold.closure) :]
@@ -182,6 +233,8 @@ class Equilibrium:
 
 Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
 """One more equation at (x, s): its row over (dy, dnu, w ds), and what that shall be."""
+Move = Callable[[np.ndarray, System], np.ndarray | None]
+"""Newton's step at (x, s); None where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,9 +263,12 @@ class EquilibriumCurve:
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
+        return self._newton(point, lambda at, system: system.step(*row(at, system), self.short))
+
+    def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, System] | None:
         for _ in range(NEWTON):
             system = self.system(point)
-            step = system.step(*row(point, system), self.short)
+            step = move(point, system)
             if step is None:
                 return None
             length = float(np.linalg.norm(self.root * step))
@@ -237,7 +293,11 @@ class EquilibriumCurve:
             n = len(self.root) - 1
             return (np.zeros(system.matrix.shape[1]) if v is None else _flat(v, n)), 0.0
 
-        found = self.solve(x, across)
+        def shortest(point: np.ndarray, system: System) -> np.ndarray | None:
+            step = system.shortest_step(self.given[0].tangent) if self.given else None
+            return system.step(*across(point, system)) if step is None else step
+
+        found = self._newton(x, shortest)
         return None if found is None else found[0]
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:

@@ -34,8 +34,9 @@ from origami_nlp.path.flat import flat_passage
 from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates, touches
 from origami_nlp.programme import Contact
 
-BISECTIONS = 24
-"""Of a step in which a state is refused: what then closes is looked for by Newton."""
+BISECTIONS, SOON = 24, 7
+"""Of a step in which a state is refused: what then closes is looked for by Newton.  After so many of them what nearly
+touches is what will close."""
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
@@ -222,7 +223,7 @@ def first_contact_event(
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
     leaving = _first_leaving(curve, a, b)
     beyond = b if leaving is None else leaving.frame
-    if not beyond.programme.refuses(beyond.state) and closes(beyond) and touches(beyond):
+    if not beyond.seen.refused and closes(beyond) and touches(beyond):
         if leaving is None:
             return a, Found("refused", a, None, np.nan, False, "no event was found in a step")
         return leaving.frame, leaving
@@ -253,11 +254,10 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
 def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found:
     """Return where, between a and b, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
     found: list[Found] = []
-    state = State(b.programme, b.state)
-    for piece in state.pieces:
+    for piece in b.seen.pieces:
 
         def forces(f: Equilibrium, piece: tuple[Contact, ...] = piece) -> np.ndarray:
-            return State(f.programme, f.state).on(piece).forces
+            return f.seen.on(piece).forces
 
         for k in np.flatnonzero(forces(b) < PULLS * b.system.size):
 
@@ -276,8 +276,10 @@ def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) 
 def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, _step(a, b, curve.root), a, b
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
+    ahead = _guesses(curve, a, good, bad)
+    for k in range(BISECTIONS):
+        inside = [h for h in ahead if low < h < high]
+        middle = inside[0] if inside else 0.5 * (low + high)
         frame = curve.beside(a, middle)
         if frame is not None and is_equilibrium(frame):
             low, good = middle, frame
@@ -286,22 +288,38 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
             bad = frame or bad
         if high - low <= NEAR_CONTACT:
             break
+        if k == SOON:
+            ahead = _guesses(curve, a, good, bad)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     for contact in _candidates(good, bad):
         frame = curve.where_closed(good, contact, a.tangent)
         if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > BESIDE:
             continue
-        if not frame.programme.refuses(frame.state):
+        if not frame.seen.refused:
             rate = _rate(curve, frame, contact)
             met.append((_step(a, frame, curve.root), rate, frame, contact))
     if not met:
-        why = bad.programme.refuses(bad.state) or "closure"
+        why = bad.seen.refused or "closure"
         return good, Found("refused", good, None, np.nan, False, why)
     first = min(h for h, *_ in met)
     # of contacts that close together, the one that does so to first order knows best where
     _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
     opening = frame.programme.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
+
+
+def _guesses(
+    curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
+) -> list[float]:
+    """Return lengths of steps from a just before and just after the next contact closes, as far as Newton tells."""
+    shut = (curve.where_closed(good, c, a.tangent) for c in _candidates(good, bad))
+    first = _step(a, good, curve.root)
+    lengths = [_step(a, f, curve.root) for f in shut if f is not None]
+    return [
+        h + side
+        for h in sorted(h for h in lengths if h > first)[:1]
+        for side in (-0.25 * NEAR_CONTACT, 0.25 * NEAR_CONTACT)
+    ]
 
 
 def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.kkt import State, classify
+from origami_nlp.kkt import State
 from origami_nlp.numerics import BALANCED, DEPENDENT, FOLLOWED, INDEPENDENT, RANK, STATIONARY
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
 from origami_nlp.path.line import ParameterLine
@@ -220,7 +220,7 @@ def goes_on(curve: EquilibriumCurve, half: Half, others: tuple[Contact, ...] = (
         if held is None and any(_opening(frame, c) < -FOLLOWED for c in others):
             return None
         frame = held or frame
-        split = len(State(frame.programme, frame.state).pieces) > 1
+        split = len(frame.seen.pieces) > 1
         if split and not balances(frame):
             continue
         if half.signed or judged(frame) == judged(half.frame):
@@ -258,7 +258,7 @@ def _overlapping(
 
 def balances(frame: Equilibrium) -> bool:
     """Tell whether the springs balance on every piece of what contacts allow, and not only on the one that is held."""
-    state = State(frame.programme, frame.state)
+    state = frame.seen
     pieces = state.pieces
     if len(pieces) == 1:
         return True
@@ -271,7 +271,7 @@ def balances(frame: Equilibrium) -> bool:
 def is_equilibrium(frame: Equilibrium) -> bool:
     """Tell whether a point is admissible and all its contacts touch and push."""
     pulls = (frame.forces < PULLS * frame.system.size).any()
-    good = not pulls and not frame.programme.refuses(frame.state) and closes(frame)
+    good = not pulls and not frame.seen.refused and closes(frame)
     return good and touches(frame)
 
 
@@ -280,7 +280,7 @@ def touches(frame: Equilibrium) -> bool:
     held = {c for c in frame.hold.contacts if not c.is_limit}
     if not held:
         return True
-    found = State(frame.programme, frame.state).contacts
+    found = frame.seen.contacts
     rows = (c for branch in found.branches for option in branch for c in option)
     return held <= {*found.base, *rows, *(c for c, _ in found.implied)}
 
@@ -294,7 +294,7 @@ def closes(frame: Equilibrium) -> bool:
 
 def judged(frame: Equilibrium) -> str:
     """Return the verdict of `kkt.classify`."""
-    return classify(State(frame.programme, frame.state)).verdict
+    return frame.judged.verdict
 
 
 def turned(half: Half) -> Half:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -57,10 +58,17 @@ class ParameterLine:
 
     def slope(self, s: float) -> np.ndarray:
         """Return the derivative of `Parameters.vector` by s."""
+        a, d = self.start.stiffness, self.direction.stiffness
+        out, first = self._slope.copy(), len(self.start.sectors)
+        out[first : first + len(d)] = a * np.exp(s * d) * d
+        return out
+
+    @cached_property
+    def _slope(self) -> np.ndarray:
+        """Derivative of `Parameters.vector` by s, that of the logarithm for stiffness."""
         a, d = self.start, self.direction
-        stiffness = a.stiffness * np.exp(s * d.stiffness) * d.stiffness
         still = None if a.dead is None else a.dead.divided(math.inf)
-        return replace(d, stiffness=stiffness, dead=d.dead or still).vector
+        return replace(d, dead=d.dead or still).vector
 
     def from_here(self, s: float) -> ParameterLine:
         """Return the same line with s = 0 where it is s now."""

@@ -297,7 +297,7 @@ class Web:
             if beyond is None:
                 return a, Found("singular", a, None, np.nan, False, "no state at the end")
             b = beyond
-        if split and not b.programme.refuses(b.state) and not balances(b):
+        if split and not b.seen.refused and not balances(b):
             leaving = other_piece_leaves(curve, a, b)
             if is_equilibrium(leaving.frame):
                 return leaving.frame, leaving

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -167,9 +168,8 @@ class Vertex(Full):
 
     @property
     def creases(self) -> np.ndarray:
-        """Unit crease directions b_i of the unrolled sheet, shape [N, 3]."""
-        a = self.azimuths
-        return np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
+        """Unit crease directions b_i of the unrolled sheet, shape [N, 3], not writable."""
+        return _creases(self.sector_angles)
 
     def __repr__(self) -> str:
         return self._told(cut([format_angle(a) for a in self.sector_angles]))
@@ -180,6 +180,14 @@ class Vertex(Full):
     def _told(self, inner: str) -> str:
         bent = "" if self.flat else f", not flat: {math.degrees(self.excess):+.6g} deg"
         return f"Vertex(degree {self.degree}, sector_angles=[{inner}]{bent})"
+
+
+@lru_cache(maxsize=64)
+def _creases(sector_angles: tuple[float, ...]) -> np.ndarray:
+    a = np.concatenate([[0.0], np.cumsum(sector_angles)[:-1]])
+    out = np.stack([np.cos(a), np.sin(a), np.zeros_like(a)], axis=1)
+    out.setflags(write=False)
+    return out
 
 
 def _check_closes(angles: Sequence[float]) -> None:

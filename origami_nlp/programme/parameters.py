@@ -56,7 +56,8 @@ class Parameters:
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
-        energy = 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1) - x @ self.load
+        energy = 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1)
+        energy = energy - np.einsum("...i,...i", x, self.load)
         return energy if self.dead is None else energy + self.dead.energy(self.sectors, x)
 
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:

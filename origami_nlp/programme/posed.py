@@ -83,7 +83,8 @@ class Posed(Full):
         sector_angles
             Of the whole vertex, shape [N] [rad], where they change; special relations are not made exact.
         """
-        other = copy.copy(self)
+        other = object.__new__(type(self))
+        vars(other).update(vars(self))
         for name in ("own_symmetries", "_chain"):  # they depend on the numbers
             vars(other).pop(name, None)
         other.parameters = parameters

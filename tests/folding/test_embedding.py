@@ -256,3 +256,18 @@ def test_classes_of_determinants_are_counted_once():
         sectors_of(np.random.default_rng(9), 5), np.arange(5), np.ones(5), np.zeros(5), "full"
     )
     assert len(determinant_classes(p, np.random.default_rng(10))) == 15
+
+
+def test_whether_parts_touch_is_what_the_distance_of_arcs_says():
+    """Admissible states that touch and that are clear of it, by distances that know nothing of planes of facets."""
+    rng, told = np.random.default_rng(4), []
+    for p, x in touching_states(rng, 40):
+        clear = closed_states(rng, x.shape[1], 10)
+        for a, states in ((p.sectors, x), clear):
+            vertex, near = Vertex(tuple(a.tolist())), nearest_touch(fold(a, states)[0])
+            for phi, apart in zip(states, near, strict=True):
+                found = examine(vertex, phi)
+                if found.admissible and (apart <= 1e-12 or apart > 1e-6):
+                    assert found.touching == (apart <= 1e-12)
+                    told.append(found.touching)
+    assert 20 < sum(told) < len(told) - 20

@@ -1,12 +1,14 @@
 """Descents in batches: their ends are KKT points by the model's own derivatives; labels and workers change nothing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
+from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.samples import Samples
 from origami_nlp.pattern import Labels, canonical_labels
@@ -141,3 +143,28 @@ def test_all_corners_is_said_only_where_all_were_tried():
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
     assert "leave without freedom" not in str(capped)
+
+
+def test_scenes_of_one_vertex_descend_together_as_each_does_alone():
+    """Searches at both ends of a range of springs, one of which ends later; then scenes that share no vertex."""
+    scenes = [examples.degree6("5*pi/12", ratio) for ratio in (0.01, 100.0)]
+    options = {"prove": False, "effort": "quick", "seed": 3}
+    for some in (scenes, [vertex(4, 1, "fold-limits"), scenes[1]]):
+        for one, each in zip(some, find_minima_of_each(some, **options), strict=True):
+            alone = find_minima(one, **options)
+            assert [m.hits for m in each.minima] == [m.hits for m in alone.minima]
+            for a, b in zip(each.minima, alone.minima, strict=True):
+                assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-12)
+                assert a.kind == b.kind
+            for name in ("starts", "feasible_starts", "by_source", "stopped_by", "complete"):
+                assert getattr(each.search, name) == getattr(alone.search, name)
+    models = [Model(s) for s in scenes]
+    together = Descents.of_each([Descents(m) for m in models])
+    assert (
+        together is not None and Descents.of_each([Descents(Model(s)) for s in CASES[:2]]) is None
+    )
+    x = random_strata(models[0], np.random.default_rng(1), 20)
+    s = replace(Samples.on(x), springs=np.repeat([0, 1], 10))
+    energies = together.closing.springs(s).energy(x)
+    own = [models[k].parameters.energy(v) for k, v in zip(s.springs, x, strict=True)]
+    assert energies == pytest.approx(own, rel=1e-14)  # each sample under the springs that it names

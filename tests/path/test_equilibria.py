@@ -12,7 +12,7 @@ import pytest
 from origami_nlp import Model, State, classify, examples, find_minima
 from origami_nlp.kkt import follow, project
 from origami_nlp.path import Web, line_between, load_line
-from origami_nlp.path.equilibrium import System
+from origami_nlp.path.equilibrium import Hold, System
 from origami_nlp.path.halves import touches
 from origami_nlp.path.web import STEPS
 
@@ -257,3 +257,26 @@ def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
     assert not touches(
         replace(other.frames[-1], system=System(web.line, other.frames[-1].x, frame.hold))
     )
+
+
+def test_the_shortest_step_is_the_one_across_the_null_vector():
+    """One factorisation with a tangent that is only near gives the step under the row of singular vectors."""
+    a, b = (Model(examples.degree6("5*pi/12", ratio)) for ratio in (0.5, 2.0))
+    line, rng = line_between(a, b, 1.0), np.random.default_rng(0)
+    for minimum in find_minima(examples.degree6("5*pi/12", 1.0), prove=False).minima:
+        x = a.reduce(np.array(minimum.fold_angles))
+        contacts = State(line.at(0.5), x).contacts.base
+        for _ in range(10):
+            point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
+            system = System(line, point, Hold(contacts, (0, 1)))
+            null = system.null
+            row = np.zeros_like(null)
+            row[: len(x)], row[-1] = null[: len(x)], null[-1]
+            along = np.append(null[: len(x)], null[-1]) + 0.3 * rng.standard_normal(len(x) + 1)
+            step = system.shortest_step(along)
+            assert step == pytest.approx(system.step(row, 0.0), abs=1e-12)
+            across = np.linalg.svd(along[None])[2][-1]  # perpendicular to `along`
+            off = system.shortest_step(
+                across - (across @ row[[*range(len(x)), -1]]) * row[[*range(len(x)), -1]]
+            )
+            assert off is None

@@ -1,0 +1,198 @@
+"""One search: what it may spend, what it lists, traces and descends to, and when it stops."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from origami_nlp.kkt import Solve, flat_foldings, polish, rest_state, rigid_states
+from origami_nlp.minima.coverage import StrataCount, count_strata
+from origami_nlp.minima.hinges import hinge_minima
+from origami_nlp.minima.minimum import Rejected, SearchReport
+from origami_nlp.minima.multistart import run_starts
+from origami_nlp.minima.near_flat import flat_minima
+from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.record import Record, exact_state, judge, listed
+from origami_nlp.minima.search import Search, Work
+from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, is_chain
+from origami_nlp.minima.stopping import chao1
+from origami_nlp.numerics import SAME
+from origami_nlp.pattern import Labels, canonical_labels
+from origami_nlp.programme import Model
+
+MOST_BATCHED = 24
+"""Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from
+one start after the other."""
+FEW_FREEDOMS = 2
+"""Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
+Progress = Callable[[int, int, int], None]
+"""Called as progress(starts, minima found, how many of these one drawn start reached)."""
+
+
+class Job:
+    """One search: what it may spend, and its record."""
+
+    def __init__(
+        self,
+        model: Model,
+        seed: int,
+        effort: Effort,
+        starts: tuple[int, int],
+        progress: Progress | None,
+    ) -> None:
+        self.model, self.seed, self.effort = model, seed, effort
+        self.fewest, self.most = starts
+        self.progress = progress
+        self.record = Record()
+        self.stopped_by = "rule"
+        self.complete = ""
+        self.strata: tuple[StrataCount, ...] = ()
+        self.corners: tuple[int, bool] = (0, False)
+        self.begin = time.perf_counter()
+
+    def work(self, guesses: list[np.ndarray], workers: int) -> Work:
+        """List states, and search; guesses: states [N] to start from first."""
+        self.list_states()
+        # where nothing can move within the symmetry, the listed states are all there is
+        if self.model.freedom > 0:
+            yield from self.search([self.model.reduce(g) for g in guesses], workers)
+
+    def list_states(self) -> None:
+        """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
+        model = self.model
+        states = itertools.chain(rest_state(model), hinge_minima(model), flat_foldings(model))
+        if model.freedom <= 0:
+            states = itertools.chain(states, rigid_states(model, self.seed))
+        for x in states:
+            if self.record.known(x) is None:
+                self.record.answers.append(listed(model, x))
+
+    def search(self, guesses: list[np.ndarray], workers: int) -> Work:
+        """Start from guesses, then round after round until the stopping rule says that it is enough."""
+        # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
+        if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
+            self.stopped_by = "complete"
+            return
+        if self.model.size > MOST_BATCHED and not is_chain(self.model):
+            self._one_by_one()
+            return
+        under = self._under()
+        with Search(self.model, self.record, under, workers, self._tell) as search:
+            search.also_from(flat_minima(self.model))
+            if guesses:
+                yield from search.run(search.closed(np.array(guesses)))
+            rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
+            yield from self._rounds(search, rounds)
+
+    def _rounds(self, search: Search, rounds: Rounds) -> Work:
+        self.stopped_by = "cap"
+        quiet = 0
+        for samples in rounds:
+            found = len(self.record.minima)
+            some = np.arange(min(len(samples), self.most - self.record.starts))
+            yield from search.run(samples[some])
+            quiet = quiet + 1 if len(self.record.minima) == found else 0
+            self._tell()
+            if self.record.starts >= self.most:
+                break
+            if self.record.starts >= self.fewest and self._enough(quiet):
+                found = len(self.record.minima)
+                yield from search.run()
+                if len(self.record.minima) == found:
+                    self.stopped_by = "rule"
+                    break
+                quiet = 0
+        yield from search.run()
+        tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
+        self.corners = tried, rounds.every_corner and tried == rounds.corners
+        if rounds.touches is not None:
+            self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
+
+    def _traced(self) -> bool:
+        """Judge all that the curves of one freedom hold; tells whether they were resolved."""
+        traced = trace(self.model)
+        exact = np.isin(traced.origins, EXACT)
+        for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
+            end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
+            state = polish(self.model, end, contacts)
+            if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
+                # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
+                state = exact_state(self.model, x)
+            answer, new = self.record.file(self.model, state)
+            answer.listed = True
+            if new:
+                judge(self.model, answer)
+        self.complete = traced.reason if traced.complete and not self.model.scene.loads else ""
+        return traced.complete
+
+    def _under(self) -> tuple[Model, Labels] | None:
+        """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
+        scene = self.model.scene
+        if not scene.group.is_trivial or scene.loads:
+            return None
+        labels = canonical_labels(scene)
+        return Model(labels.relabelled(scene)), labels
+
+    def _enough(self, quiet: int) -> bool:
+        hits = self.record.drawn_hits
+        if min(hits, default=self.effort.hits) >= self.effort.hits:
+            # the first round holds several: where there is more to find, one that found nothing is wanted as well
+            few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
+            return quiet > 0 or few
+        return quiet >= self.effort.quiet and chao1(hits) < 0.5
+
+    def _one_by_one(self) -> None:
+        """Search with IPOPT alone."""
+        self.stopped_by = "cap"
+        quiet = 0
+        fewest = max(self.fewest, 16 * self.effort.hits)
+        for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
+            if new is not None:
+                judge(self.model, new)
+            quiet = 0 if new is not None and new.is_minimum else quiet + 1
+            self._tell()
+            if self.record.starts >= fewest and self._enough(quiet // fewest):
+                self.stopped_by = "rule"
+                break
+
+    def _tell(self) -> None:
+        if self.progress:
+            r = self.record
+            self.progress(r.starts, len(r.minima), r.seen_once)
+
+    def report(
+        self,
+        others: list[Rejected],
+        outcomes: dict[str, int],
+        seconds: float,
+        effort: str,
+    ) -> SearchReport:
+        """Say what was done."""
+        r = self.record
+        return SearchReport(
+            starts=r.starts,
+            feasible_starts=r.feasible_starts,
+            solves=r.solves,
+            statuses=dict(r.statuses),
+            outcomes=outcomes,
+            expected_undiscovered=chao1(r.drawn_hits),
+            stopped_by=self.stopped_by,
+            seconds=seconds,
+            seed=self.seed,
+            rejected=tuple(o for o in others if o.verdict != "undecided"),
+            undecided=tuple(o for o in others if o.verdict == "undecided"),
+            iterations=r.iterations,
+            effort=effort,
+            by_source={name: count for name, count in r.by_source.items() if count},
+            stalled=r.stalled,
+            seen_once=r.seen_once,
+            quiet=r.quiet,
+            corners=self.corners[0],
+            every_corner=self.corners[1],
+            complete=self.complete,
+            strata=self.strata,
+        )
