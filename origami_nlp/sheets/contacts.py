@@ -90,7 +90,7 @@ def closed_contacts(sheet: Sheet, phi: np.ndarray, touching: bool = True) -> Row
     Returns
     -------
     Rows
-        Gaps of features that meet inside each other; those that a fold limit closes are left to it.
+        Gaps of features that meet inside each other; those that fold limits keep open are left to them.
     """
     limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
     features, touches = Features(sheet.crossings), []
@@ -99,7 +99,8 @@ def closed_contacts(sheet: Sheet, phi: np.ndarray, touching: bool = True) -> Row
         for touch, gap in features.facing(place, SEEN, INSIDE):
             row = touch.row(place)
             others = np.abs(np.delete(row, limits)).max(initial=0.0)
-            if gap <= CLOSES and others > INDEPENDENT * sheet.crossings.size:
+            opened = (-np.sign(phi[limits]) * row[limits]).min(initial=0.0)  # less by a crease
+            if gap <= CLOSES and max(others, -opened) > INDEPENDENT * sheet.crossings.size:
                 touches.append(touch)
     return Rows.at(sheet, phi, limits, _without_borders(features, touches))
 

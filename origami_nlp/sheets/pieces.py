@@ -166,7 +166,9 @@ def judge_pieces(
     place = {t: k for k, t in enumerate(touches)}
     gaps = Rows.at(sheet, phi, np.zeros(0, int), touches)
     lengths = np.maximum(np.linalg.norm(gaps.slopes @ z, axis=1), INDEPENDENT)
-    columns = [[place[t] for t in choice] for choice in choices]
+    # in an order that numbers of corners do not change: choices that are passed alike differ in the lengths of slopes
+    columns = [sorted((place[t] for t in c), key=lambda k: round(lengths[k], 9)) for c in choices]
+    columns.sort(key=lambda c: [round(lengths[k], 9) for k in c])
     out = Pieces()
     waiting: list[tuple[int, ...]] = [()]
     while waiting:
@@ -184,8 +186,9 @@ def judge_pieces(
         for way in piece.ways:
             opening = gaps.slopes @ way / (lengths * max(float(np.linalg.norm(way)), 1e-300))
             best = [math.inf if set(c) & {*chosen} else max(opening[c]) for c in columns]
-            worst = int(np.argmin(best)) if best else -1
-            if worst >= 0 and best[worst] < -INDEPENDENT:
+            least = min([*best, 0.0])
+            if least < -INDEPENDENT:  # alike to rounding: the first
+                worst = next(i for i, b in enumerate(best) if b < 0.999 * least)
                 passed = columns[worst] if passed is None else passed
                 continue
             along = [*chosen, *(c[int(opening[c].argmax())] for c in columns)]
