@@ -54,12 +54,23 @@ class _Group:
 
 @dataclass(frozen=True, eq=False)
 class _Turned:
-    """A group at a state: products q [K, 4], axes c [K, d, 3]; for holes translation t [K, 3], points o [K, d, 3]."""
+    """A group at a state: products q [K, 4]; for holes translation t [K, 3], points o [K, d, 3].
+
+    `before` are products up to each crease, `turned` those times its axis, [K, d, 4].
+    """
 
     q: np.ndarray
-    c: np.ndarray
-    t: np.ndarray | None
-    o: np.ndarray | None
+    before: np.ndarray
+    turned: np.ndarray
+    t: np.ndarray | None = None
+    o: np.ndarray | None = None
+
+    @cached_property
+    def c(self) -> np.ndarray:
+        """Axes where the turns before them have brought them, vec(q axis q*), [K, d, 3]; values do not need them."""
+        before, turned = self.before, self.turned
+        v = turned[..., 1:]
+        return before[..., :1] * v - turned[..., :1] * before[..., 1:] - cross(v, before[..., 1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +122,7 @@ class Closure:
                 row += rows
             for members in by_length.values():
                 self._groups.append(self._group(members, rows == 6))
-        self._last: tuple[np.ndarray, list[_Turned]] | None = None
+        self._last: tuple[bytes, list[_Turned]] | None = None
         self._size = float(np.abs(pattern.corners - pattern.corners.mean(axis=0)).max(initial=1.0))
 
     def _group(self, members: list[tuple[int, Loop]], hole: bool) -> _Group:
@@ -139,23 +150,21 @@ class Closure:
         for i in range(d):
             turned[:, i] = np.einsum("kab,kb->ka", g.products[:, i], q[:, i])
             q[:, i + 1] = cos[:, i] * q[:, i] + sin[:, i] * turned[:, i]
-        before, v = q[:, :-1], turned[..., 1:]
-        # the axis where the turns before it have brought it: vec(q axis q*)
-        c = before[..., :1] * v - turned[..., :1] * before[..., 1:] - cross(v, before[..., 1:])
+        before = q[:, :-1]
         if g.points is None:
-            return _Turned(q[:, -1], c, None, None)
+            return _Turned(q[:, -1], before, turned)
         near, far = _rotate(before, g.points), _rotate(q[:, 1:], g.points)
         t = np.zeros((count, d + 1, 3))
         np.cumsum(near - far, axis=1, out=t[:, 1:])
-        return _Turned(q[:, -1], c, t[:, -1], t[:, :-1] + near)
+        return _Turned(q[:, -1], before, turned, t[:, -1], t[:, :-1] + near)
 
     def turned(self, phi: np.ndarray) -> list[_Turned]:
         """Turn along every loop at a state [n]; what values and derivatives are made of."""
-        known = self._last
-        if known is None or not np.array_equal(known[0], phi):
+        key = phi.tobytes()
+        if self._last is None or self._last[0] != key:
             # values, derivatives and tests of one state ask for it in turn
-            known = self._last = phi.copy(), [self._turn(g, phi) for g in self._groups]
-        return known[1]
+            self._last = key, [self._turn(g, phi) for g in self._groups]
+        return self._last[1]
 
     def values(self, phi: np.ndarray, at: list[_Turned] | None = None) -> np.ndarray:
         """Evaluate closure at a state [n], shape [m]: vec q of each loop, and t over the size of the sheet."""

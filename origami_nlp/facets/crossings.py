@@ -47,6 +47,27 @@ class Crossings:
         low, high = np.minimum(p.left, p.right), np.maximum(p.left, p.right)
         return np.unique((low * p.facets + high)[whole[low] & whole[high]])
 
+    @cached_property
+    def hinges(self) -> np.ndarray:
+        """Edges at which two pieces hang together: both pieces, the crease or -1, and the places of the edge's ends.
+
+        Places are those of corners on the first piece, which is on the left of the edge, [K, 5].
+        """
+        pieces = self.pieces.tolist()
+        crease = {(int(a), int(b)): c for c, (a, b) in enumerate(self.pattern.ends)}
+        at = {
+            (a, b): (k, i)
+            for k, piece in enumerate(pieces)
+            for i, (a, b) in enumerate(zip(piece, piece[1:] + piece[:1], strict=True))
+            if a != b
+        }
+        found = [
+            (k, at[b, a][0], crease.get((a, b), -1), i, (i + 1) % len(pieces[k]))
+            for (a, b), (k, i) in at.items()
+            if a < b and (b, a) in at
+        ]
+        return np.array(found, int).reshape(-1, 5)
+
     def candidates(self, corners: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """Return pairs of pieces whose boxes overlap, of different facets that can cross, [K, 2]."""
         a, b = boxes_that_meet(corners.min(axis=1) - margin, corners.max(axis=1) + margin)

@@ -20,6 +20,12 @@ WEIGHT = 1e-10
 """Of closure multipliers in linear systems, beside squares of singular values of closure."""
 MOST_TIMES = 60
 """Iterations that take it back, each by WEIGHT / (WEIGHT + value^2): two as a rule, more beside a singular state."""
+SYMMETRIC: dict[str, Any] = {
+    "options": {"SymmetricMode": True},
+    "diag_pivot_thresh": 0.0,
+    "permc_spec": "MMD_AT_PLUS_A",
+}
+"""Elimination of definite matrices without exchange of rows: a fifth of the entries and of the time."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -80,8 +86,7 @@ class Normal:
             self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
         else:
             square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
-            self._solve = splu(square, options={"SymmetricMode": True}, diag_pivot_thresh=0.0,
-                               permc_spec="MMD_AT_PLUS_A").solve  # fmt: skip
+            self._solve = splu(square, **SYMMETRIC).solve
 
     def step(self, c: np.ndarray) -> np.ndarray:
         """Return the shortest d with J d = c, [n]."""

@@ -95,6 +95,8 @@ class Orders:
         from scipy.sparse.csgraph import connected_components
 
         left = [u for u, v in enumerate(self.values) if v < 0]
+        if not left:
+            return []
         links = []
         for unknowns, _ in self.rules:
             open_ones = [u for u in unknowns if self.values[u] < 0]

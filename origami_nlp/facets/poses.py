@@ -40,19 +40,18 @@ class Poses:
         depth = np.zeros(f, int)
         for facet in order[1:]:
             depth[facet] = depth[before[facet]] + 1
-        self._levels = []
+        self._levels: list[tuple[np.ndarray, np.ndarray, slice]] = []
+        across_all: list[tuple[int, float]] = []
         self._paths: dict[tuple[int, int], tuple[tuple[int, float], ...]] = {}
         for level in range(1, int(depth.max(initial=0)) + 1):
             here = order[depth[order] == level]
             steps = [across[int(before[k]), int(k)] for k in here]
-            self._levels.append(
-                (
-                    here,
-                    before[here],
-                    np.array([c for c, _ in steps], int),
-                    np.array([s for _, s in steps]),
-                )
-            )
+            first = len(across_all)
+            across_all += steps
+            self._levels.append((here, before[here], slice(first, len(across_all))))
+        self._crossed = np.array([c for c, _ in across_all], int)
+        self._senses = np.array([s for _, s in across_all])
+        self._last: tuple[bytes, tuple[np.ndarray, np.ndarray]] | None = None
 
     @cached_property
     def centres(self) -> np.ndarray:
@@ -65,18 +64,25 @@ class Poses:
         return total / many[:, None]
 
     def motions(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return rotations [F, 3, 3] and translations [F, 3] of the facets from the reference state."""
-        p = self.pattern
+        """Return rotations [F, 3, 3] and translations [F, 3] of the facets from the reference state, read only."""
+        key = phi.tobytes()
+        if self._last is None or self._last[0] != key:
+            # all that judges a state asks for them in turn
+            self._last = key, self._moved(phi)
+        return self._last[1]
+
+    def _moved(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        p, crossed = self.pattern, self._crossed
         turn, shift = np.zeros((p.facets, 3, 3)), np.zeros((p.facets, 3))
         turn[self.root] = np.eye(3)
-        delta = phi - p.reference
-        for here, parent, crease, sign in self._levels:
-            r = rotations(sign[:, None] * p.directions[crease], delta[crease])
-            o = p.corners[p.ends[crease, 0]]
-            # x -> R_parent (o + r (x - o)) + t_parent
-            turn[here] = turn[parent] @ r
-            inner = o - np.einsum("kij,kj->ki", r, o)
-            shift[here] = np.einsum("kij,kj->ki", turn[parent], inner) + shift[parent]
+        r = rotations(self._senses[:, None] * p.directions[crossed], (phi - p.reference)[crossed])
+        o = p.corners[p.ends[crossed, 0]]
+        # x -> R_parent (o + r (x - o)) + t_parent
+        inner = o - np.einsum("kij,kj->ki", r, o)
+        for here, parent, level in self._levels:
+            turn[here] = turn[parent] @ r[level]
+            shift[here] = np.einsum("kij,kj->ki", turn[parent], inner[level]) + shift[parent]
+        turn.flags.writeable = shift.flags.writeable = False
         return turn, shift
 
     def polygons(self, phi: np.ndarray) -> list[np.ndarray]:

@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 
 from origami_nlp.facets.closure import Closure, Matrix
 from origami_nlp.facets.crossings import Crossings
-from origami_nlp.facets.linear import Normal, dense
+from origami_nlp.facets.linear import SYMMETRIC, Normal, dense
 from origami_nlp.numerics import RANK, ROUNDED
 from origami_nlp.pattern import Pattern
 
@@ -59,7 +59,7 @@ class Sheet:
         self.closure = Closure(pattern)
         self.crossings = Crossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
-        self._last: tuple[np.ndarray, list[int], Normal] | None = None
+        self._last: tuple[bytes, list[int], Normal] | None = None
 
     @property
     def size(self) -> int:
@@ -176,11 +176,12 @@ class Sheet:
     def normal(self, phi: np.ndarray, held: Iterable[int] = ()) -> Normal:
         """Factorise J J' at a state, of the creases that are not held; the last factors are kept."""
         held = list(held)
-        if self._last is None or self._last[1] != held or not np.array_equal(self._last[0], phi):
+        key = phi.tobytes()
+        if self._last is None or self._last[1] != held or self._last[0] != key:
             j = self.closure.jacobian(phi)
             if held:
                 j = j[:, np.setdiff1d(np.arange(self.size), held)]
-            self._last = phi.copy(), held, Normal(j)
+            self._last = key, held, Normal(j)
         return self._last[2]
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
@@ -193,23 +194,21 @@ class Sheet:
         z[free] = vt[rank:].T
         return z
 
-    def rank(self, phi: np.ndarray) -> int:
-        """Rank of the Jacobian of closure, singular values below `RANK` being zero."""
+    def rank(self, phi: np.ndarray, below: float = RANK) -> int:
+        """Rank of the Jacobian of closure, singular values below a bound being zero.
+
+        Beyond `MOST_DENSE` creases the bound is 1e-6 at least: squares of smaller ones drown in rounding.
+        """
         j = self.closure.jacobian(phi)
         if not j.shape[0]:
             return 0
         if self.size <= MOST_DENSE:
-            return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
+            return int((np.linalg.svd(dense(j), compute_uv=False) > below).sum())
         # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
         square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
-        shifted = sparse.csc_array(square - SQUARED * sparse.eye_array(square.shape[0]))
-        lu = splu(
-            shifted,
-            options={"SymmetricMode": True},
-            diag_pivot_thresh=0.0,
-            permc_spec="MMD_AT_PLUS_A",
-        )
+        shift = max(SQUARED, below**2)
+        lu = splu(sparse.csc_array(square - shift * sparse.eye_array(square.shape[0])), **SYMMETRIC)
         if np.array_equal(lu.perm_r, lu.perm_c):
             return int((lu.U.diagonal() > 0).sum())
-        return int((np.linalg.svd(dense(j), compute_uv=False) > RANK).sum())
+        return int((np.linalg.svd(dense(j), compute_uv=False) > below).sum())

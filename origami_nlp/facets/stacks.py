@@ -172,22 +172,8 @@ class Stack:
     @cached_property
     def bends(self) -> Bends:
         """Edges at which pieces hang together."""
-        p, pieces = self.crossings.pattern, self.crossings.pieces.tolist()
-        crease = {(int(a), int(b)): c for c, (a, b) in enumerate(p.ends)}
-        at = {
-            (a, b): (k, i)
-            for k, piece in enumerate(pieces)
-            for i, (a, b) in enumerate(zip(piece, piece[1:] + piece[:1], strict=True))
-            if a != b
-        }
-        found = [
-            (k, at[b, a][0], crease.get((a, b), -1), self.x[k, i], self.x[k, (i + 1) % len(pieces[k])])
-            for (a, b), (k, i) in at.items()
-            if a < b and (b, a) in at
-        ]  # fmt: skip
-        left, right, number, start, end = zip(*found, strict=True) if found else ((),) * 5
-        ends = (np.reshape(e, (-1, 3)).astype(float) for e in (start, end))
-        return Bends(np.array(left, int), np.array(right, int), np.array(number, int), *ends)
+        left, right, crease, start, end = self.crossings.hinges.T
+        return Bends(left, right, crease, self.x[left, start], self.x[left, end])
 
     def known(self) -> Iterator[tuple[int, bool, int]]:
         """Go through what creases folded flat say: an unknown, its value, the crease."""

@@ -153,10 +153,13 @@ def _curve(axes: Any, path: LoadedPath, shown: list[int]) -> None:
             arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
             zorder=4,
         )  # fmt: skip
+    named: dict[tuple[float, float], list[str]] = {}
     for event in path.events:
         if event.id not in shown:
             continue
         at = float(_angles(path, event.fold_angles))
+        # the way back meets events where the way there did: their numbers stand beside each other
+        named.setdefault((float(f"{at:.6g}"), float(f"{event.t:.6g}")), []).append(str(event.id))
         face = "white" if event.type == "leaves" else "black"
         axes.plot(
             at,
@@ -167,7 +170,8 @@ def _curve(axes: Any, path: LoadedPath, shown: list[int]) -> None:
             mfc=face,
             zorder=5,
         )
-        axes.annotate(str(event.id), (at, event.t), (4, 4), textcoords="offset points", fontsize=8)
+    for place, numbers in named.items():
+        axes.annotate(", ".join(numbers), place, (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
     axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
     where = path.driver.coordinate.replace("[rad]", "[deg]")

@@ -15,4 +15,7 @@ def cross(a: Any, b: Any) -> np.ndarray:
         return np.array([q * w - r * v, r * u - p * w, p * v - q * u])
     p, q, r = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([q * w - r * v, r * u - p * w, p * v - q * u], axis=-1)
+    x = q * w - r * v
+    out = np.empty((*x.shape, 3))
+    out[..., 0], out[..., 1], out[..., 2] = x, r * u - p * w, p * v - q * u
+    return out

@@ -9,8 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
+from origami_nlp.facets import Sheet
 from origami_nlp.files import save_figure
 from origami_nlp.loading import PICTURE_WIDTH, load_height, place_load
+from origami_nlp.sheet_loading.loaded import LoadedSheet
+from origami_nlp.sheet_loading.packing import carried_at
 from origami_nlp.sheet_loading.result import SheetLoadPath
 from origami_nlp.sheets import draw_sheet
 
@@ -33,7 +36,8 @@ def draw_sheet_load(path: SheetLoadPath, target: str | os.PathLike[str] | None =
     Returns
     -------
     matplotlib.figure.Figure
-        Above as `loading.draw_load` has it; below the first sheets of the path.
+        Above as `loading.draw_load` has it; below the first sheets of the path, with rings where facets touch, full
+        where they push.
 
     Raises
     ------
@@ -47,27 +51,32 @@ def draw_sheet_load(path: SheetLoadPath, target: str | os.PathLike[str] | None =
     upper, lower = parts
     place_load(upper, path)
     shown = _shown(path)
-    for k, (title, phi) in enumerate(shown):
+    sheet = Sheet(path.pattern)
+    for k, (title, phi, t) in enumerate(shown):
         axes = lower.add_axes(((k + 0.02) / len(shown), 0.02, 0.96 / len(shown), 0.82))
-        draw_sheet(axes, path.pattern, np.array(phi))
+        state = np.array(phi)
+        contacts = carried_at(LoadedSheet(sheet, path.driver, t), state)
+        draw_sheet(axes, path.pattern, state, contacts=contacts)
         axes.set_title(title, fontsize=9)
     if target is not None:
         save_figure(figure, target)
     return figure
 
 
-def _shown(path: SheetLoadPath) -> list[tuple[str, tuple[float, ...]]]:
-    """Return titles and fold angles of the start, both sides of snaps, and the ends of legs that do not snap."""
+def _shown(path: SheetLoadPath) -> list[tuple[str, tuple[float, ...], float]]:
+    """Return titles, fold angles and loads of the start, both sides of snaps, and the ends of legs that do not snap."""
     unit = path.driver.unit
     states = [
-        (f"at {p.t:.4g} {unit}", p.fold_angles) for leg in path.legs[:1] for p in leg.points[:1]
+        (f"at {p.t:.4g} {unit}", p.fold_angles, p.t)
+        for leg in path.legs[:1]
+        for p in leg.points[:1]
     ]
     for number, leg in enumerate(path.legs, start=1):
         if leg.snap is None:
             last = leg.points[-1]
-            states.append((f"end of leg {number}, {last.t:.4g} {unit}", last.fold_angles))
+            states.append((f"end of leg {number}, {last.t:.4g} {unit}", last.fold_angles, last.t))
             continue
         snap = path.snaps[leg.snap - 1]
-        states.append((f"before snap {leg.snap}, {snap.t:.4g} {unit}", snap.before))
-        states.append((f"after snap {leg.snap}", snap.after))
+        states.append((f"before snap {leg.snap}, {snap.t:.4g} {unit}", snap.before, snap.t))
+        states.append((f"after snap {leg.snap}", snap.after, snap.t))
     return states[:MOST_DRAWN]

@@ -17,14 +17,14 @@ from origami_nlp.atlas import (
     PathPoint,
     Residuals,
 )
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.numerics import SETTLED
 from origami_nlp.sheet_loading.branch import STABLE, Branch
 from origami_nlp.sheet_loading.curve import LoadedState
 from origami_nlp.sheet_loading.events import Found
 from origami_nlp.sheet_loading.held import touches_of, words
 from origami_nlp.sheet_loading.work import Work
-from origami_nlp.sheets import balance, closed_contacts, judge, told_contacts
+from origami_nlp.sheets import SheetContact, balance, closed_contacts, judge, told_contacts
 
 ENDS = ("range", STABLE)
 """Ends of a branch that are no events."""
@@ -160,10 +160,17 @@ def _carried(state: LoadedState) -> tuple[Multiplier, ...]:
         moments = (state.system.forces * sheet.scale).tolist()
         both = zip(state.held, moments, strict=True)
         return tuple(Multiplier(words((c,)), f, (f, f)) for c, f in both)
-    rows = closed_contacts(sheet, phi)
-    contacts = told_contacts(sheet, rows, balance(sheet, phi, rows, sheet.kernel(phi)))
+    rows, contacts = closed_contacts(sheet, phi), carried_at(sheet, phi)
     closed = (*rows.limits.tolist(), *rows.touches)
     return tuple(
         Multiplier(words((c,)), told.force, told.between or (told.force, told.force))
         for c, told in zip(closed, contacts, strict=True)
     )
+
+
+def carried_at(sheet: Sheet, phi: np.ndarray) -> tuple[SheetContact, ...]:
+    """Return the closed contacts of an equilibrium [n] and what they carry; none of sheets too large for a kernel."""
+    if sheet.size > MOST_DENSE:
+        return ()
+    rows = closed_contacts(sheet, phi)
+    return told_contacts(sheet, rows, balance(sheet, phi, rows, sheet.kernel(phi)))

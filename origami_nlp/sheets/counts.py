@@ -40,7 +40,7 @@ NEIGHBOURS = 6
 BESIDE = 0.1
 """How far from it they start [rad]."""
 MOST_VALUES = 1_000
-"""Creases up to which ranks are counted by singular values; by eigenvalues of J'J beyond."""
+"""Creases up to which states beside a folded one are looked at."""
 MODELLED = (
     "modelled: rigid facets without thickness, springs at creases, every loop closed; a state is judged, not the way "
     "to it"
@@ -316,16 +316,7 @@ def jacobian_rank(sheet: Sheet, phi: np.ndarray, below: float = RANK) -> int:
     int
         The rank.
     """
-    j = sheet.closure.jacobian(phi)
-    if not all(j.shape):
-        return 0
-    if j.shape[1] <= MOST_VALUES:
-        dense = j if isinstance(j, np.ndarray) else j.toarray()
-        return int((np.linalg.svd(dense, compute_uv=False) > below).sum())
-    squared = j.T @ j
-    dense = squared if isinstance(squared, np.ndarray) else squared.toarray()
-    # squares of values below `below` drown in rounding: at 1,000 facets the smallest others are 1e-2
-    return int((np.linalg.eigvalsh(dense) > max(below, 1e-6) ** 2).sum())
+    return sheet.rank(phi, below)
 
 
 def _folded(sheet: Sheet, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:

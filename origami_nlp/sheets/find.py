@@ -224,13 +224,17 @@ class _Search:
         self.add(judge(self.sheet, np.zeros(pattern.creases), self.contact))
         flat = list_branches(pattern)
         if flat.reason:
-            tally.reasons.append(f"ways out of the flat state: not enumerated, {flat.reason}")
+            tally.reasons.append(
+                f"ways out of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
+            )
             return
         tally.lines, tally.families = len(flat.lines), len(flat.families)
         folded = list_flat_folded(pattern, self.contact)
         states = folded.states
         if folded.reason:
-            tally.reasons.append(f"flat-folded states: not enumerated, {folded.reason}")
+            tally.reasons.append(
+                f"flat-folded states: not enumerated, {folded.reason}; of them the ways out of the flat one alone"
+            )
             states = np.zeros((1, pattern.creases))
         tally.flat_folded = len(states)
         order = sorted(

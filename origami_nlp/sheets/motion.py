@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, order_layers
 from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.counts import Overview, overview
@@ -56,6 +56,8 @@ class Motion(Told):
         Why it ends: a crease at its fold limit, two facets that touch, or where the walk was lost.
     touching
         The facets that touch at its end (from 0), or None.
+    layers
+        Where it ends folded flat: whether its layers can be ordered, in words; else empty.
 
     Examples
     --------
@@ -74,6 +76,7 @@ class Motion(Told):
     energy: np.ndarray
     end: str
     touching: tuple[int, int] | None
+    layers: str = ""
 
     def told(self) -> Iterator[Piece]:
         """Return a table of some of its states, and how it ends."""
@@ -97,9 +100,14 @@ class Motion(Told):
             else f"{self.freedoms} freedoms: one of many motions, as straight as closure lets it go"
         )
         yield many
-        last = np.abs(self.phi[-1])
-        if (np.minimum(last, math.pi - last) <= BESIDE).all():
-            yield "folded flat there: whether its layers can be ordered is not asked"
+        if self.touching is not None:
+            yield (
+                "one freedom and a touch: nothing moves on this way"
+                if self.freedoms == 1
+                else "past the touch facets may slide along each other: that is not followed"
+            )
+        if self.layers:
+            yield f"folded flat there: {self.layers}"
 
     def shown(self, most: int) -> list[int]:
         """Return numbers of at most so many states, evenly along the motion, with both ends.
@@ -132,6 +140,7 @@ class Motion(Told):
             "energy": self.energy.tolist(),
             "end": self.end,
             "touching": None if self.touching is None else [f + 1 for f in self.touching],
+            "layers": self.layers,
         }
 
     @classmethod
@@ -146,6 +155,7 @@ class Motion(Told):
             energy,
             str(data["end"]),
             None if a is None else (int(a[0]) - 1, int(a[1]) - 1),
+            str(data.get("layers", "")),
         )
 
     def _rows(self) -> Iterable[dict[str, object]]:
@@ -213,7 +223,19 @@ def find_motion(
         np.asarray(pattern.energy(phi)),
         end,
         touching,
+        _layers(sheet, phi[-1]),
     )
+
+
+def _layers(sheet: Sheet, phi: np.ndarray) -> str:
+    """Say whether the layers of a state that is folded flat can be ordered; empty where it is not."""
+    if (np.minimum(np.abs(phi), math.pi - np.abs(phi)) > BESIDE).any():
+        return ""
+    flat, residual = sheet.project(np.where(np.abs(phi) < BESIDE, 0.0, np.copysign(math.pi, phi)))
+    if residual > CLOSES or np.abs(flat - phi).max() > 2 * BESIDE:
+        return "whether its layers can be ordered is not known: no flat-folded state was found beside it"
+    found = order_layers(sheet, flat)
+    return "its layers can be ordered" if found.verdict == "ordered" else found.reason
 
 
 def _shut(sheet: Sheet, phi: np.ndarray) -> np.ndarray:

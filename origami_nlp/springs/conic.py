@@ -211,13 +211,14 @@ class Programme:
             ends = np.cumsum([len(r.b) for r in rows])
             parts |= zip(map(id, rows), np.split(equal, ends[:-1]), strict=True)
         duals = tuple(parts[id(r)] for r in self.rows)
-        left = float(np.abs(aim + self._pull(duals)).max())
+        left = float(np.abs(aim + self.pull(duals)).max())
         work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
         if status == "PrimalInfeasible":
             left /= max(abs(work), 1e-300)
         return Answer(status, v, duals, work, left, iterations)
 
-    def _pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:
+    def pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:
+        """Return sum A' y over all rows, [V]."""
         return sum(
             (self.matrix(r).T @ y for r, y in zip(self.rows, duals, strict=True)),
             np.zeros(self.size),

@@ -23,12 +23,10 @@ from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_r
 from origami_nlp.springs.targets import Targets
 
 MOVED = 1e-3
-"""Largest change that closes equations and active bounds, over the mean stiffness: more is another design."""
-TINY = 1e-9
-"""Least stiffness over the mean that is scaled by; what is less comes of conditions that all but depend on each other,
-and the check of the scene says so."""
-PROVED = 1e-6
-"""Residual of a dual, relative, up to which it counts: see `Answer.residual`."""
+"""Largest change that closes equations and active bounds, over the mean stiffness: `DESIGN_ACTIVE` times the worst
+condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
+ROOM = 2.0
+"""Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
 LEAST_MARGIN = 0.01
 """Of a design that makes barriers largest: at 0 its wells would be none."""
 LARGEST_MARGIN = 10.0
@@ -55,6 +53,8 @@ class Posed:
         Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
     elastic
         Let states be out of balance at this price, for a search for better ones.
+    calm
+        Price, over the margin, of the torque that springs which are off throw out of balance (see `_calm`).
     """
 
     def __init__(
@@ -65,6 +65,7 @@ class Posed:
         heights: Sequence[np.ndarray] = (),
         elastic: float = 0.0,
         loose: bool = False,
+        calm: float = 0.0,
     ) -> None:
         self.targets, self.touching, self.loose = targets, touching, loose
         self.every_refuted = False
@@ -85,6 +86,8 @@ class Posed:
             self._lift(heights)
         if elastic:
             self._soften(elastic)
+        if calm:
+            self._calm(calm)
 
     def _lift(self, heights: Sequence[np.ndarray]) -> None:
         """Make the smallest height the aim."""
@@ -99,6 +102,39 @@ class Posed:
         p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
         self.aim = np.zeros(p.size)
         self.aim[least] = 1.0
+
+    def _calm(self, price: float) -> None:
+        """Pay for the largest torque that springs which are off leave out of balance in a state, over its share.
+
+        Where each stiffness k and rest angle r is off by a share s, the torque k (x - r) of a crease changes by at most
+        s (|k (x - r)| + |k r|), and what is felt along closed motions by that times the row of the crease in `kernel`.
+        """
+        p, v = self.programme, self.places
+        most = p.more(1).start
+
+        def size_of(rows: np.ndarray) -> slice:
+            where = p.more(len(rows))
+            for sign in (1.0, -1.0):
+                a = np.zeros((len(rows), p.size))
+                a[:, : rows.shape[1]] = sign * rows
+                a[np.arange(len(rows)), np.arange(where.start, where.stop)] = 1.0
+                p.add(POSITIVE, a, np.zeros(len(rows)), "sizes of torques")
+            return where
+
+        for i, balance, _ in self.balances:
+            kind, x = balance.kind, balance.stratum.state.x
+            weight = np.linalg.norm(balance.kernel, axis=1) * balance.root
+            torque = np.zeros((len(x), v.size))
+            torque[np.arange(len(x)), v.torque.start + kind] = -1.0
+            wound = size_of(torque)
+            torque[np.arange(len(x)), v.stiffness.start + kind] = x
+            now = size_of(torque)
+            row = np.zeros(p.size)
+            row[most] = self.targets.states[i].margin
+            row[now], row[wound] = -weight, -weight
+            p.add(POSITIVE, row, 0.0, "torque out of balance")
+        self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
+        self.aim[most] = -price
 
     def _soften(self, price: float) -> None:
         """Replace the balance of states by a price on what is left."""
@@ -244,8 +280,37 @@ class Posed:
         if not all(balance.regular for _, balance, _ in self.balances):
             return False
         a = self.answer
-        proved = a.infeasible or (a.solved and self.margin <= DESIGN_MARGIN)
-        return proved and a.residual <= PROVED
+        if not a.infeasible and not a.solved:
+            return False
+        # for every point 0 <= y . (A v + b): t <= y . b + (c + A' y) . v, where c = 0 if there is to be no point
+        aim = np.zeros_like(self.aim) if a.infeasible else self.aim
+        left = float(np.abs(aim + self.programme.pull(a.duals)) @ self.reach)
+        return bool(a.bound + left < 0.0 if a.infeasible else a.bound + left <= DESIGN_MARGIN)
+
+    @property
+    def reach(self) -> np.ndarray:
+        """How large each unknown can be where the margin is from 0 to its cap and all states are regular, [V]."""
+        t, places = self.targets, self.places
+        n, softest = float(self.count.sum()), t.stiffness[0]
+        wound = max(map(abs, t.rest)) * n
+        if not isinstance(t.preload, bool):
+            wound += t.preload * n / softest
+        out = np.full(self.programme.size, 2.0 * max(t.highest.values(), default=0.0) * n / softest)
+        out[places.stiffness] = n
+        out[places.torque] = wound
+        out[places.scale] = n / softest
+        out[places.margin] = LARGEST_MARGIN
+        for _, balance, where in self.balances:
+            torque = (np.abs(balance.stratum.state.x).max() * n + wound) * math.sqrt(n)
+            if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
+                lam = np.linalg.norm(balance.to_closure, 2) * torque
+                bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
+                values = balance.lost_modes[0]
+                out[where] = ROOM * bent / min(values[-1], -values[0])
+            elif balance.free:
+                along = balance.stratum.slopes @ balance.kernel
+                out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
+        return out
 
 
 def standing(targets: Targets, i: int) -> State:
@@ -340,7 +405,10 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
     if absolute:
         return float(v[posed.places.scale])
-    k, (low, high) = np.maximum(v[posed.places.stiffness], TINY), t.stiffness
+    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    k = np.maximum(
+        k, k.max() * low / high
+    )  # (which the bounds say, and a solver may leave by its accuracy)
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 

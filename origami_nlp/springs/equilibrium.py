@@ -120,8 +120,14 @@ class Balance:
     @property
     def lost_curvature(self) -> np.ndarray:
         """Eigenvalues of the curvature of the one equation that is lost, along the kernel of J, ascending."""
+        return self.lost_modes[0]
+
+    @property
+    def lost_modes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Those eigenvalues, and their directions in the basis `kernel`, in columns."""
         c = np.tensordot(self.lost[:, 0], self.curvatures[: len(self.lost)], 1)
-        return np.linalg.eigvalsh(self.kernel.T @ c @ self.kernel)
+        values, vectors = np.linalg.eigh(self.kernel.T @ c @ self.kernel)
+        return values, vectors
 
     @property
     def free(self) -> int:

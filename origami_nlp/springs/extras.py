@@ -9,19 +9,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, SETTLED
-from origami_nlp.springs.conic import POSITIVE, Rows
-from origami_nlp.springs.equilibrium import Springs, energy_row, slope_row
+from origami_nlp.numerics import CLOSES, RANK, SETTLED
+from origami_nlp.programme import Model
+from origami_nlp.springs.conic import EQUAL, POSITIVE, Rows
+from origami_nlp.springs.equilibrium import Balance, Springs, energy_row, slope_row
 from origami_nlp.springs.targets import Targets
-from origami_nlp.springs.ways import curve_of
+from origami_nlp.springs.ways import curve_of, outward
 
 FALLS = 0.1
-"""Slope that a cut asks for, over the margin."""
+"""Slope that a cut asks for, over the margin and the way that is left (at most 1 rad): a tenth of the slope in a well
+of that stiffness, which therefore fulfils it down to its bottom."""
 STEPS, FEW = 60, (9, 6)
 """Numbers of steps from a minimum that shall lead down: to a wanted state, or a few, fewer where that is too much."""
 FIRST, GROWTH, STEP = 0.003, 1.8, 0.1
 """Length of the first step [rad], of each further one over the last, and of the longest: a minimum may stand in a
 narrow basin, which longer steps would lead over."""
+SHORT = 1e-3
+"""Steps that are shorter [rad] say nothing of a fall: they are rounding of the one before."""
+WORDS = "a minimum that nobody asked for is none"
 NEAR = 0.05
 """A curve passes a state where a sample comes this near [rad]."""
 
@@ -49,15 +54,14 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
     kind = np.rint(model.reduce(targets.kinds.astype(float))).astype(int)
     x = model.reduce(unwanted)
     wanted = [p.state.x for p in targets.placed]
-    words = "a minimum that nobody asked for is none"
     if model.freedom == 1 and (curve := curve_of(model, x)) is not None:
         out: list[tuple[Rows, ...]] = []
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))
         for side, why in ends:
-            rows = _falling(targets, side, why, wanted, kind, places)
-            if rows is not None:
-                out.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+            falls = _falling(targets, side, why, wanted, kind, places)
+            if falls is not None:
+                out.append(falls)
         return [out]
     whole: list[tuple[Rows, ...]] = []
     few: list[list[tuple[Rows, ...]]] = [[] for _ in FEW]
@@ -67,10 +71,10 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
         lengths = np.linalg.norm(model.root * np.diff(walk, axis=0), axis=1)
         rows[:, places.margin] -= FALLS * lengths
         if arrives:
-            whole.append((Rows(POSITIVE, rows, np.zeros(len(rows)), words),))
+            whole.append((Rows(POSITIVE, rows, np.zeros(len(rows)), WORDS),))
         for some, count in zip(few, FEW, strict=True):
             part = rows[:count]
-            some.append((Rows(POSITIVE, part, np.zeros(len(part)), words),))
+            some.append((Rows(POSITIVE, part, np.zeros(len(part)), WORDS),))
     return [whole, *few]
 
 
@@ -81,31 +85,106 @@ def _falling(
     wanted: list[np.ndarray],
     kind: np.ndarray,
     places: Springs,
-) -> np.ndarray | None:
-    """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead."""
+) -> tuple[Rows, ...] | None:
+    """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead.
+
+    It falls in proportion to the way that is left: wells and level crossings are level at their bottom.
+    """
     model = targets.model
+    goal, last, corner = side[-1], len(side) - 1, None
+    for k, b in enumerate(side[1:], start=1):
+        near = min(wanted, key=lambda w: float(np.abs(b - w).max()))
+        if np.abs(b - near).max() <= NEAR:
+            goal, last = near, k - 1
+            break
+        other = math.pi * np.round(b / math.pi)
+        if np.abs(b - other).max() <= NEAR and not State(model, other).regular:
+            goal, last, corner = other, k, other  # curves cross there
+            break
+    else:
+        if not why.startswith("singular"):
+            return None
     rows: list[np.ndarray] = []
-    for a, b in itertools.pairwise(side):
-        step = b - a
-        length = float(np.linalg.norm(model.root * step))
-        if length < 1e-6:
-            continue
-        left = min(float(np.abs(b - w).max()) for w in wanted)
-        row = energy_row(model, a, kind, places) - energy_row(model, b, kind, places)
-        row[places.margin] -= FALLS * min(1.0, left) * length
-        if left <= NEAR:
-            return np.array(rows) if rows else None
-        rows.append(row)
-        corner = math.pi * np.round(b / math.pi)
-        if np.abs(b - corner).max() <= NEAR and not State(model, corner).regular:
-            # curves cross there: down to it, and up from it along this one
-            back = b - corner
-            back = back if np.abs(back).max() > SETTLED else a - corner
-            back = back / float(np.linalg.norm(model.root * back))
-            slope = slope_row(model, corner, back, kind, places)
-            slope[places.margin] -= FALLS
-            return np.array([*rows, slope])
-    return np.array(rows) if rows and why.startswith("singular") else None
+    for a, b in itertools.pairwise(side[: last + 1]):
+        length = float(np.linalg.norm(model.root * (b - a)))
+        if length >= SHORT:
+            row = energy_row(model, a, kind, places) - energy_row(model, b, kind, places)
+            row[places.margin] -= FALLS * min(1.0, float(np.abs(b - goal).max())) * length
+            rows.append(row)
+    out = [Rows(POSITIVE, np.array(rows), np.zeros(len(rows)), WORDS)] if rows else []
+    if corner is not None:
+        back = side[last] if np.abs(side[last] - corner).max() > SETTLED else side[last - 1]
+        out += _across(targets, corner, back - corner, wanted, kind, places)
+    return tuple(out) or None
+
+
+def _across(
+    targets: Targets,
+    corner: np.ndarray,
+    back: np.ndarray,
+    wanted: list[np.ndarray],
+    kind: np.ndarray,
+    places: Springs,
+) -> list[Rows]:
+    """Rows at a state where two curves cross, for energy that is to fall to it along one arm, `back` from it.
+
+    Where a wanted state lies on the other arm of the same curve, the energy falls on.  Where one lies on the other
+    curve it falls along that one and is level along this one: a slope towards one arm leaves a minimum in it,
+    and none rises towards both.
+    """
+    model = targets.model
+    step = back / float(np.linalg.norm(model.root * back))
+    tangents = _crossing(model, corner, kind)
+    along = [abs(float(np.sum(model.root**2 * v * step))) for v in tangents]
+    ahead: list[float] = []
+    if tangents:
+        own = int(np.argmax(along))
+        step = (
+            math.copysign(1.0, float(np.sum(model.root**2 * tangents[own] * step))) * tangents[own]
+        )
+        other = tangents[1 - own]
+        for w in wanted:
+            for arm in outward(curve_of(model, w), w):
+                way = arm[-1] - corner if len(arm) > 1 else np.zeros_like(corner)
+                size = float(np.linalg.norm(model.root * way))
+                if not SETTLED < size <= 2 * NEAR * math.sqrt(len(way)):
+                    way, size = (
+                        arm[-2] - corner,
+                        float(np.linalg.norm(model.root * (arm[-2] - corner))),
+                    )
+                if not SETTLED < size <= 4 * NEAR * math.sqrt(len(way)):
+                    continue
+                cosines = [float(np.sum(model.root**2 * v * way)) / size for v in (step, other)]
+                if abs(cosines[1]) > abs(cosines[0]):
+                    ahead.append(math.copysign(1.0, cosines[1]))
+                elif cosines[0] < 0:
+                    ahead.append(0.0)
+    slope = slope_row(model, corner, step, kind, places)
+    if not ahead or 0.0 in ahead:
+        slope[places.margin] -= FALLS
+        return [Rows(POSITIVE, slope[None], np.zeros(1), WORDS)]
+    out = [Rows(EQUAL, slope[None], np.zeros(1), f"{WORDS}: level across")]
+    if len(set(ahead)) == 1:
+        fall = -ahead[0] * slope_row(model, corner, other, kind, places)
+        fall[places.margin] -= FALLS
+        out.append(Rows(POSITIVE, fall[None], np.zeros(1), WORDS))
+    return out
+
+
+def _crossing(model: Model, corner: np.ndarray, kind: np.ndarray) -> list[np.ndarray]:
+    """Return unit tangents [n] of the two curves that cross at a singular state; none where it is not like that.
+
+    One equation is lost; along the kernel of the others its curvature C is indefinite: v C v = 0 on two lines.
+    """
+    at = Balance(State(model, corner).on(()), kind)
+    if at.lost.shape[1] != 1 or at.kernel.shape[1] != 2:
+        return []
+    values, vectors = at.lost_modes
+    if not values[0] < -RANK or not values[1] > RANK:
+        return []
+    first, second = math.sqrt(values[1]) * vectors[:, 0], math.sqrt(-values[0]) * vectors[:, 1]
+    ways = [at.kernel @ (first + s * second) for s in (1.0, -1.0)]
+    return [v / float(np.linalg.norm(v)) / model.root for v in ways]
 
 
 def _downhill(

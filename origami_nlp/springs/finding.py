@@ -12,6 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import find_minima
+from origami_nlp.numerics import DESIGN_SNAP
 from origami_nlp.programme import Model
 from origami_nlp.springs.checking import check
 from origami_nlp.springs.conic import Rows
@@ -20,7 +21,7 @@ from origami_nlp.springs.extras import cuts
 from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.reasons import why_not
 from origami_nlp.springs.result import Design
-from origami_nlp.springs.robustness import Tolerance, line_of, lost_at, tolerance_of
+from origami_nlp.springs.robustness import MOST, Tolerance, line_of, lost_at, tolerance_of
 from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.targets_file import Ask
 from origami_nlp.springs.ways import Passes
@@ -28,10 +29,13 @@ from origami_nlp.springs.ways import Passes
 Progress = Callable[[str], None]
 TOPS = 6
 """Rounds in which tops between samples become samples."""
+PRICES = (0.03, 0.1, 0.3, 1.0, 3.0)
+"""Of torque that springs which are off throw out of balance, over the margin: half decades around 1."""
 SHARES = (0.5, 2.0)
 """Factors by which the share of the margin of one state is changed where the tolerance is made largest."""
 IMPROVEMENTS = 2
 """Rounds over the states then."""
+MOST_PERCENT = 100.0 * MOST
 
 
 def design(
@@ -88,6 +92,7 @@ def design(
         raise OptionError(f"ask = {shown(ask)} must be an Ask")
     check_whole("seed", seed, 0)
     check_callback("progress", progress)
+    _differ(targets)
     if ask.maximise == "barrier" and not targets.barriers:
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
@@ -108,6 +113,15 @@ def design(
     return best
 
 
+def _differ(targets: Targets) -> None:
+    """Complain where two targets close to one state."""
+    for a, b in itertools.combinations(targets.placed, 2):
+        if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
+            raise OptionError(
+                f"states {a.target.name!r} and {b.target.name!r} are one and the same: leave one out"
+            )
+
+
 class _Work:
     """A question on its way."""
 
@@ -120,19 +134,19 @@ class _Work:
         one = bool(targets.barriers) and targets.model.freedom == 1
         self.passes = Passes(targets) if one else None
 
-    def solved(self, targets: Targets, more: tuple[Rows, ...] = ()) -> Posed:
+    def solved(self, targets: Targets, more: tuple[Rows, ...] = (), calm: float = 0.0) -> Posed:
         """Solve, with the best choice of passes where barriers are asked for."""
         more = (*self.more, *more)
         if self.passes is None:
-            return solve(targets, more)
-        best = self._best(targets, more)
+            return solve(targets, more, calm=calm)
+        best = self._best(targets, more, calm)
         for _ in range(TOPS):
             if not best.feasible or not self.passes.see(Model(scene_of(targets, springs_of(best)))):
                 break
-            best = self._best(targets, more)
+            best = self._best(targets, more, calm)
         return best
 
-    def _best(self, targets: Targets, more: tuple[Rows, ...]) -> Posed:
+    def _best(self, targets: Targets, more: tuple[Rows, ...], calm: float) -> Posed:
         """Return the best of all choices of passes."""
         assert self.passes is not None
         lift = self.ask.maximise == "barrier"
@@ -140,7 +154,7 @@ class _Work:
         best: Posed | None = None
         for choice in choices:
             rows, heights = self.passes.rows(choice)
-            posed = solve(targets, (*more, *rows), heights if lift else ())
+            posed = solve(targets, (*more, *rows), heights if lift else (), calm)
             if best is None or _value(posed) > _value(best):
                 best = posed
         assert best is not None
@@ -189,26 +203,39 @@ class _Work:
         return posed
 
     def most_tolerant(self, best: Design) -> Design:
-        """Change how the margin is shared among the states as long as the tolerance grows; check the last."""
-        shares = np.ones(len(self.targets.states))
-        if len(shares) < 2 or not best.verified or best.tolerance is None:
+        """Look for springs of larger tolerance among others that hold the states; check the last.
+
+        First those that are stiff and little out of balance where they are off (`Posed.calm`), at several prices; then
+        the margin is shared otherwise among the states, as long as the tolerance grows.
+        """
+        if not best.verified or best.tolerance is None or best.tolerance.percent >= MOST_PERCENT:
             return best
         self.say("springs of larger tolerance")
-        first, tolerance, posed = best, best.tolerance, None
-        for _ in range(IMPROVEMENTS):
+        tolerance, posed, calm = best.tolerance, None, 0.0
+        shares = np.ones(len(self.targets.states))
+
+        def better(price: float, tried: np.ndarray) -> bool:
+            nonlocal tolerance, posed, calm, shares
+            if tolerance.percent >= MOST_PERCENT:
+                return False
+            other = self.solved(self._shared(tried), calm=price)
+            found = self._tolerance(other, tolerance) if other.feasible else None
+            if found is None or found.percent <= tolerance.percent:
+                return False
+            tolerance, posed, calm, shares = found, other, price, tried
+            return True
+
+        for price in PRICES:
+            better(price, shares)
+        for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):
             for i, factor in itertools.product(range(len(shares)), SHARES):
                 tried = shares.copy()
                 tried[i] *= factor
-                other = self.solved(self._shared(tried))
-                if not other.feasible:
-                    continue
-                found = self._tolerance(other, tolerance)
-                if found is not None and found.percent > tolerance.percent:
-                    tolerance, posed, shares = found, other, tried
+                better(calm, tried)
         if posed is None:
-            return first
-        better = self.made(posed)
-        return better if _tolerance(better) > _tolerance(first) else first
+            return best
+        made = replace(self.made(posed), margin=posed.margin * float(shares.min()))
+        return made if _tolerance(made) > _tolerance(best) else best
 
     def _shared(self, shares: np.ndarray) -> Targets:
         states = tuple(

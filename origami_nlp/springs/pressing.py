@@ -16,7 +16,12 @@ MOST_CHOICES = 64
 """Choices of contacts that touch."""
 
 
-def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndarray] = ()) -> Posed:
+def solve(
+    targets: Targets,
+    more: Sequence[Rows] = (),
+    heights: Sequence[np.ndarray] = (),
+    calm: float = 0.0,
+) -> Posed:
     """Pose and solve a question, with contacts pressed, or else touching.
 
     A contact that can carry no moment is no hindrance where the state holds still without it.  Each choice of
@@ -30,7 +35,7 @@ def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndar
     ----------
     targets
         The question.
-    more, heights
+    more, heights, calm
         See `Posed`.
 
     Returns
@@ -38,7 +43,7 @@ def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndar
     Posed
         Solved; where not feasible that of the refutation, or of largest margin.
     """
-    posed = Posed(targets, frozenset(), more, heights)
+    posed = Posed(targets, frozenset(), more, heights, calm=calm)
     contacts = [
         sorted({c for p in standing(targets, i).pieces for c in p})
         for i in range(len(targets.placed))
@@ -53,7 +58,7 @@ def solve(targets: Targets, more: Sequence[Rows] = (), heights: Sequence[np.ndar
     best, tried = posed, 1
     refuted = posed.refuted and all(len(c) <= 1 for c in contacts)
     for touching in itertools.islice(_choices(contacts), MOST_CHOICES):
-        posed, tried = Posed(targets, touching, more, heights), tried + 1
+        posed, tried = Posed(targets, touching, more, heights, calm=calm), tried + 1
         if posed.feasible:
             return posed
         refuted = refuted and posed.refuted

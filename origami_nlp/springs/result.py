@@ -7,11 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from origami_nlp.minima import MinimaResult
+from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, Words, to_plain
 from origami_nlp.springs.reasons import Reason
-from origami_nlp.springs.robustness import Tolerance
+from origami_nlp.springs.robustness import MOVES, Tolerance
 from origami_nlp.springs.targets import Targets
 
 SCHEMA = "origami-nlp/design/1"
@@ -87,7 +90,8 @@ class Design(Told):
         The question.
     margin
         Smallest stiffness along a free motion of a state, and smallest moment of a pressed contact [per rad], both over
-        the mean stiffness; the largest that any springs have.  At most 0, or -inf, where there are none.
+        the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
+        0, or -inf, where there are none.
     scene
         With the springs; None where there are none.
     states
@@ -150,6 +154,31 @@ class Design(Told):
         """Whether the main job found and certified every state."""
         return self.feasible and not self.failed
 
+    @property
+    def images(self) -> tuple[str, ...]:
+        """Of which state each extra minimum is an image, under a symmetry that geometry and springs happen to share.
+
+        Images are states of their own, of equal energy.  "" where it is none of a state asked for, or of an earlier
+        extra minimum (``"minimum 1"`` is the first of these).
+        """
+        if self.minima is None:
+            return ("",) * len(self.extra_minima)
+        model = self.minima.model
+        known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
+        out = []
+        for i, (_, _, angles) in enumerate(self.extra_minima, start=1):
+            phi = np.array(angles)
+            x = model.reduce(phi)
+            same = (
+                name
+                for name, other in known
+                for order, sign in model.own_symmetries[1:]
+                if np.abs(sign * model.reduce(other)[order] - x).max() <= SAME
+            )
+            out.append(next(same, ""))
+            known.append((f"minimum {i}", phi))
+        return tuple(out)
+
     def told(self) -> Iterator[Piece]:
         """Say what was designed and what the check found."""
         if self.scene is None:
@@ -178,9 +207,10 @@ class Design(Told):
             yield Words(f"not verified: {words}")
         if self.extra_minima:
             yield Words(f"{len(self.extra_minima)} minima that were not asked for:")
-            for energy, kind, phi in self.extra_minima:
+            for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
                 angles = "  ".join(f"{math.degrees(a):.3f}" for a in phi)
-                yield Words(f"  {energy:.6g} J  {kind}: {angles} deg")
+                same = f" (image of {whose} under a symmetry of the scene)" if whose else ""
+                yield Words(f"  {energy:.6g} J  {kind}: {angles} deg{same}")
         else:
             yield Words("no other minimum was found")
         if self.minima is not None and self.minima.completeness is not None:
@@ -189,11 +219,10 @@ class Design(Told):
     @staticmethod
     def _tolerance(found: Tolerance) -> Iterator[Piece]:
         for loss in found.losses:
-            how = (
-                "kept that far"
-                if loss.event == "kept"
-                else f"along the worst direction found, then: {loss.event}"
-            )
+            how = {
+                "kept": "kept that far",
+                MOVES: "along the worst direction found it moves there: it is singular, and not followed",
+            }.get(loss.event, f"along the worst direction found, then: {loss.event}")
             yield Words(
                 f"{loss.state} stands until every stiffness and rest angle is off by "
                 f"{loss.percent:.4g} % ({how})"
@@ -249,13 +278,15 @@ class Design(Told):
             "scene": scene_to_dict(self.scene) if self.scene else None,
             "states": [to_plain(s) for s in self.states],
             "extra_minima": [
-                {"energy": e, "kind": k, "fold_angles": list(p)} for e, k, p in self.extra_minima
+                {"energy": e, "kind": k, "fold_angles": list(p), "image_of": whose or None}
+                for (e, k, p), whose in zip(self.extra_minima, self.images, strict=True)
             ],
             "reason": to_plain(self.reason) if self.reason else None,
             "barriers": [to_plain(b) for b in self.barriers],
             "tolerance": to_plain(self.tolerance) if self.tolerance else None,
             "refuted": self.refuted,
             "failed": list(self.failed),
+            "rounds": self.rounds,
             "iterations": self.iterations,
             "residual": to_plain(self.residual),
         }

@@ -3,7 +3,8 @@
 Each stiffness is multiplied by (1 + p)^(+-1) = e^(+-s), each rest angle (wound angles included) by 1 +- s, where
 s = ln(1 + p) <= p.  A direction is a sign for each of these numbers; along it a state is followed as a curve of
 equilibria, through contacts that close and leave, to the p at which it ceases to be a minimum.  The worst direction is
-looked for by descent over the signs: the number is exact along the direction that is named, and an upper bound of what
+looked for by descent over the signs, from those that move the state fastest and from random ones, and from random
+springs that lose a state: the number is exact along the direction that is named, and an upper bound of what
 all directions allow.
 """
 
@@ -16,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.kkt import State, classify
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import RANGE, Arc, EquilibriumCurve, ParameterLine, Tally, Web
@@ -30,6 +32,11 @@ BISECTIONS = 45
 """Of a step, down to rounding."""
 FOLLOWS = 120
 """Curves that are followed for one state."""
+HALVINGS = 4
+"""Of a range, at whose ends a singular state is looked at."""
+MOVES = "moves"
+AGAIN = 3
+"""Rounds of random springs: where a state is lost in one, its worst direction is looked for again from there."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +51,10 @@ class Loss:
         How far each stiffness and rest angle is off then [%], or 50 where it is not lost that far.
     event
         What happens: ``fold``, ``nonsmooth-fold``, ...; ``kept``; ``singular`` where it can be followed no
-        further, which need not be its end.
+        further, which need not be its end; ``moves`` where a state at which closure loses rank (flat, flat-folded) is
+        last certified in its place (to 1e-3 of it): no curve of equilibria leads on, a minimum may stand beside it.
     stiffness, rest_angles
-        The direction, a sign for each crease, shape [N].
+        The direction: a sign for each crease, or a number between them where random springs were worst, shape [N].
     fold_angles
         Of the state where it is lost, shape [N] [rad]; or as far as it was followed.
     """
@@ -79,7 +87,7 @@ class Tolerance:
     losses
         Of each state along its worst direction.
     trials, kept
-        Random springs within `percent` that were tried, and in how many of them all states were still minima.
+        Random springs within `percent` that were tried last, and in how many of them all states were still minima.
     """
 
     losses: tuple[Loss, ...]
@@ -119,6 +127,8 @@ class Ended(NamedTuple):
 
 def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
     """Follow a minimum `start` [N] to where it is none, at most to s = `most`; the event is ``kept`` there."""
+    if not State(line.at(0.0), start).regular:
+        return _in_place(line, start, most)
     web = Web(line, 0.0, most, through_folds=False)
     if not web.add(start, 0.0, "minimum"):
         return Ended(0.0, "singular", start)
@@ -139,6 +149,26 @@ def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         if web.nodes[node].type == RANGE:
             return Ended(most, "kept", web.nodes[node].point[:-1])
     return Ended(s, web.nodes[node].type, web.nodes[node].point[:-1])
+
+
+def _in_place(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
+    """Return until when a singular state [N] is certainly a minimum without moving: no curve leads through it."""
+
+    def stays(s: float) -> bool:
+        return classify(State(line.at(s), start)).verdict == "minimum"
+
+    low, high = 0.0, most
+    for s in (SETTLED, *(most / 2**k for k in range(HALVINGS, -1, -1))):
+        if s <= most and not stays(s):
+            high = s
+            break
+        low = min(s, most)
+    if low >= most:
+        return Ended(most, "kept", start)
+    while high - low > max(SETTLED, 1e-3 * high):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stays(middle) else (low, middle)
+    return Ended(low, MOVES, start)
 
 
 def _on(arc: Arc, s: float, tally: Tally) -> np.ndarray | None:
@@ -178,7 +208,7 @@ def tolerance_of(
     seed
         Of the directions.
     trials
-        Random springs that are tried within the tolerance that was found.
+        Random springs that are tried within the tolerance that was found; where a state is lost in some, it is less.
     draws
         Random directions that the descent begins with.
 
@@ -188,16 +218,38 @@ def tolerance_of(
         With the worst direction found for each state.
     """
     rng = np.random.default_rng(seed)
-    losses = tuple(_worst(scene, name, phi, rng, draws) for name, phi in states.items())
-    found = Tolerance(losses)
-    if trials:
-        kept = sum(_survives(scene, states, found.percent, rng) for _ in range(trials))
-        found = replace(found, trials=trials, kept=kept)
-    return found
+    losses = {name: _worst(scene, name, phi, rng, draws) for name, phi in states.items()}
+    kept = tried = 0
+    for _ in range(AGAIN if trials else 0):
+        percent = min(loss.percent for loss in losses.values())
+        if percent <= 100.0 * SETTLED:
+            break
+        lost = [_drawn_loss(scene, states, percent, rng) for _ in range(trials)]
+        tried, kept = trials, sum(one is None for one in lost)
+        worse = [one for one in lost if one is not None]
+        if not worse:
+            break
+        for one in worse:
+            if one.percent < losses[one.state].percent:
+                losses[one.state] = one
+        first = min(worse, key=lambda one: one.percent)
+        again = _worst(scene, first.state, states[first.state], rng, 0, losses[first.state])
+        losses[first.state] = again
+    return Tolerance(tuple(losses.values()), tried, kept)
 
 
-def _worst(scene: Scene, name: str, phi: np.ndarray, rng: np.random.Generator, draws: int) -> Loss:
-    """Search over the signs: random ones, then from the worst of them flips of one, as long as one is worse."""
+def _worst(
+    scene: Scene,
+    name: str,
+    phi: np.ndarray,
+    rng: np.random.Generator,
+    draws: int,
+    known_loss: Loss | None = None,
+) -> Loss:
+    """Search over the signs: from the worst of some, flips of one as long as one is worse.
+
+    The first are those that move the state fastest, or take most from a contact's moment (`_fastest`); others random.
+    """
     n = scene.degree
     known: dict[tuple[float, ...], Ended] = {}
 
@@ -208,34 +260,71 @@ def _worst(scene: Scene, name: str, phi: np.ndarray, rng: np.random.Generator, d
         return known[key].s if key in known else math.inf
 
     most = math.log1p(MOST)
-    best = np.ones(2 * n)
-    for signs in rng.choice([-1.0, 1.0], size=(draws, 2 * n)):
+    best, end = np.ones(2 * n), Ended(most, "kept", phi)
+    starts = [*_fastest(scene, phi), *rng.choice([-1.0, 1.0], size=(draws, 2 * n))]
+    if known_loss is not None:
+        best = np.array([*known_loss.stiffness, *known_loss.rest_angles])
+        most = math.log1p(known_loss.percent / 100.0)
+        end = Ended(most, known_loss.event, np.array(known_loss.fold_angles))
+        starts = [np.where(best < 0, -1.0, 1.0)]
+    for signs in starts:
+        if most <= SETTLED:
+            break
         found = look(signs, most)
         if found < most:
             best, most = signs, found
-    better = True
+    better = most > SETTLED
     while better:
         better = False
-        for k in rng.permutation(2 * n):
+        for k, side in itertools.product(rng.permutation(2 * n), (-1.0, 1.0)):
             signs = best.copy()
-            signs[k] *= -1.0
+            signs[k] = side
+            if side == best[k]:
+                continue
             found = look(signs, most)
             if found < most - SETTLED:
                 best, most, better = signs, found, True
-    end = known.get(tuple(best.tolist()), Ended(most, "kept", phi))
+    end = known.get(tuple(best.tolist()), end)
     k, rest = np.split(best, 2)
     return Loss(name, 100.0 * math.expm1(most), end.event, tuple(k), tuple(rest), tuple(end.state))
 
 
-def _survives(
+def _fastest(scene: Scene, phi: np.ndarray) -> list[np.ndarray]:
+    """Signs [2 N] that to first order move a state fastest along its soft modes, or take a contact's moment away.
+
+    The torque of a crease changes by k (phi - rest) ds for its stiffness, by -k rest ds for its rest angle; what that
+    does to the state and to the moments of its contacts is linear (`Stratum.response`).
+    """
+    model = Model(full_scene(scene))
+    state = State(model, model.reduce(phi))
+    held = state.on(state.pieces[0])
+    if not held.tangent.shape[1] and not held.contacts:
+        return []
+    try:
+        forces, states = held.response()
+        _, modes = np.linalg.eigh(held.tangent.T @ held.hessian @ held.tangent)
+    except np.linalg.LinAlgError:
+        return []
+    k, wound = np.array(scene.stiffness), np.array(scene.wound_angles)
+    change = np.hstack([np.diag(k * (phi - wound)), np.diag(-k * wound)]) / model.root[:, None]
+    moved = -(modes.T @ held.tangent.T @ states @ change)
+    rows = [*moved, *-moved, *(forces @ change)]
+    return [np.where(row < 0, -1.0, 1.0) for row in rows]
+
+
+def _drawn_loss(
     scene: Scene, states: dict[str, np.ndarray], percent: float, rng: np.random.Generator
-) -> bool:
-    """Try one random change of all springs, at most the tolerance in any of them."""
+) -> Loss | None:
+    """Try one random change of all springs, at most the tolerance in any of them; the state that is lost, if any."""
     n = scene.degree
     off = rng.uniform(-1.0, 1.0, 2 * n)
-    most = math.log1p(0.99 * percent / 100.0)
-    line = line_of(scene, off[:n], off[n:])
-    for phi in states.values():
-        if lost_at(line, phi, most).event != "kept":
-            return False
-    return True
+    size = float(np.abs(off).max())
+    most = size * math.log1p(0.99 * percent / 100.0)
+    line = line_of(scene, off[:n] / size, off[n:] / size)
+    for name, phi in states.items():
+        end = lost_at(line, phi, most)
+        if end.event != "kept":
+            k, rest = np.split(off / size, 2)
+            percent = 100.0 * math.expm1(end.s)
+            return Loss(name, percent, end.event, tuple(k), tuple(rest), tuple(end.state))
+    return None

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from numbers import Real
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from origami_nlp.programme import Model
 
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
+FAR = 0.1
+"""Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
+2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +116,7 @@ class Targets:
     barriers
         Barriers between two states that are asked for.
     highest
-        Largest energy of states by name [J]; no preload then.
+        Largest energy of states by name [J].
     full_space
         Hold the states also where motions break the symmetry.
     """
@@ -143,19 +147,17 @@ class Targets:
         for gap in self.energies:
             for name in (gap.upper, gap.lower):
                 self._known(name, "energy")
-            if not gap.least <= gap.most or math.isnan(gap.least) or math.isnan(gap.most):
-                raise OptionError(
-                    f"energy of {gap.upper!r} above {gap.lower!r}: [{gap.least:g}, {gap.most:g}] "
-                    "must be [least, most]"
-                )
+            who = f"energy of {gap.upper!r} above {gap.lower!r}"
+            if gap.upper == gap.lower:
+                raise OptionError(f"{who}: a state is no higher than itself")
+            _ordered(who, gap.least, gap.most)
         for ask in self.barriers:
             for name in (ask.start, ask.end):
                 self._known(name, "barrier")
-            if ask.start == ask.end or not 0.0 <= ask.least <= ask.most or ask.least == math.inf:
-                raise OptionError(
-                    f"barrier from {ask.start!r} to {ask.end!r}: [{ask.least:g}, {ask.most:g}] "
-                    "must be 0 <= least <= most, between two states"
-                )
+            who = f"barrier from {ask.start!r} to {ask.end!r}"
+            if ask.start == ask.end:
+                raise OptionError(f"{who}: a barrier is between two states")
+            _ordered(who, ask.least, ask.most, 0.0)
         for name in self.highest:
             self._known(name, "highest energy")
         low, high = _pair("stiffness", self.stiffness)
@@ -165,8 +167,12 @@ class Targets:
             )
         if self.rest_angles is not None:
             low, high = _pair("rest_angles", self.rest_angles)
+            if low > high:
+                raise OptionError(
+                    f"rest_angles = [{low:.6g}, {high:.6g}] rad must be [least, most]"
+                )
             most = TURNS if self.preload is True else math.pi
-            if not -most - 1e-12 <= low <= high <= most + 1e-12:
+            if not -most - 1e-12 <= low or not high <= most + 1e-12:
                 raise OptionError(
                     f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
                     + (
@@ -265,10 +271,16 @@ def place(model: Model, target: Target) -> Placed:
     Raises
     ------
     OptionError
-        If it keeps not the symmetry, does not close nearby, or is not admissible.
+        If it does not keep the symmetry, does not close nearby, or is not admissible.
     """
     who = f"state {target.name!r}"
     phi = check_angles(f"{who}: fold_angles", target.fold_angles, model.scene.degree, one=True)
+    k = int(np.abs(phi).argmax())
+    if abs(phi[k]) > math.pi + FAR:
+        raise OptionError(
+            f"{who}: fold_angles[{k + 1}] = {phi[k]:.6g} rad is beyond +-pi: facets would pass through each other"
+            + ("; degrees are given as fold_angles_deg" if abs(phi[k]) > 2 * math.pi else "")
+        )
     x = model.reduce(phi)
     broken = float(np.abs(model.expand(x) - phi).max())
     if broken > DESIGN_SNAP:
@@ -290,7 +302,25 @@ def place(model: Model, target: Target) -> Placed:
     state = State(model, near)
     if state.refused:
         raise OptionError(f"{who} is not admissible: {state.refused}")
-    return Placed(target, state, float(np.abs(model.expand(near) - phi).max()))
+    moved = float(np.abs(model.expand(near) - phi).max())
+    if moved > max(FAR, target.tolerance):
+        raise OptionError(
+            f"{who} does not close: the closed state found nearby is {math.degrees(moved):.3g} deg away, "
+            f"more than {math.degrees(max(FAR, target.tolerance)):.3g}: check the fold angles, or give "
+            "tolerance_deg"
+        )
+    return Placed(target, state, moved)
+
+
+def _ordered(who: str, least: object, most: object, lowest: float = -math.inf) -> None:
+    """Complain unless there are numbers between two bounds, which may be infinite."""
+    for value in (least, most):
+        if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
+            raise OptionError(f"{who}: {shown(value)} must be a number [J]")
+    assert isinstance(least, Real) and isinstance(most, Real)
+    if not lowest <= float(least) <= float(most) or least == math.inf or most == -math.inf:
+        span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
+        raise OptionError(f"{who}: [{least:g}, {most:g}] must be {span} [J]")
 
 
 def _pair(name: str, value: Sequence[float]) -> tuple[float, float]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.files import parse_toml, read_limited
 from origami_nlp.pattern import Vertex, parse_angles
@@ -29,6 +30,8 @@ _KEYS = {
 _LARGEST = 1_000_000
 MAXIMISE = ("margin", "tolerance", "barrier")
 EXTRA = ("report", "forbid")
+MOST_ROUNDS = 100
+"""Of cuts: each is a search for all minima."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,7 @@ class Ask:
                 raise OptionError(f"[ask] {name} = {shown(value)}: use one of {', '.join(known)}")
         if self.tolerance_percent is not None:
             check_number("[ask] tolerance_percent", self.tolerance_percent, 0.0, 50.0)
+        check_whole("[ask] rounds", self.rounds, 0, MOST_ROUNDS)
 
 
 def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
@@ -185,7 +189,7 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
     if given[0] == "like":
         phi = _like(entry["like"], folder, name)
     else:
-        phi = _angles(entry[given[0]], given[0])
+        phi = _angles(entry[given[0]], f"[[states]] {name!r}: {given[0]}")
     if len(phi) != degree:
         raise OptionError(
             f"[[states]] {name!r} has {len(phi)} fold angles, the vertex {degree} creases"
@@ -204,7 +208,7 @@ def _angles(values: Any, key: str) -> list[float]:
 def _like(words: Any, folder: Path, name: str) -> list[float]:
     """Return the fold angles of a state of an earlier run: ``FILE#2`` is the second of its list."""
     file, _, number = words.rpartition("#") if isinstance(words, str) else ("", "", "")
-    if not file or not number.isdigit() or int(number) < 1:
+    if not file or not re.fullmatch("[1-9][0-9]{0,8}", number):
         raise OptionError(
             f"[[states]] {name!r}: like = {shown(words)} must be 'FILE#NUMBER', such as 'states.json#2'"
         )
@@ -219,10 +223,11 @@ def _like(words: Any, folder: Path, name: str) -> list[float]:
         raise OptionError(
             f"[[states]] {name!r}: {file!r} has {many} minima, like asks for {number}"
         )
-    phi = states[int(number) - 1].get("fold_angles")
-    if not isinstance(phi, list) or not all(isinstance(a, int | float) for a in phi):
+    state = states[int(number) - 1]
+    phi = state.get("fold_angles") if isinstance(state, dict) else None
+    if not isinstance(phi, list) or not all(type(a) in (int, float) for a in phi):
         raise OptionError(f"[[states]] {name!r}: minimum {number} of {file!r} has no fold_angles")
-    return [float(a) for a in phi]
+    return list(parse_angles(phi, f"[[states]] {name!r}: fold_angles of {file!r}"))
 
 
 def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:

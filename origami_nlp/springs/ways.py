@@ -85,8 +85,8 @@ def ways_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[Way]:
     if two is not None and (states := _part(two, b, a)):
         return [_way(model, s[::-1]) for s in states]
     out = []
-    for first in _arms(one, a):
-        for second in _arms(two, b):
+    for first in outward(one, a):
+        for second in outward(two, b):
             corner = math.pi * np.round(first[-1] / math.pi)
             near = max(np.abs(first[-1] - corner).max(), np.abs(second[-1] - corner).max())
             if near <= MEETS and np.abs(model.closure(corner)[0]).max() <= CLOSES:
@@ -124,7 +124,7 @@ def _thinned(w: np.ndarray) -> np.ndarray:
     return np.asarray(w[[*keep, len(w) - 1]])
 
 
-def _arms(curve: BoundaryCurve | None, x: np.ndarray) -> list[np.ndarray]:
+def outward(curve: BoundaryCurve | None, x: np.ndarray) -> list[np.ndarray]:
     """Both sides of a curve, from x outwards; a flat state is an arm by itself."""
     if curve is None:
         return [np.array([x, x])]

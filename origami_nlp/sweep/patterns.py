@@ -42,6 +42,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import SweepError
+from origami_nlp.facets import Sheet, check_orders
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -203,7 +204,9 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
         for key in base:
             if key not in ("file", "stiffness", "rest_angle"):
                 raise SweepError(f"unknown key {key!r} in [pattern]: file, stiffness, rest_angle")
-        base["sheet"] = pattern_to_dict(read_pattern((folder or Path()) / str(base.pop("file"))))
+        sheet = read_pattern((folder or Path()) / str(base.pop("file")))
+        check_orders(Sheet(sheet))
+        base["sheet"] = pattern_to_dict(sheet)
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base

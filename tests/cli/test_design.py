@@ -1,6 +1,7 @@
 """`origami-nlp design`: files and exit codes."""
 
 import json
+import math
 
 import pytest
 
@@ -37,6 +38,94 @@ def test_a_design_is_written_and_read_again(tmp_path):
     assert set(found) >= {"feasible", "margin", "scene", "states", "extra_minima", "reason"}
     assert len(found["states"]) == 5 and not found["extra_minima"]
     assert read_scene(scene).degree == 4 and found["scene"]
+
+
+VERTEX = "[vertex]\nsector_angles_deg = [99.4, 83.5, 74.1, 103.0]\n"
+A = '[[states]]\nname = "a"\nfold_angles_deg = [27.27, 101.001, -27.353, 104.22]\n'
+B = '[[states]]\nname = "b"\nfold_angles_deg = [99.626, 153.537, -100.033, 169.255]\n'
+GOOD = VERTEX + A + B
+LIKE = VERTEX + '[[states]]\nname = "c"\nlike = "{}"\n'
+
+# name: (targets, words the one-line message must contain)
+BAD = {
+    "empty": ("", ["[vertex]", "exactly one of"]),
+    "not TOML": ("\0", ["TOML"]),
+    "no states": (VERTEX, ["states is empty"]),
+    "states = []": ("states = []\n" + VERTEX, ["states is empty"]),
+    "unknown table": (GOOD + "[spring]\n", ["[spring]", "springs"]),
+    "unknown key": (GOOD + "[springs]\nstifness = [1, 2]\n", ["'stifness'", "stiffness"]),
+    "unknown key of a state": (VERTEX + A + "energy = 1\n", ["'energy'", "energy_above"]),
+    "a vertex from FOLD": ('[vertex]\nfold = "a.fold"\n' + A, ["'fold'", "sector_angles"]),
+    "two states of one name": (VERTEX + A + A, ["two states are called 'a'"]),
+    "two names of one state": (GOOD + A.replace('"a"', '"c"'), ["'a' and 'c' are one"]),
+    "name is a number": (VERTEX + A.replace('"a"', "3"), ["name = 3", "text"]),
+    "nan": (VERTEX + A.replace("27.27", "nan"), ["'a'", "fold_angles_deg[1]", "finite"]),
+    "text": (VERTEX + A.replace("27.27", '"x"'), ["fold_angles_deg[1]", "degrees"]),
+    "one angle missing": (VERTEX + A.replace("27.27, ", ""), ["'a'", "3 fold angles", "4 creases"]),
+    "degrees as radians": (VERTEX + A.replace("_deg", ""), ["fold_angles[4]", "fold_angles_deg"]),
+    "beyond 180": (VERTEX + A.replace("104.22", "204.22"), ["fold_angles[4]", "beyond +-pi"]),
+    "does not close": (VERTEX + A.replace("-27.353", "60"), ["'a' does not close", "deg away"]),
+    "sectors as radians": (
+        GOOD.replace("sector_angles_deg", "sector_angles"),
+        ["sector_angles[1]"],
+    ),
+    "no such run": (LIKE.format("no.json#1"), ["no.json", "No such file"]),
+    "no such state": (LIKE.format("states.json#9"), ["'c'", "4 minima", "9"]),
+    "no number of a state": (LIKE.format("states.json"), ["'c'", "FILE#NUMBER"]),
+    "number 0": (LIKE.format("states.json#0"), ["'c'", "FILE#NUMBER"]),
+    "a digit that is none": (LIKE.format("states.json#\u00b2"), ["'c'", "FILE#NUMBER"]),
+    "number of 5,000 digits": (LIKE.format("states.json#" + "9" * 5000), ["'c'", "FILE#NUMBER"]),
+    "other degree": (LIKE.format("states.json#1"), ["'c'", "2 fold angles"]),
+    "nan of a run": (LIKE.format("states.json#2"), ["'c'", "[4]", "finite"]),
+    "a state that is a number": (LIKE.format("states.json#3"), ["'c'", "no fold_angles"]),
+    "true of a run": (LIKE.format("states.json#4"), ["'c'", "no fold_angles"]),
+    "stiffness reversed": (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", ["[0.5, 0.1]", "least"]),
+    "stiffness 0": (GOOD + "[springs]\nstiffness = [0, 0.1]\n", ["stiffness = [0, 0.1]"]),
+    "rest reversed": (GOOD + "[springs]\nrest_angles = [1, -1]\n", ["rest_angles = [1, -1]"]),
+    "rest in degrees": (GOOD + "[springs]\nrest_angles = [-180, 180]\n", ["rad", "preload"]),
+    "rest twice": (
+        GOOD + "[springs]\nrest_angles = [-1, 1]\nrest_angles_deg = [-1, 1]\n",
+        ["rest_angles_deg", "one of them"],
+    ),
+    "energy of nobody": (VERTEX + A + 'energy_above = "x"\n', ["'x'", "states are a"]),
+    "energy of itself": (VERTEX + A + 'energy_above = "a"\n', ["'a'", "itself"]),
+    "energy reversed": (GOOD + 'energy_above = "a"\nenergy_difference = [2, 1]\n', ["[2, 1]"]),
+    "energy text": (GOOD + 'energy_above = "a"\nenergy_difference = ["x", 1]\n', ["'x'", "[J]"]),
+    "energy infinite": (GOOD + 'energy_above = "a"\nenergy_difference = [inf, inf]\n', ["inf"]),
+    "barrier to nobody": (GOOD + '[[barriers]]\nfrom = "a"\nto = "z"\n', ["'z'", "a, b"]),
+    "barrier reversed": (
+        GOOD + '[[barriers]]\nfrom = "a"\nto = "b"\nat_least = 2\nat_most = 1\n',
+        ["'a' to 'b'", "[2, 1]"],
+    ),
+    "rounds": (GOOD + '[ask]\nrounds = "five"\n', ["rounds = 'five'", "whole number"]),
+    "rounds below 0": (GOOD + "[ask]\nrounds = -1\n", ["rounds = -1"]),
+    "maximise": (GOOD + '[ask]\nmaximise = "all"\n', ["'all'", "tolerance"]),
+    "preload": (GOOD + '[springs]\npreload = "yes"\n', ["preload = 'yes'"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_targets_get_one_line_and_nothing_is_written(name, tmp_path):
+    text, words = BAD[name]
+    (tmp_path / "t.toml").write_text(text, encoding="utf-8")
+    run_of = {"minima": [{"fold_angles": a} for a in ([0, 0], [0, 0, 0, math.nan])]}
+    run_of["minima"] += [5, {"fold_angles": [True, 0, 0, 0]}]
+    (tmp_path / "states.json").write_text(json.dumps(run_of))
+    before = sorted(tmp_path.iterdir())
+    files = ("--scene", tmp_path / "s.toml", "--json", tmp_path / "d.json")
+    code, out, err = run("design", tmp_path / "t.toml", *files, "--figure", tmp_path / "f.png")
+    assert (code, out) == (2, "") and len(err.strip().splitlines()) == 1, err
+    assert all(w in err for w in words), err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_json_in_a_pipe_is_pure(tmp_path):
+    file = tmp_path / "t.toml"
+    file.write_text(TWO)
+    code, out, err = run("design", file, "--json", "-")
+    data = json.loads(out, parse_constant=pytest.fail)
+    assert code == 1 and not data["feasible"] and data["refuted"] and data["reason"]["states"]
+    assert "No design" in err
 
 
 def test_exit_codes(tmp_path):

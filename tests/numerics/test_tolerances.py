@@ -88,8 +88,6 @@ BESIDE_THE_TABLE = {
     "facets/features.APART": "rounding of a gap, over a sheet's size",
     "springs/checking.BALANCE": "error of energies that were asked for, relative",
     "springs/conic.ACCURACIES": "accuracies that a solver is asked for",
-    "springs/convex.PROVED": "residual of a dual, from the accuracy 1e-10 that its solver is asked for",
-    "springs/convex.TINY": "guards a square root; what is smaller is refused by the check of the scene",
     "springs/ways.EXACT": "relative excess of a barrier from which one more sample is taken",
     "space/events.SEEN": "accuracy of a double zero",
     "space/result.SAME_POINT": "points of a picture",

@@ -35,6 +35,25 @@ def closure(pattern, x):
     return ca.vertcat(*rows)
 
 
+def elastic(pattern):
+    """Solve from a start with closure elastic and nothing else: fold angles, and what IPOPT says of it."""
+    x = ca.SX.sym("x", pattern.creases)
+    c = closure(pattern, x)
+    w = ca.SX.sym("w", c.shape[0])
+    k = ca.DM(pattern.stiffness / pattern.stiffness.mean())
+    energy = 0.5 * ca.dot(k, (x - ca.DM(pattern.rest)) ** 2) + 0.5 * PENALTY * ca.dot(w, w)
+    form = {"x": ca.vertcat(x, w), "f": energy, "g": c - w}
+    solver = ca.nlpsol("elastic", "ipopt", form, {"print_time": False, "ipopt": OPTIONS})
+    bound = np.r_[np.full(pattern.creases, math.pi), np.full(c.shape[0], np.inf)]
+
+    def from_start(start):
+        start = np.r_[start, np.zeros(c.shape[0])]
+        out = solver(x0=start, lbx=-bound, ubx=bound, lbg=0, ubg=0)
+        return np.array(out["x"]).ravel()[: pattern.creases], solver.stats()["return_status"]
+
+    return from_start
+
+
 def carried(sheet, x, a, b):
     """Corners of facet b seen from facet a, and those of facet a."""
     p = sheet.pattern

@@ -17,7 +17,7 @@ from tests.sheets.rigid import Rigid
 from tests.sheets.test_crossings_fcl import depth
 
 CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
-SHALLOW = 1e-8
+SHALLOW = 1e-11
 """Facets that reach no further into each other touch, over the size of the sheet."""
 BESIDE = 200
 """Closed states beside each state."""

@@ -64,6 +64,22 @@ def test_the_motion_of_a_miura_is_its_law():
     assert np.array_equal(np.argsort(motion.arc), np.arange(len(motion.arc)))
 
 
+def test_a_motion_says_what_its_end_is():
+    """Layers at a flat-folded end, what a touch leaves; both come back from JSON."""
+    flat = find_motion(o.examples.pattern("miura", 2, 2))
+    blocked = find_motion(o.examples.pattern("metasheet", 3, 3))
+    free = find_motion(o.examples.pattern("yoshimura", 3, 3))
+    for motion, word in (
+        (flat, "folded flat there: its layers can be ordered"),
+        (blocked, "nothing moves on this way"),
+        (free, "not followed"),
+    ):
+        told = [piece for piece in motion.told() if isinstance(piece, str)]
+        assert any(word in line for line in told)
+        assert bool(motion.layers) == (motion is flat)
+        assert type(motion).from_dict(motion.to_dict()).layers == motion.layers
+
+
 def test_a_motion_ends_where_facets_touch():
     p = o.examples.pattern("metasheet", 3, 3)
     motion = find_motion(p)

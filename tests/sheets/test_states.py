@@ -161,6 +161,30 @@ def test_nothing_open_is_reported():
     assert judge(Sheet(pattern), wrong).verdict == "no state"
 
 
+@pytest.mark.slow
+def test_solves_that_converge_open_are_no_states():
+    """40 random starts of a metasheet, closure elastic: IPOPT is satisfied with each, and most are open somewhere."""
+    from tests.sheets.planes import elastic
+
+    pattern, classes = metasheet(4)
+    k, rest = (np.array(v) for v in VERTEX_SPRINGS)
+    pattern = pattern.with_springs(list(k[classes]), list(rest[classes]))
+    sheet, solve, rng = Sheet(pattern), elastic(pattern), np.random.default_rng(0)
+    known = find_states(pattern, starts=0).states
+    opened = 0
+    for _ in range(40):
+        phi, said = solve(rng.uniform(-math.pi, math.pi, pattern.creases))
+        assert said == "Solve_Succeeded"
+        state = judge(sheet, phi)
+        assert state.verdict == "no state"  # elastic closure is never closed to rounding
+        opened += sheet.residual(phi) > 1e-3
+        closed, residual = sheet.project(phi)
+        if sheet.residual(phi) < 1e-6 and sheet.closure.on_sheet(closed):
+            assert residual < 1e-13
+            assert min(np.abs(s.fold_angles - closed).max() for s in known) < 1e-4
+    assert opened > 20
+
+
 def test_the_flat_state():
     """Balanced springs hold it; torque that folds it away does not, whatever its sign."""
     pattern = miura(3, 3)

@@ -2,14 +2,16 @@
 
 import json
 import tomllib
+import warnings
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
+from origami_nlp.facets import Sheet, order_layers
 from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
-from origami_nlp.sheets import sheet_to_fold
+from origami_nlp.sheets import sheet_frame, sheet_to_fold
 from origami_nlp.sweep import (
     draw_sweep,
     load_states,
@@ -90,6 +92,51 @@ def test_an_interrupted_sweep_goes_on_to_the_same_answers(finished, tmp_path):
 def test_two_processes_say_what_one_says(finished, tmp_path):
     assert run_sweep(small(), tmp_path, workers=2).counts == {"done": 4}
     assert answers(tmp_path) == answers(finished)
+
+
+@pytest.mark.slow
+def test_a_local_dask_cluster_says_what_one_process_says(finished, tmp_path):
+    distributed = pytest.importorskip(
+        "distributed", reason='dask is not installed: pip install "origami_nlp[sweep]"'
+    )
+    spec = tmp_path / "sweep.toml"
+    spec.write_text(SMALL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the cluster's own start and end
+        with distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster:
+            address = cluster.scheduler_address
+            code, out, err = run("sweep", spec, "--out", tmp_path / "o", "--dask", address)
+    assert code == 0, (out, err)
+    assert answers(tmp_path / "o") == answers(finished)
+
+
+def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
+    sheet = o.examples.pattern("miura:2x2")
+    flat = o.find_motion(sheet).phi[-1]
+    flat = np.copysign(np.pi, flat)
+    data = sheet_to_fold(sheet, [sheet_frame(sheet, flat, "flat-folded")])
+    (frame,) = data.pop("file_frames")
+    own = {k: v for k, v in frame.items() if k not in ("frame_inherit", "frame_parent")}
+    (tmp_path / "folded.fold").write_text(json.dumps(data | own))
+    read = o.read_pattern(tmp_path / "folded.fold")
+    assert read.orders and order_layers(Sheet(read), flat).stated
+    axes = [{"set": "creases.stiffness", "values": [0.01, 2.0]}]
+    tables = {"pattern": {"file": "folded.fold"}, "axes": axes, "search": {"starts": 0}}
+    sweep = parse_sweep(tables, tmp_path)
+    for k in range(2):
+        made = sweep.pattern(k)
+        again = pattern_from_dict(json.loads(json.dumps(pattern_to_dict(made))))
+        for one in (made, again):
+            assert one.orders == read.orders and one.stiffness[0] == axes[0]["values"][k]
+            assert order_layers(Sheet(one), flat).stated
+    # orders that contradict how facets lie are refused before a sheet is searched
+    f, g, s = own["faceOrders"][0]
+    wrong = [[f, g, -s], *own["faceOrders"][1:]]
+    (tmp_path / "folded.fold").write_text(json.dumps(data | own | {"faceOrders": wrong}))
+    with pytest.raises(OrigamiError, match="faceOrders"):
+        parse_sweep(tables, tmp_path)
 
 
 def test_places_of_a_pattern(tmp_path):
