@@ -50,6 +50,8 @@ FLAT = 1e-9
 """Curvatures over the mean stiffness above minus this are not left as saddles."""
 SLIPS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 """Steps [rad] beside borders that are as close, over the sheet's size."""
+MOST_SLIPS = 6
+"""Of them in one descent: they are short, and dear."""
 End: TypeAlias = Literal["still", "lower", "held", "not settled"]
 """Of a step: a minimum, gone to a lower state, a state that was not decided, none."""
 UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
@@ -112,6 +114,7 @@ class _Press:
     def run(self, most: int, until: float) -> Descended:
         """Go down."""
         sheet = self.sheet
+        slips = 0
         for step in range(most):
             if time.process_time() > until:
                 return Descended(self.phi, False, step, "the processor time allowed was over")
@@ -127,7 +130,8 @@ class _Press:
                 return Descended(self.phi, True, step, end)
             if end == "lower" or (end != "held" and self._step(rows, z, hessian)):
                 continue
-            end = self._slip()
+            slips += 1
+            end = self._slip() if slips <= MOST_SLIPS else "held"
             if end != "lower":
                 return Descended(
                     self.phi, end == "still", step, "still" if end == "still" else UNTOLD
