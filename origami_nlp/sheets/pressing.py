@@ -50,7 +50,7 @@ FLAT = 1e-9
 """Curvatures over the mean stiffness above minus this are not left as saddles."""
 SLIPS = 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8
 """Steps [rad] beside borders that are as close, over the sheet's size."""
-MOST_SLIPS = 6
+MOST_SLIPS = 2
 """Of them in one descent: they are short, and dear."""
 End: TypeAlias = Literal["still", "lower", "held", "not settled"]
 """Of a step: a minimum, gone to a lower state, a state that was not decided, none."""
