@@ -11,6 +11,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
@@ -230,12 +231,16 @@ class SheetResult(Told):
             yield f"energy {s.energy:.6g}: {s.certificate}"
         yield from self.search.words()
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
-        spare = sorted({rows - self.pattern.creases + s.freedoms for s in self.minima})
+        balanced = [s for s in self.minima if s.kkt_residual <= 10 * STATIONARY]
+        spare = sorted({rows - self.pattern.creases + s.freedoms for s in balanced})
         if spare and spare[-1]:
             many = " or ".join(map(str, spare))
+            where = (
+                " where closure balances the springs" if len(balanced) < len(self.minima) else ""
+            )
             yield (
-                f"states of self-stress: {many}; torques about creases are unique, moments across creases are not "
-                "(rigid facets leave them open)"
+                f"states of self-stress{where}: {many}; torques about creases are unique, moments across creases "
+                "are not (rigid facets leave them open)"
             )
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
 
