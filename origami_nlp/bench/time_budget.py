@@ -85,7 +85,7 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
-    from origami_nlp.minima import descents, find as minima, ipopt, record, search, starts
+    from origami_nlp.minima import descents, find, ipopt, job, record, search, starts
     from origami_nlp.programme import compiled as structure
 
     watch = _Stopwatch()
@@ -94,11 +94,11 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     with ExitStack() as stack:
         for owner, name, stage in (
             (record, "classify", "judging"),
-            (minima, "flat_foldings", "foldings and hinges"),
-            (minima, "hinge_minima", "foldings and hinges"),
-            (minima, "polish", "polish"),
+            (job, "flat_foldings", "foldings and hinges"),
+            (job, "hinge_minima", "foldings and hinges"),
+            (job, "polish", "polish"),
             (search, "polish", "polish"),
-            (minima, "confirm", "IPOPT confirms"),
+            (find, "confirm", "IPOPT confirms"),
             (ipopt, "build_warm", "building"),
             (descents.Descents, "run", "descents"),
             (starts.Rounds, "_round", "starts"),
@@ -108,7 +108,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
         begin = time.process_time()
         model = Model(scene)
         watch.timed("building", lambda: model.functions.evaluators)()
-        result = minima.find_minima(scene, seed=seed, prove=False)
+        result = find.find_minima(scene, seed=seed, prove=False)
         total = time.process_time() - begin
     seconds = dict(watch.seconds)
     seconds["other"] = max(0.0, total - sum(watch.seconds.values()))
