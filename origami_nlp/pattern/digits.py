@@ -20,7 +20,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from origami_nlp.numerics import RESOLVED, SUMMED, cross
+from origami_nlp.numerics import EPS, RESOLVED, SUMMED, cross
 
 ROUNDS = 8
 """Of Newton."""
@@ -108,14 +108,14 @@ def made_exact(
     most = 2 * unit if rows is not None and rows.by_digits else RESOLVED * size
     for relations in (rows, None) if rows is not None else (None,):
         wanted = relations.missing(at.measures(x)) if relations is not None else np.zeros(0)
-        if max(_unplane(x, at), np.abs(wanted).max(initial=0.0)) <= SUMMED:
+        if max(_unplane(x, at), np.abs(wanted).max(initial=0.0)) <= at.rounding(x):
             return Exact(corners, 0.0, 0)
         new = _solved(x, at, relations)
         if new is None:
             continue
         moved = size * float(np.linalg.norm(new - x, axis=1).max())
         if relations is None or moved <= most:
-            many = int((np.abs(wanted) > SUMMED).sum())
+            many = int((np.abs(wanted) > at.rounding(x)).sum())
             return Exact(origin + size * new, moved, many)
     return Exact(corners, 0.0, 0)
 
@@ -160,6 +160,11 @@ class _Sectors:
                 sectors[-1].append(c)
             self.rings.append(sectors)
             self.inside[ring] = True
+
+    def rounding(self, x: np.ndarray) -> float:
+        """Return what sums of measures miss by rounding: corners are known to `EPS`, angles to that over a side."""
+        shortest = np.linalg.norm(x[self.end] - x[self.start], axis=1).min()
+        return SUMMED + 16 * EPS / float(shortest)
 
     def frames(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return both sides at each corner and the normal of its polygon, [C, 3] each."""
@@ -329,7 +334,7 @@ def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.nda
             own = relations.rows[:, : relations.count] @ at.slopes(x)
             blocks.append(sparse.hstack([own, relations.rows[:, relations.count :]]))
         value, rows = np.concatenate(values), sparse.vstack(blocks)
-        if np.abs(value).max(initial=0.0) <= SUMMED:
+        if np.abs(value).max(initial=0.0) <= at.rounding(x):
             return x
         soft = sparse.eye_array(len(value)) * SOFT
         system = sparse.block_array([[sparse.diags_array(weights), rows.T], [rows, -soft]])

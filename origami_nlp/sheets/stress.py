@@ -69,10 +69,10 @@ def find_stress(sheet: Sheet, phi: np.ndarray, held: Iterable[int] = ()) -> Stre
     --------
     >>> import origami_nlp as o
     >>> from origami_nlp.facets import Sheet
-    >>> from origami_nlp.sheets import find_states, find_stress
-    >>> sheet = o.examples.pattern("miura", 4, 4).with_springs(rest=1.2)
-    >>> state = find_states(sheet, starts=0).minima[0]
-    >>> find_stress(Sheet(sheet), state.fold_angles).states
+    >>> from origami_nlp.sheets import find_stress
+    >>> sheet = Sheet(o.examples.pattern("miura", 4, 4))
+    >>> phi, _ = sheet.project(0.5 * sheet.pattern.signs)
+    >>> find_stress(sheet, phi).states
     4
     """
     held = sorted(held)

@@ -33,6 +33,7 @@ def test_a_contact_curve_passes_what_is_known_of_both_parameters(contact):
     assert all(max(p.kkt, abs(p.event)) < 1e-11 for p in curve.points)
 
 
+@pytest.mark.slow
 def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
     (curve,) = contact.curves
     point = curve.points[len(curve.points) // 2]

@@ -58,6 +58,7 @@ def opened(sectors, phi, shut, most=1e-3):
     return np.abs(bounded.fun).max(), np.abs(polished.fun).max(), polished.x[:3].min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sectors", "side"),
     [

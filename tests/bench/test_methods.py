@@ -36,6 +36,7 @@ def starts(judge):
     return draw_starts(judge.model, 0, 8)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", thinned(METHODS, 2), ids=lambda m: m.label)
 def test_each_method_finds_a_right_minimum_of_a_simple_scene(method: Method, judge, starts):
     if method.missing:

@@ -25,6 +25,7 @@ def check_proved_and_equal(family, number):
     assert np.abs(states(other) - states(result)).max() <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["degree 4", "degree 5"])
 def test_a_random_scene_is_proved_complete(family):
     check_proved_and_equal(family, 0)
@@ -37,6 +38,7 @@ def test_two_hundred_random_scenes_are_proved_complete(family, number):
     check_proved_and_equal(family, number)
 
 
+@pytest.mark.slow
 def test_the_cross_has_six():
     """Four right angles: pairs of creases on one line are book folds, and flat foldings are singular."""
     found = count_proved(2, ("cross of 90 degrees",)).families[0]

@@ -66,6 +66,7 @@ def test_lines_are_where_admissibility_ends(name):
         assert not either.any() if line.thin else either.all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_bisected_points_lie_on_the_lines(name):
     found = boundary(name)

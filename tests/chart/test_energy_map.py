@@ -128,6 +128,7 @@ def test_no_admissible_state_is_left_white(scene):
         assert near_finite(branch, *place.point), (phi, place)
 
 
+@pytest.mark.slow
 def test_white_cells_have_no_admissible_state():
     """Newton from many completions of an excluded cell finds only crossing or overfolded states."""
     rng = np.random.default_rng(3)

@@ -194,6 +194,7 @@ def test_letters_alone_are_said_to_mean_shut(tmp_path):
     assert "--rest-angle" not in run("model", path).err
 
 
+@pytest.mark.slow
 def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
     fold, _, options = pocket
     coarse = partial(find_barriers, spacing=0.5)

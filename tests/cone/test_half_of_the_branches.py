@@ -51,6 +51,7 @@ def minima_by_digits(degree, ratio, rest_elevation, nodes=120):
     return found
 
 
+@pytest.mark.slow
 def test_off_the_curves_the_count_is_half_and_on_a_curve_it_is_not():
     """N = 8, nu_0 = 0.5, U'(0+) = 0 of M V_3 up and of M_3 V down: four branches each hold none."""
     with mp.workdps(50):

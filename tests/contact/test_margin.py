@@ -324,6 +324,7 @@ def test_a_loaded_scene_searched_from_scratch_agrees(name: str) -> None:
         assert (near.kind == "contact-pinned") == closed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", thinned(["axis, pi/6", "creases on each other, stiff mountains"], 2)
 )

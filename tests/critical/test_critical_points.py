@@ -69,6 +69,7 @@ def test_the_morse_sum_is_the_euler_characteristic(scene):
     assert max(p.residual for p in found.points) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", thinned([3, 1, 2], 3))
 def test_the_sum_is_the_same_for_every_energy(shape):
     """The space does not know the springs: any point lost or misjudged alone breaks this."""
@@ -120,6 +121,7 @@ def kkt_points(scene, rng, starts):
     return np.array(ends)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scene", [pytest.param(SOME[1], marks=pytest.mark.slow), SOME[2]], ids=lambda s: s.name
 )

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 
 from origami_nlp import Vertex, examine
 from origami_nlp.folding import (
@@ -64,6 +65,7 @@ def test_depths_are_those_of_the_pairs():
         assert set(((k - j) % n)[named].tolist()) <= set(range(3, n - 1))
 
 
+@pytest.mark.slow
 def test_a_crossing_ends_where_its_row_changes_sign():
     # crossed states are pushed across the row that is named, by Gauss-Newton on closure and the determinant
     rng = np.random.default_rng(2)

@@ -258,6 +258,7 @@ def test_classes_of_determinants_are_counted_once():
     assert len(determinant_classes(p, np.random.default_rng(10))) == 15
 
 
+@pytest.mark.slow
 def test_whether_parts_touch_is_what_the_distance_of_arcs_says():
     """Admissible states that touch and that are clear of it, by distances that know nothing of planes of facets."""
     rng, told = np.random.default_rng(4), []

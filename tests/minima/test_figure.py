@@ -125,6 +125,7 @@ def test_every_minimum_is_marked_whole(results, name):
         assert 0 < x < width and 0 < y < height
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", thinned([12, 5, 1], 3))
 def test_many_minima_make_a_larger_figure(results, count):
     result = results["degree 6, handles and a family"]
@@ -134,6 +135,7 @@ def test_many_minima_make_a_larger_figure(results, count):
     assert sum("U = " in text for text, _ in texts(figure)) == count
 
 
+@pytest.mark.slow
 def test_too_many_minima_are_counted_not_crowded(results):
     result = results["no chart"]
     many = tuple(itertools.islice(itertools.cycle(result.minima), MOST_DRAWN + 3))

@@ -121,6 +121,7 @@ def verify(result):
     assert verified >= 0.7 * len(result.minima)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("n", "equal"), [(30, True), pytest.param(100, False, marks=pytest.mark.slow), (300, True)]
 )

@@ -183,6 +183,7 @@ COLLAPSING = dict(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "distances",
     [

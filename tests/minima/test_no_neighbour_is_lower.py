@@ -86,6 +86,7 @@ def test_the_same_look_refutes_unstable_and_moved_states(scene):
             assert len(look_around(p, moved[0], NORMAL, rng, radii=RADII[4:]).lower)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned(PANELS, 6), ids=lambda s: s.name)
 def test_no_neighbour_that_keeps_facets_touching_is_lower(scene):
     rng = np.random.default_rng(15)

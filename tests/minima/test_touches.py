@@ -130,6 +130,7 @@ def test_beside_a_touch_states_are_admissible_on_the_open_side_only():
     assert sides[False, False] > 100
 
 
+@pytest.mark.slow
 def test_every_admissible_touch_of_a_vertex_of_degree_5_and_6_is_a_pinch():
     # states on a determinant by Gauss-Newton from anywhere; where the ray lies on the arc and the state is admissible,
     # the pinch with the same position and free turns must have it among its solutions

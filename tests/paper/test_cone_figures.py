@@ -11,6 +11,7 @@ from tests.command_line import run
 from tests.computed_once import thinned
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", thinned(["cone-3", "cone-4-firing"], 2))
 def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
     monkeypatch.setattr(cone_figures, "SIZE", 4)

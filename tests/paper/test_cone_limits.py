@@ -29,6 +29,7 @@ def test_orders_and_coefficients_are_those_of_the_series(elevation, ratio):
         assert abs(quantity.coefficient - quantity.expected_coefficient) < 2 * LAST**2, quantity
 
 
+@pytest.mark.slow
 def test_series_of_both_roots_by_sympy():
     a, v = sp.symbols("alpha v", positive=True)
     steepness = (1 + sp.sin(a)) / sp.cos(a)  # cot(pi/4 - alpha/2)

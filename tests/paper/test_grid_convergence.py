@@ -49,6 +49,7 @@ def chart_hessian(scene, branch, place):
     return np.array([[u[0] + u[1] - 2 * u[8], cross], [cross, u[2] + u[3] - 2 * u[8]]]) / h**2
 
 
+@pytest.mark.slow
 def test_interior_errors_keep_to_their_constants():
     """The cell's own corner gives a bound: dU <= e.H e/2 with |e_i| <= h_i/2, and H bounds the place in turn."""
     result = search(*INTERIOR)
@@ -63,6 +64,7 @@ def test_interior_errors_keep_to_their_constants():
             assert error.distance[k].max() <= 1.05 * np.sqrt(2 * bound / low)
 
 
+@pytest.mark.slow
 def test_minima_pinned_at_a_curved_wall_lose_half_the_order():
     error = errors(*WALL)[1]
     assert error.sort == "contact"

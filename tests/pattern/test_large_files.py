@@ -84,6 +84,7 @@ def fan_of_faces(n):
     return json.dumps(data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "sizes"),
     [

@@ -113,6 +113,7 @@ def test_critical_points_end_in_their_leaves(name):
         assert replay.tree.kind[node] in (Kind.ROOT, Kind.SINGULAR)
 
 
+@pytest.mark.slow
 def test_leaves_lie_where_they_say():
     """Boxes of leaves: roots within uniqueness, flat ones within the radius, clusters within their hulls."""
     _, proof, replay = proof_of("degree 5")

@@ -82,6 +82,7 @@ def test_closure_holds_its_values(n, width):
             assert abs(exact[row] - value_of(form, row, k, xi)) <= mpf(form.error[row, k])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", thinned([5, 4, 6], 3))
 @pytest.mark.parametrize("width", WIDTHS)
 def test_minors_hold_their_values_on_closed_states(n, width):

@@ -53,6 +53,7 @@ def test_three_freedoms_are_proved():
     assert (far.min(axis=1) < 1e-8).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [DEGREE4[0], DEGREE5[0]])
 def test_points_hold_in_50_digits(scene):
     """Newton in 50 digits on x and m: distance of the root, signs at closed creases, reduced Hessian."""

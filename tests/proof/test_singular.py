@@ -207,6 +207,7 @@ def plants() -> list[tuple[Model, np.ndarray, tuple[int, ...], float]]:
     return [p for p in tried if p is not None]
 
 
+@pytest.mark.slow
 def test_a_planted_critical_point_is_never_inside_the_radius() -> None:
     found = [(isolated(model, x, s), away) for model, x, s, away in plants()]
     assert len(found) >= 10

@@ -137,6 +137,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     assert seen >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", thinned(["uneven", "touching"], 2))
 def test_points_with_touches_hold_in_50_digits(name):
     """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
@@ -242,6 +243,7 @@ def test_a_touch_that_pushes_is_a_minimum(touching):
     assert touching.crossing > 0
 
 
+@pytest.mark.slow
 def test_signs_agree_with_the_test_of_single_states():
     """Every critical point within fold limits: crossing, or not, by intervals and by `Model.refuses`."""
     seen = {APART: 0, CROSSED: 0}

@@ -57,6 +57,7 @@ def test_repr_is_the_same_text_in_a_kernel_and_outside(outputs):
         assert text == outside[name] and text.strip(), name
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_each_result_is_displayed_once(outputs):
     assert outputs[0] == []  # asking for repr displays nothing

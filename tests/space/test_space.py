@@ -36,6 +36,7 @@ def spaces():
     return once("spaces", lambda: {k: find_space(scene, 16) for k, scene in SCENES.items()})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_topology_does_not_depend_on_the_mesh(spaces, name):
     coarse, middle = find_space(SCENES[name], 11), spaces[name]

@@ -53,6 +53,7 @@ def test_curves_of_events_are_told(events6):
     assert {len(e.walls) for e in curve} == {2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "alpha", "changes"),
     thinned(
