@@ -55,7 +55,26 @@ def found_once(find: Callable, kept: list) -> Callable:
 KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
-@pytest.mark.parametrize("module", WITH_EXAMPLES)
+DEAR = {
+    f"origami_nlp.{name}"
+    for name in (
+        "landscape.exact",
+        "critical.find",
+        "results",
+        "sheet_loading.result",
+        "bench.patterns",
+        "springs.finding",
+        "springs.result",
+        "barriers.find",
+    )
+}
+"""Modules whose examples take seconds: they run with the long studies."""
+
+
+@pytest.mark.parametrize(
+    "module",
+    [pytest.param(m, marks=[pytest.mark.slow] if m in DEAR else []) for m in WITH_EXAMPLES],
+)
 def test_examples_say_what_they_show(module, monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     for name in FINDERS:  # the same search in several examples

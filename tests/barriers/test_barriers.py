@@ -291,6 +291,7 @@ def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
     flooded(contact_barriers, (129, 257, 513), 0.35)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "which", ["saddle_barriers", pytest.param("handle_barriers", marks=pytest.mark.slow)]
 )

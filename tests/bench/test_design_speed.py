@@ -40,6 +40,7 @@ def test_the_slope_of_a_penalty_is_that_of_differences():
     assert slope == pytest.approx(by_steps.T, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_programme_finds_what_a_penalty_finds():
     for number in range(3):
         targets = random_question(4, number, 2, True)

@@ -77,6 +77,7 @@ def test_bisected_points_lie_on_the_lines(name):
         assert away.max() < 5e-4  # chords of at most 0.04 rad
 
 
+@pytest.mark.slow
 def test_corners_and_handles_of_pi_3():
     """At alpha_1 = pi/3 creases 1 and 4 can coincide, and four sets exist only at phi = +-pi exactly."""
     lines = boundary("pi/3").lines
@@ -110,6 +111,7 @@ def test_region_is_the_admissible_set(name):
     same_region(SCENES[name], boundary(name), 157)
 
 
+@pytest.mark.slow
 def test_a_line_is_cut_where_another_ends_on_it_tangentially():
     """Here the next contact closes quadratically, so that its end is known to 1e-5 only (found by hypothesis)."""
     check_vertex(0.5, 0.5)

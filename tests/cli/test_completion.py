@@ -40,6 +40,7 @@ ASKED = {
 }
 
 
+@pytest.mark.slow
 def test_bash_completes_by_the_function_that_it_is_given(program):
     script = ['eval "$(origami-nlp --show-completion)"', "complete -p origami-nlp"]
     for line in ASKED:

@@ -79,6 +79,7 @@ def maps(degree, end, size=200):
     return cone.count_map(cone.Cone(degree, end=end), 10 ** (4 * cells - 2), elevations)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "degree, end, more, share",
     [

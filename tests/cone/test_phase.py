@@ -69,6 +69,7 @@ def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth)
             assert sides[0] != sides[1], (curve, nu, ratio)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "degree, depth",
     [

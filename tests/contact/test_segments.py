@@ -80,6 +80,7 @@ def errors(model: Model, point: Point, rows: tuple[Contact, ...], h: float) -> t
     return abs(slope - point.slope), abs(second - point.stiffness)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_slope_and_stiffness_are_derivatives_of_the_energy_in_arclength(name: str) -> None:
     model, curve = curve_of(name)

@@ -77,6 +77,7 @@ def test_the_sum_is_the_same_for_every_energy(shape):
     assert other.morse_sum == 1, other.to_dict()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned([SOME[2], SOME[0], SOME[1]], 3), ids=lambda s: s.name)
 def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     """Index and multiplier sign against the count on the sampled link, on springs without symmetry of their own."""
@@ -267,6 +268,7 @@ def test_scenes_without_two_freedoms_are_refused():
         find_critical_points(examples.degree6(contact="none"))
 
 
+@pytest.mark.slow
 def test_command_line(tmp_path, monkeypatch):
     monkeypatch.setattr("origami_nlp.space.find_space", lambda scene: find_space(scene, COARSE))
     runner = CliRunner()

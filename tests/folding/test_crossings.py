@@ -117,6 +117,7 @@ def shut_at_random(rng, count, n):
     return shut
 
 
+@pytest.mark.slow
 def test_the_stack_rule_refuses_nothing_that_has_an_order():
     rng = np.random.default_rng(3)
     flagged = refused = seen = 0

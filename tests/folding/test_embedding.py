@@ -108,6 +108,7 @@ def touching_agreement(seed, count):
     return verdicts, beside
 
 
+@pytest.mark.slow
 def test_touching_states_and_their_neighbours():
     verdicts, beside = touching_agreement(2, 24)
     for v in (verdicts, beside):

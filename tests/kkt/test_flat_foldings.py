@@ -58,6 +58,7 @@ def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
     assert pieces <= COUNTS[name] // 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [n if n == "Miura" else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
 )

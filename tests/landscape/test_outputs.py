@@ -128,6 +128,7 @@ def test_arrays_hold_states(written):
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", thinned(["pdf", "svg"], 2))
 def test_vector_figures_without_contact(ending, tmp_path):
     """Without full contact there is no boundary to trace: the picture says so."""

@@ -146,6 +146,7 @@ def test_too_many_minima_are_counted_not_crowded(results):
     assert any(": no minima;" in text for text, _ in texts(empty))
 
 
+@pytest.mark.slow
 def test_family_and_missing_chart_are_said(results):
     figure = o.draw_minima(results["degree 6"], size=COARSE)
     assert any("creases 1 and 4 form one straight line" in text for text, _ in texts(figure))

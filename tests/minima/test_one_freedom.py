@@ -133,6 +133,7 @@ def beside_flat(phi, reach=0.02):
     return np.abs(phi - PI * np.round(phi / PI)).max() < reach
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
 def test_every_dip_of_a_dense_scan_is_a_minimum_that_was_traced(contact):
     rng = np.random.default_rng(11)

@@ -130,6 +130,7 @@ def test_undecided_states_are_counted_as_such(decided):
     )
 
 
+@pytest.mark.slow
 def test_demo_decides_every_state(tmp_path, monkeypatch):
     few = [o.examples.degree6("pi/3", 1.0), o.examples.degree8("pi/4", 1.0)]
     monkeypatch.setattr(o.examples, "panels", lambda: few)

@@ -208,6 +208,7 @@ def test_vertices_that_cannot_be_made(sectors, flat, words):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.floats(0.05, 3.1), min_size=3, max_size=7))
 def test_the_polygon_inequalities_are_sharp(sides):

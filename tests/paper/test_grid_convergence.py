@@ -104,6 +104,7 @@ def test_grid_errors_want_a_chart():
         grid_errors(flat)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ending", ["png", *(pytest.param(e, marks=pytest.mark.slow) for e in ("pdf", "svg"))]
 )

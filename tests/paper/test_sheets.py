@@ -27,6 +27,7 @@ def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
     assert (tmp_path / "new/figure4.pdf").read_bytes().startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_sheet_draws_what_was_found(one_panel):
     (panel,) = find_panels("figure4", size=41, workers=1)
     assert panel.counts == (2, 2, 2)

@@ -101,6 +101,7 @@ def test_time_is_linear(make, sizes):
     assert_linear(make, analyse, sizes)
 
 
+@pytest.mark.slow
 def test_ten_thousand_vertices(tmp_path):
     """5 s of processor time for the command on a quiet machine; all of them are listed."""
     file = tmp_path / "a.fold"

@@ -98,6 +98,7 @@ def test_no_closed_state_is_excluded_by_closure(name):
     assert Kind.MINOR in met or name.startswith("D")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_critical_points_end_in_their_leaves(name):
     model, proof, replay = proof_of(name)

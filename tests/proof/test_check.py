@@ -360,6 +360,7 @@ def test_false_proofs_of_wedges_are_refused(name):
     assert "flat" in check_proof(replace(changed(good, kind=flat), r0=1e-3)).refused
 
 
+@pytest.mark.slow
 def test_a_cross_rests_on_twins():
     k, rest = (1.0, 2.0, 0.7, 1.4), (0.4, -1.1, 0.8, 2.0)
     s = Scene(Vertex(("pi/2",) * 4), k, rest, symmetry="none", contact="fold-limits")

@@ -73,6 +73,7 @@ def direction(sectors, rng):
     return u / abs(u).max(), b, turned.T @ u  # h_i = sum_{j<i} u_j sin(azimuth_i - azimuth_j)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [4, 5])
 def test_planted_criticality_is_never_excluded(degree):
     for seed in range(3):

@@ -217,6 +217,7 @@ def side_of(a, x, k, j, point):
     return 0 if abs(far) < 1e-9 else int(mp.sign(far))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING, uneven(1)], 3))
 def test_minima_are_those_of_a_thorough_search(scene):
     model = Model(scene)
@@ -233,6 +234,7 @@ def test_minima_are_those_of_a_thorough_search(scene):
         assert (kind == "minimum") == point.is_minimum
 
 
+@pytest.mark.slow
 def test_a_touch_that_pushes_is_a_minimum(touching):
     """Crease 4 on facet 1; without its touches the proof would lack it."""
     pushed = [p for p in touching.minima if p.touches]

@@ -238,6 +238,7 @@ def held_forces(rigid, pattern, crease, p, h=1e-5):
     return sorted(f for f in np.abs(forces) if f > 1e-4)
 
 
+@pytest.mark.slow
 def test_a_side_rolls_over_a_facet():
     """Its touch with one side of the facet is joined, then replaced, by that with another; forces by rotations."""
     pattern, start, crease = sprung(35)

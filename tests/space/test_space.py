@@ -53,6 +53,7 @@ def test_topology_does_not_depend_on_fine_meshes(spaces, name):
         assert fine.picture_holes == spaces[name].picture_holes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_mesh_is_a_complex_of_admissible_states(spaces, name):
     space = spaces[name]
@@ -201,6 +202,7 @@ def test_picture_joins_states_that_are_apart(spaces):
     assert spaces["6, pi/4"].picture_holes == 0
 
 
+@pytest.mark.slow
 @settings(max_examples=4, deadline=None)
 @given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
 def test_every_sector_angle_gives_a_sound_space(alpha, make):
@@ -223,6 +225,7 @@ def test_states_negate(spaces, name):
             assert corners[turned] == count
 
 
+@pytest.mark.slow
 def test_mesh_of_closed_states_is_a_surface():
     sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
     _, of_triangle = topology.edges_of(sheets.triangles)

@@ -30,6 +30,7 @@ def events8():
     return once("events-8", lambda: find_events(degree8, LOW, HIGH, starts=4))
 
 
+@pytest.mark.slow
 def test_events_of_degree_6(events6):
     """Only where 4 alpha = pi (creases 1 and 4 of the strip meet) and 3 alpha = pi (1 and 3, 2 and 4 meet)."""
     alphas = np.array([e.alpha for e in events6])

@@ -239,7 +239,8 @@ def killed_and_finished(text, folder, kills, seed, most):
     return out, met
 
 
-@pytest.mark.parametrize("kills", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kills", [1, 2])
 def test_kills_change_nothing(finished, tmp_path, kills):
     out, met = killed_and_finished(SMALL, tmp_path, kills, seed=0, most=3)
     assert met == kills  # all were alive to be killed
