@@ -42,6 +42,7 @@ def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
     assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
 
 
+@pytest.mark.slow
 def test_every_event_of_a_line_lies_on_a_curve(contact):
     for line in contact.lines:
         assert line.events and all(number for _, number in line.events)

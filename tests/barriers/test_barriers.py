@@ -203,6 +203,7 @@ def test_the_flat_state_is_the_least_barrier_between_its_sides(which, request):
     assert equal and bool(above) == (which == "handle_barriers")
 
 
+@pytest.mark.slow
 def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers):
     passes = {(p.from_state, p.to_state): p for p in saddle_barriers.passes}
     p = passes[2, 3]

@@ -237,6 +237,7 @@ def test_the_flat_state_by_the_dual_cone(seed):
     assert flat.contribution == (-1 if meets else 1)
 
 
+@pytest.mark.slow
 def test_the_minima_are_those_of_the_search():
     scene = PANELS[4]
     found = compare_minima(critical_points(scene), panel_result(scene))

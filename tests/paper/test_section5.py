@@ -20,6 +20,7 @@ def test_dense_scan_agrees_with_exact_counts(depth, contact):
     assert (scanned != wanted).mean() < 0.02  # a scan of 400 points misses minima within its step
 
 
+@pytest.mark.slow
 def test_findings_are_consistent_with_what_was_counted():
     for finding in printed.check_statements(8, degrees=(6, 8)):
         for reading, share, value, holds in zip(

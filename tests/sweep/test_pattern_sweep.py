@@ -71,6 +71,7 @@ def test_a_sweep_is_its_sheets(finished):
     assert draw_sweep(finished).axes
 
 
+@pytest.mark.slow
 def test_an_interrupted_sweep_goes_on_to_the_same_answers(finished, tmp_path):
     class Interrupted(Inline):
         left = 2
