@@ -44,6 +44,8 @@ PIXELS = 1_000
 """Of the longer side of the painted picture."""
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
+CANCELS = 1e-9
+"""Share of all areas below which the areas of facets, as vectors, cancel: their mean normal is rounding."""
 PIECE = 0.004
 """Lines are cut into pieces of this share of the picture, each seen or hidden."""
 DASH, PERIOD = 0.014, 0.022
@@ -113,13 +115,15 @@ def draw_sheet(
 
 def sheet_view(polygons: list[np.ndarray]) -> np.ndarray:
     """Return rows right, up and towards the viewer for polygons [q, 3] in space, [3, 3]."""
-    area = np.zeros(3)
-    for x in polygons:
-        area += np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    areas = np.array(
+        [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0) for x in polygons]
+    )
+    area = areas.sum(axis=0)
+    seen = np.linalg.norm(area) > CANCELS * np.linalg.norm(areas, axis=1).sum()
     points = np.concatenate(polygons)
     points = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(points, full_matrices=False)
-    up = axes[2] if np.linalg.norm(area) < 1e-9 else area / np.linalg.norm(area)
+    up = area / np.linalg.norm(area) if seen else axes[2]
     ahead = next(a for x in axes if np.linalg.norm(a := x - (x @ up) * up) > 0.3)
     ahead = ahead / np.linalg.norm(ahead)
     if ahead[int(np.abs(ahead).argmax())] < 0:
