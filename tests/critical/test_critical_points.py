@@ -15,7 +15,7 @@ from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.critical import CriticalPoints, compare_minima, find_critical_points
 from origami_nlp.critical.link import count_arcs, link_of
 from origami_nlp.critical.strata import strata_of
-from origami_nlp.errors import OptionError, SceneFileError
+from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, newton, project
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
@@ -254,10 +254,10 @@ def test_json_round_trip():
     again = CriticalPoints.from_dict(data)
     assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
     assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
-    with pytest.raises(SceneFileError, match="schema"):
+    with pytest.raises(OptionError, match="schema"):
         CriticalPoints.from_dict({"schema": "something else"})
     del data["critical_points"][0]["energy"]
-    with pytest.raises(SceneFileError, match="energy"):
+    with pytest.raises(OptionError, match="energy"):
         CriticalPoints.from_dict(data)
 
 
