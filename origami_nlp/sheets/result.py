@@ -85,7 +85,8 @@ class SheetSearch:
     def words(self) -> Iterator[str]:
         """Say it."""
         if self.lines or self.families:
-            more = f" and {self.families} families with more freedoms" if self.families else ""
+            what = "family" if self.families == 1 else "families"
+            more = f" and {self.families} {what} with more freedoms" if self.families else ""
             yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
         if self.flat_folded > 1:
             yield f"flat-folded states: {self.flat_folded} enumerated, and the ways out of each"
@@ -124,13 +125,18 @@ class SheetSearch:
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.complete
         yield (
-            f"one freedom: {self.curves} curves traced"
-            + (f", {lost} of them lost on the way" if lost else ", each to its ends")
+            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            + (
+                f", {lost} of them lost on the way"
+                if lost
+                else (", each to its ends" if self.curves != 1 else " to its ends")
+            )
             + (f"; {self.outside} of them known from random starts only" if self.outside else "")
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            yield f"{self.unclear} parts of steps along them in which facets may touch and part again unseen"
+            what = "part of a step" if self.unclear == 1 else "parts of steps"
+            yield f"{self.unclear} {what} along them in which facets may touch and part again unseen"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
