@@ -2,23 +2,24 @@
 
 Two convex pieces of paper that overlap in a plane have an order, and beside the state every point of one that lies
 inside the other stays on its side: over its plane, or under it.  Seen from one piece the other one moves as a rigid
-body, so that to first order its points stay there if those at the corners of the overlap do.  To second order a corner
-of the overlap says nothing where it is on a border, since the point may slide off: `Lying.inside` is the same gap of a
-point that cannot.
+body, so that to first order its points stay there if those at the corners of the overlap do.  A corner of one facet
+inside the other, and sides that cross inside each other, stay on their side to any order; of a corner of the overlap
+that is on a border this says nothing to second order, since the point may slide off: `Lying.inside` is the same gap of
+a point that cannot.
 
 Which orders there are is asked of `Orders`; those that all of them agree on are known, the others are a choice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets.features import Features
+from origami_nlp.facets.features import INSIDE, Features
 from origami_nlp.facets.layers import MOST_PAIRS, Layers, pose_layers
 from origami_nlp.facets.orders import Orders
 from origami_nlp.facets.sheet import Sheet
@@ -168,7 +169,7 @@ class Faces:
     def _at(self) -> Placed:
         return Placed(self._sheet.crossings.poses, self._phi)
 
-    def touches(self, pair: int, above: bool) -> tuple[Lying, ...]:
+    def touches(self, pair: int, above: bool) -> tuple[Touch, ...]:
         """Return the gaps of a pair that stay open where its first piece is above, or below.
 
         Parameters
@@ -180,70 +181,104 @@ class Faces:
 
         Returns
         -------
-        tuple of Lying
-            One at each corner of the overlap.
+        tuple of Touch
+            One at each corner of the overlap: a corner inside the other facet, two sides that cross inside each other,
+            and else `Lying`.
         """
+        return tuple(t if above else replace(t, sign=-t.sign) for t in self._above(pair))
+
+    def _above(self, pair: int) -> list[Touch]:
+        """Return the gaps of a pair whose first piece is above."""
         stack, crossings = self._stack, self._sheet.crossings
-        upper, lower = (int(p) for p in stack.pairs[pair])
-        f, g = int(crossings.facet[upper]), int(crossings.facet[lower])
-        rings = Features(crossings).rings_of_pieces
-        triangle = tuple(rings.triangle[lower].tolist())
-        a, b, c = self._at.points(np.array((g, g, g)), np.array(triangle))
-        sign = float(np.sign(cross(b - a, c - a) @ stack.up[lower])) * (1.0 if above else -1.0)
-        turn, shift = self._at.turn[f], self._at.shift[f]
-        one, other = (_ring(stack.x[p]) for p in (upper, lower))
-        exact = 10 * CLOSES * crossings.size
-        corners = _overlap(one, other, stack.normal[upper], stack.near, exact)
-        reference = self._sheet.pattern.corners[
-            [v for v in dict.fromkeys(crossings.pieces[upper].tolist())]
+        one, other = (_Piece(stack, self._features, int(p)) for p in stack.pairs[pair])
+        up = stack.up[stack.pairs[pair][0]]
+        room = INSIDE * crossings.size
+        found: list[tuple[np.ndarray, Touch | None]] = []
+        feature: Touch | None
+        for of, on, sense in ((one, other, 1.0), (other, one, -1.0)):
+            for x, corner, depth in zip(of.x, of.corners, on.depth(of.x), strict=True):
+                if depth > room:
+                    sign = sense * float(np.sign(on.way @ up))
+                    feature = Touch(
+                        "vertex-face", (on.facet, of.facet), (corner, *on.triangle), sign
+                    )
+                    found.append((x, feature))
+                elif depth >= -10 * CLOSES * crossings.size:
+                    found.append((x, None))
+        found += [
+            (x, Touch("edge-edge", (other.facet, one.facet), sides, sign) if far > room else None)
+            for x, sides, sign, far in _crossings(other, one, up)
         ]
-        x = (corners - shift) @ turn
-        for k, y in enumerate(x):  # corners of the piece itself without rounding
-            off = np.linalg.norm(reference - y, axis=1)
-            if off.min() <= stack.near:
-                x[k] = reference[off.argmin()]
-        middle = _point(x.mean(axis=0))
-        return tuple(
-            Lying("face-face", (g, f), (-1, *triangle), sign, _point(y), middle) for y in x
-        )
+        kept: list[tuple[np.ndarray, Touch | None]] = []
+        for x, feature in found:
+            if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
+                kept.append((x, feature))
+        turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
+        middle = _point((np.mean([x for x, _ in kept], axis=0) - shift) @ turn)
+        corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
+        return [
+            feature
+            or Lying(
+                "face-face",
+                (other.facet, one.facet),
+                corners,
+                sign,
+                _point((x - shift) @ turn),
+                middle,
+            )
+            for x, feature in kept
+        ]
+
+    @cached_property
+    def _features(self) -> Features:
+        return Features(self._sheet.crossings)
+
+
+class _Piece:
+    """A convex piece in space: its corners, those of its sides that are borders of the facet, and its normal."""
+
+    def __init__(self, stack: Stack, features: Features, piece: int) -> None:
+        rings = features.rings_of_pieces
+        real = rings.valid[piece]
+        self.x = stack.x[piece][real]
+        self.corners: list[int] = stack.crossings.pieces[piece][real].tolist()
+        self.border = rings.border[piece][real]
+        self.facet = int(stack.crossings.facet[piece])
+        self.way = stack.normal[piece]
+        a, b, c = rings.triangle[piece].tolist()
+        self.triangle: tuple[int, int, int] = a, b, c
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Return how far inside points of its plane are, [k, 3] -> [k]."""
+        inward = cross(self.way, np.roll(self.x, -1, axis=0) - self.x)
+        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+        depth = np.einsum("kpi,pi->kp", points[:, None] - self.x[None], inward)
+        return np.asarray(depth.min(axis=1))
+
+
+def _crossings(
+    one: _Piece, other: _Piece, up: np.ndarray
+) -> Iterator[tuple[np.ndarray, tuple[int, int, int, int], float, float]]:
+    """Go through sides that cross: point, ends, the sign with which the other is above, and the distance of ends."""
+    for i, (a, u) in enumerate(zip(one.x, np.roll(one.x, -1, axis=0) - one.x, strict=True)):
+        for j, (c, v) in enumerate(
+            zip(other.x, np.roll(other.x, -1, axis=0) - other.x, strict=True)
+        ):
+            w = cross(u, v)
+            size = float(w @ up)
+            lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
+            if abs(size) <= INSIDE * lengths[0] * lengths[1]:
+                continue  # as good as parallel: corners tell what there is
+            s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
+            if not (0 < s < 1 and 0 < t < 1):
+                continue
+            far = min(min(s, 1 - s) * lengths[0], min(t, 1 - t) * lengths[1])
+            real = one.border[i] and other.border[j]
+            after = one.corners[(i + 1) % len(one.x)], other.corners[(j + 1) % len(other.x)]
+            sides = one.corners[i], after[0], other.corners[j], after[1]
+            yield a + s * u, sides, float(np.sign(size)), far if real else 0.0
 
 
 def _point(x: np.ndarray) -> Point:
     a, b, c = x.tolist()
     return a, b, c
-
-
-def _ring(x: np.ndarray) -> np.ndarray:
-    """Drop the corners by which a piece [q, 3] is padded."""
-    return x[[True, *(x[1:] != x[0]).any(axis=1)]]
-
-
-def _overlap(
-    one: np.ndarray, other: np.ndarray, normal: np.ndarray, near: float, on: float
-) -> np.ndarray:
-    """Return the corners of the overlap of two convex polygons in a plane, [p, 3] and [q, 3]: [k, 3]."""
-    found = [*_within(one, other, normal, on), *_within(other, one, normal, on)]
-    for a, b in zip(one, np.roll(one, -1, axis=0), strict=True):
-        for c, d in zip(other, np.roll(other, -1, axis=0), strict=True):
-            u, v = b - a, d - c
-            size = float(cross(u, v) @ normal)
-            if abs(size) <= 1e-9 * np.linalg.norm(u) * np.linalg.norm(v):
-                continue
-            s, t = (float(cross(c - a, w) @ normal) / size for w in (v, u))
-            if 0 < s < 1 and 0 < t < 1:
-                found.append(a + s * u)
-    kept: list[np.ndarray] = []
-    for x in found:
-        if all(np.linalg.norm(x - y) > near for y in kept):
-            kept.append(x)
-    return np.array(kept)
-
-
-def _within(of: np.ndarray, ring: np.ndarray, normal: np.ndarray, on: float) -> np.ndarray:
-    """Return the corners that lie on a convex polygon, whichever way it runs."""
-    side = np.roll(ring, -1, axis=0) - ring
-    inward = cross(normal, side)
-    inward /= np.linalg.norm(inward, axis=1, keepdims=True)
-    inward *= np.sign(inward[0] @ (ring.mean(axis=0) - ring[0]))
-    depth = np.einsum("kpi,pi->kp", of[:, None] - ring[None], inward)
-    return np.asarray(of[depth.min(axis=1) >= -on])

@@ -66,7 +66,8 @@ def curvature(
     if extra is not None and len(extra):
         j = np.vstack([j, extra[:, free]])
     _, values, vt = np.linalg.svd(j, full_matrices=True)
-    z = vt[int((values > RANK).sum()) :].T
+    rank = int((values > RANK).sum())
+    z = vt[rank:].T
     smallest = math.inf
     if z.shape[1]:
         curvatures, vectors = np.linalg.eigh(z.T @ h @ z)
@@ -74,10 +75,14 @@ def curvature(
         way[free] = z @ vectors[:, 0]
     if smallest <= CURVED:
         return smallest, way, False
-    square, size = j.T @ j, float(np.abs(h).max())
+    # more than the kernel where rank is hidden; beside a singular state rows of J are short, those of V are not
+    square, size = vt[:rank].T @ vt[:rank], float(np.abs(h).max())
+    off = (
+        len(h) * EPS / float(values[:rank].min(initial=1.0))
+    )  # of a kernel's unit vector from theirs
     for rho in PENALTIES:
         whole = h + rho * square
-        margin = CURVED * size + 10 * len(h) * EPS * rho  # rows of J have entries up to 1/2
+        margin = CURVED * size + rho * (10 * len(h) * EPS + off**2)
         try:
             linalg.cholesky(whole - margin * np.eye(len(h)))
         except linalg.LinAlgError:

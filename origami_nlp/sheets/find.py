@@ -200,6 +200,9 @@ class _Search:
         else:
             why = f"not decided: pressed down to where {end.why}"
             state = judge(self.sheet, end.phi)
+            if state.verdict == "minimum":
+                self.add(state)
+                return
             self.add(replace(state, verdict="undecided", kind=None, certificate=why))
 
     def states(self) -> tuple[SheetState, ...]:

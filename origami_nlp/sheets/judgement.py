@@ -187,6 +187,8 @@ def _told(sheet: Sheet, blank: SheetState, pieces: Pieces, unknown: str = "") ->
         why = (
             f"not decided: torque of {at.missing:.1e} is left{where}, but no lower state was found"
         )
+    elif at.lowest > 0:
+        why = f"not decided: facets face to face push at borders alone{where}, where they may slide off"
     else:
         why = f"not decided: curvature {at.lowest:.3g} along a free motion{where} proves nothing"
     why += f"; {unknown}" if unknown else ""

@@ -186,14 +186,15 @@ def judge_pieces(
         What was found; it ends at the first piece on which the state is not known to be a minimum.
     """
     tree = _Tree(sheet, phi, choices, z, faces)
-    if faces is not None:
-        rows = rows.with_touches(*tree.known())
+    if tree.known:
+        known = Rows.at(sheet, phi, np.zeros(0, int), tree.known)
+        rows = rows.with_touches(known, range(len(tree.known)))
     out = Pieces()
     waiting: list[Chosen] = [((), {})]
     while waiting:
         gaps, above = waiting.pop()
         out.count += 1
-        held = rows.with_touches(tree.gaps, tree.rows_of(gaps, above)).needed(z)
+        held = rows.with_touches(tree.gaps, tree.rows_of(gaps, above)).needed(z, tree.flat)
         piece = judge_piece(sheet, phi, held, balance(sheet, phi, held, z))
         if not piece.proved and ways is not None:
             rises, falling = slopes(sheet, phi, ways, held.slopes)
@@ -232,10 +233,13 @@ class _Tree:
         z: np.ndarray,
         faces: Faces | None,
     ) -> None:
-        self.sheet, self.phi, self.faces = sheet, phi, faces
-        either: dict[int, tuple[tuple[Lying, ...], tuple[Lying, ...]]] = {}
+        self.faces = faces
+        self.known: list[Touch] = []
+        either: dict[int, tuple[tuple[Touch, ...], tuple[Touch, ...]]] = {}
         if faces is not None:
             either = {k: (faces.touches(k, False), faces.touches(k, True)) for k in faces.open}
+            self.known = [t for pair, above in faces.known for t in faces.touches(pair, above)]
+        self.flat = {*self.known, *(t for both in either.values() for way in both for t in way)}
         every: list[Touch] = [t for choice in choices for t in choice]
         every += [t for both in either.values() for touches in both for t in touches]
         touches = list(dict.fromkeys(every))
@@ -249,12 +253,6 @@ class _Tree:
         self.either = {
             k: tuple([place[t] for t in way] for way in both) for k, both in either.items()
         }
-
-    def known(self) -> tuple[Rows, range]:
-        """Return gaps of pairs that lie the same way in every order, and their numbers."""
-        assert self.faces is not None
-        touches = [t for pair, above in self.faces.known for t in self.faces.touches(pair, above)]
-        return Rows.at(self.sheet, self.phi, np.zeros(0, int), touches), range(len(touches))
 
     def rows_of(self, gaps: tuple[int, ...], above: dict[int, bool]) -> list[int]:
         """Return the numbers of gaps that stay open: some chosen at borders, those of pairs whose order is known."""

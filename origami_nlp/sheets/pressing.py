@@ -19,7 +19,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Sheet, Touch, choices
+from origami_nlp.facets import INSIDE, MOST_DENSE, Faces, Features, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
 from origami_nlp.sheets.contacts import closed_choices, closed_contacts
 from origami_nlp.sheets.descent import TRUST, Descended
@@ -213,7 +213,8 @@ class _Press:
         """Judge a state on every piece that meets there; go to a lower one beside it."""
         sheet, phi = self.sheet, self.phi
         rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
-        pieces = judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))
+        faces = Faces(sheet, phi)
+        pieces = judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi), faces)
         if pieces.lower is not None:
             self.radius = float(np.abs(pieces.lower - phi).max())
             self._go(pieces.lower)

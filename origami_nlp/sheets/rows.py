@@ -6,7 +6,7 @@ Rows that push balance the springs; a state is solved for with those rows as equ
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,17 +87,19 @@ class Rows:
         return Rows(self.limits, touches, gaps, slopes)
 
     def inside(self, sheet: Sheet, phi: np.ndarray) -> Rows:
-        """Return the rows with points of facets that lie face to face inside both."""
+        """Return the rows with points of facets that lie face to face moved inside both."""
         touches = [t.inside() if isinstance(t, Lying) else t for t in self.touches]
         return Rows.at(sheet, phi, self.limits, touches)
 
-    def needed(self, z: np.ndarray) -> Rows:
-        """Leave out gaps of facets face to face that stay open to first order as long as the other rows do.
+    def needed(self, z: np.ndarray, which: Container[Touch]) -> Rows:
+        """Leave out some gaps that stay open to first order as long as the other rows do.
 
         Parameters
         ----------
         z
             Basis of what closure allows, [n, t].
+        which
+            Gaps that may be left out.
 
         Returns
         -------
@@ -107,15 +109,15 @@ class Rows:
         rows = self.slopes @ z
         lengths = np.linalg.norm(rows, axis=1)
         keep = np.ones(len(rows), bool)
-        faces = [k for k, t in enumerate(self.touches, len(self.limits)) if isinstance(t, Lying)]
-        keep[faces] = lengths[faces] > INDEPENDENT
+        extra = [k for k, t in enumerate(self.touches, len(self.limits)) if t in which]
+        keep[extra] = lengths[extra] > INDEPENDENT
         columns = (rows / np.where(lengths > INDEPENDENT, lengths, 1.0)[:, None]).T
         seen: set[bytes] = set()
-        for k in sorted(faces, key=lambda k: -round(lengths[k], 9)):
+        for k in sorted(extra, key=lambda k: -round(lengths[k], 9)):
             same = (np.round(columns[:, k], 9) + 0.0).tobytes()
             keep[k] &= same not in seen
             seen.add(same)
-        for k in sorted((k for k in faces if keep[k]), key=lambda k: round(lengths[k], 9)):
+        for k in sorted((k for k in extra if keep[k]), key=lambda k: round(lengths[k], 9)):
             keep[k] = False
             others = columns[:, keep]
             left = others @ nonnegative_least_squares(others, columns[:, k]) - columns[:, k]
