@@ -12,14 +12,14 @@ states.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from origami_nlp.facets import Choice, Faces, Lying, Sheet, Touch, dense
-from origami_nlp.numerics import INDEPENDENT, STATIONARY, unbounded
+from origami_nlp.numerics import INDEPENDENT, STATIONARY, nearest_in_cone, unbounded
 from origami_nlp.sheets.branches import Branches
 from origami_nlp.sheets.contacts import Balance, balance
 from origami_nlp.sheets.curvature import curvature
@@ -29,6 +29,10 @@ from origami_nlp.sheets.sharp import slopes
 
 MOST_PIECES = 500
 """Pieces on which a state is judged; at more it is not decided."""
+DRAWN = 8
+"""Directions of descent that are drawn where the steepest one leads to no lower state."""
+DOWN = 1e-3
+"""Slope of a direction of descent, over the steepest one that closure allows."""
 MOST_FORCES = 20
 """Forces with which a certificate is tried, where they are not unique."""
 UNSTRESSED = 1e-4
@@ -206,7 +210,7 @@ def judge_pieces(
         if out.count >= MOST_PIECES:
             return out
         split: list[Chosen] = []
-        for way in piece.ways:
+        for way in (*piece.ways, *_aside(sheet, phi, piece, z)):
             more, along = tree.passed(gaps, above, way)
             if more:
                 split = split or more
@@ -220,6 +224,24 @@ def judge_pieces(
         out.left = None
         waiting += split
     return out
+
+
+def _aside(sheet: Sheet, phi: np.ndarray, piece: Piece, z: np.ndarray) -> Iterator[np.ndarray]:
+    """Go through more directions of descent [n] that rows leave open, where torque is left: inward first, then any.
+
+    Along the steepest one contacts stay closed that bend, or closure that loses rank is not kept to second order.
+    """
+    if piece.balanced:
+        return
+    c, rows = z.T @ sheet.torque(phi), piece.rows.slopes @ z
+    size = float(np.linalg.norm(c))
+    inward = rows.sum(axis=0)
+    inward *= size / max(float(np.linalg.norm(inward)), 1e-300)
+    drawn = size * np.random.default_rng(0).normal(size=(DRAWN, len(c)))
+    for aside in (0.3 * inward, inward, *drawn):
+        y = nearest_in_cone(aside - c, rows)
+        if c @ y < -DOWN * size * float(np.linalg.norm(y)):
+            yield z @ y
 
 
 class _Tree:
