@@ -190,7 +190,7 @@ class Faces:
     def _above(self, pair: int) -> list[Touch]:
         """Return the gaps of a pair whose first piece is above."""
         stack, crossings = self._stack, self._sheet.crossings
-        one, other = (_Piece(stack, self._features, int(p)) for p in stack.pairs[pair])
+        one, other = (_Piece(stack, self._sheet.features, int(p)) for p in stack.pairs[pair])
         up = stack.up[stack.pairs[pair][0]]
         room = INSIDE * crossings.size
         found: list[tuple[np.ndarray, Touch | None]] = []
@@ -228,10 +228,6 @@ class Faces:
             )
             for x, feature in kept
         ]
-
-    @cached_property
-    def _features(self) -> Features:
-        return Features(self._sheet.crossings)
 
 
 class _Piece:
