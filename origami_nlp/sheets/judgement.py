@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Faces, Sheet, order_layers
+from origami_nlp.facets import MOST_DENSE, Faces, Lying, Sheet, order_layers
 from origami_nlp.numerics import CLOSES, STATIONARY, nonnegative_least_squares
 from origami_nlp.sheets.contacts import (
     Balance,
@@ -175,7 +175,7 @@ def _told(sheet: Sheet, blank: SheetState, pieces: Pieces, unknown: str = "") ->
     blank = replace(blank, kkt_residual=at.missing, eigenvalue=at.lowest)
     blank = replace(blank, contacts=told_contacts(sheet, at.rows, at.balance))
     if pieces.left is None:
-        return replace(blank, **_of_minimum(sheet, pieces.proved))
+        return replace(blank, **_of_minimum(sheet, blank.fold_angles, pieces.proved))
     where = f" on piece {pieces.count} of what meets" if pieces.count > 1 else ""
     if pieces.lower is not None:
         why = f"lower states beside it: curvature {at.lowest:.3g}"
@@ -195,12 +195,18 @@ def _told(sheet: Sheet, blank: SheetState, pieces: Pieces, unknown: str = "") ->
     return replace(blank, verdict="undecided", certificate=why)
 
 
-def _of_minimum(sheet: Sheet, proved: list[Piece]) -> dict[str, Any]:
+def _of_minimum(sheet: Sheet, phi: np.ndarray, proved: list[Piece]) -> dict[str, Any]:
     """Return kind, certificate, contacts and residuals of a minimum, from the pieces on which it is one."""
-    told = joined_contacts([told_contacts(sheet, p.rows, p.balance) for p in proved])
     residual = max(p.missing for p in proved)
-    if any(p.sharp for p in proved):
-        return {**SHARP, "kkt_residual": residual, "contacts": told}
+    if sharp := [p for p in proved if p.sharp]:
+        pairs = {t.facets for p in sharp for t in p.rows.touches if isinstance(t, Lying)}
+        apart = ", ".join(f"{a + 1}|{b + 1}" for a, b in sorted(map(sorted, pairs)))
+        why = SHARP["certificate"] + (
+            f"; with layers of facets {apart} kept apart" if pairs else ""
+        )
+        held = sharp[0].rows.only(np.arange(len(sharp[0].rows.gaps)) < len(sharp[0].rows.limits))
+        told = told_contacts(sheet, held, balance(sheet, phi, held, sheet.kernel(phi)))
+        return {**SHARP, "certificate": why, "kkt_residual": residual, "contacts": told}
     most = np.concatenate([p.most for p in proved])
     every = bool((most > LOADED).all())
     kind = "interior" if not len(most) else "contact-pinned" if every else "contact-touching"
@@ -214,7 +220,7 @@ def _of_minimum(sheet: Sheet, proved: list[Piece]) -> dict[str, Any]:
         "certificate": why,
         "eigenvalue": lowest,
         "kkt_residual": residual,
-        "contacts": told,
+        "contacts": joined_contacts([told_contacts(sheet, p.rows, p.balance) for p in proved]),
     }
 
 

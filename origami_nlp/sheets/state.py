@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -140,6 +140,14 @@ class SheetState(Brief):
     contacts: tuple[SheetContact, ...]
     crossings: tuple[tuple[int, int], ...]
     certificate: str
+
+    def moved(self, by: np.ndarray) -> SheetState:
+        """Return the state of a sheet that lies elsewhere in its reference state, moved by a vector [3]."""
+        places = [
+            tuple((np.array(c.place) + by).tolist()) if c.place else () for c in self.contacts
+        ]
+        contacts = (replace(c, place=x) for c, x in zip(self.contacts, places, strict=True))
+        return replace(self, contacts=tuple(contacts))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; facets and creases 1-based, what is not known is None."""

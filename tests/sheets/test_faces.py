@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
 from origami_nlp.programme import vertices
-from origami_nlp.sheets import SheetContact, closed_contacts, judge
+from origami_nlp.sheets import SheetContact, closed_contacts, judge, touch_places
 from tests.sheets.patterns import grid, miura, miura_angles, wheel
 
 
@@ -268,6 +269,30 @@ def test_pairs_that_may_lie_either_way_do_so_on_two_pieces():
     assert faces.follow({pair: True}) == {pair: True}
     # both springs open: whichever is inside, the other may go
     assert judge(sheet, phi).verdict == "not a minimum"
+
+
+def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
+    """Contacts of states that a search has found, of a sheet that is not about its middle."""
+    sheet, _ = held()
+    corners = sheet.pattern.corners + np.array([3.0, -2.0, 0.0])
+    found = o.find_states(replace(sheet.pattern, corners=corners), starts=0)
+    lying = 0
+    for state in found.minima:
+        faces = [c for c in state.contacts if c.type == "face-face"]
+        x = Placed(Sheet(found.pattern).crossings.poses, state.fold_angles).points
+        for contact, place in zip(
+            faces, touch_places(found.pattern, state.fold_angles, faces), strict=True
+        ):
+            for facet in contact.where:
+                ring = list(found.pattern.polygons[facet])
+                a, b, c = x(np.full(3, facet), np.array(ring))
+                shares = np.linalg.lstsq(np.column_stack([b - a, c - a]), place - a, rcond=None)[0]
+                assert a + np.column_stack([b - a, c - a]) @ shares == pytest.approx(
+                    place, abs=1e-9
+                )
+                assert min(*shares, 1 - shares.sum()) > -1e-9
+                lying += 1
+    assert lying >= 4
 
 
 def test_contacts_face_to_face_are_told_and_read_again():
