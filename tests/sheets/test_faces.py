@@ -27,7 +27,7 @@ def stacked(seed):
     sectors = parts * 2 * math.pi / unit
     sheet, vertex = Sheet(wheel(sectors)), Vertex(tuple(sectors.tolist()))
     scene = Scene(vertex, (1.0,) * n, (0.0,) * n, "none", "full")
-    states = list(vertices(Model(scene), 3000, rng))
+    states = list(vertices(Model(scene), 1000, rng))
     for _ in range(40):  # some of them with creases that are open
         phi, held = rng.uniform(-2.5, 2.5, n), rng.random(n) < 0.45
         phi[held] = rng.choice([-math.pi, math.pi, 0.0], held.sum(), p=[0.4, 0.4, 0.2])
@@ -79,7 +79,7 @@ def compare(seed, many=8):
 
 
 def test_stacked_vertices_are_judged_as_their_own_search_says():
-    told = [both for seed in (3, 7) for both in compare(seed, 4)]
+    told = [both for seed in (1, 5, 10, 11) for both in compare(seed, 4)]
     assert {("minimum", "minimum"), ("not stationary", "not a minimum")} <= set(told)
 
 
@@ -232,7 +232,7 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
     assert all(s.verdict != "undecided" for s in found.states)
     for state in found.minima:
         phi = state.fold_angles
-        if not any(c.type == "face-face" and c.force > 1e-3 for c in state.contacts):
+        if "with layers of facets" not in state.certificate:
             continue
         pressed += 1
         z, shut = sheet.kernel(phi), np.abs(phi) > math.pi - 1e-9
@@ -271,6 +271,7 @@ def test_pairs_that_may_lie_either_way_do_so_on_two_pieces():
     assert judge(sheet, phi).verdict == "not a minimum"
 
 
+@pytest.mark.slow
 def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
     """Contacts of states that a search has found, of a sheet that is not about its middle."""
     sheet, _ = held()
