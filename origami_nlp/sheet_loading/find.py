@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +73,7 @@ def find_load_path(
     state
         Number (1-based) of the stable state at load 0, by energy, of `find_states`; or one of its states.
     back
-        Whether the load then falls back to 0.
+        Whether the load then falls back to 0, from where it came to or snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of torques only.
     starts, seed
@@ -117,7 +117,9 @@ def find_load_path(
     for end in ends:
         arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")
         if back and arrived is not None:
+            job.between(0.0, end)
             job.go(*arrived, 0.0, once=False)
+            job.between(*ends)
     return job.path(number, search if confirm else None)
 
 
@@ -184,6 +186,12 @@ class _Job:
         self.falls: list[_Fall] = []
         self.alarms: list[str] = []
 
+    def between(self, *ends: float) -> None:
+        """Follow in the range of load that these and 0 span."""
+        scale = self.sheet.scale
+        low, high = min(0.0, *ends) / scale, max(0.0, *ends) / scale
+        self.follower = replace(self.follower, low=low, high=high)
+
     def go(
         self, phi: np.ndarray, load: float, end: float, *, once: bool
     ) -> tuple[np.ndarray, float] | None:
@@ -209,8 +217,10 @@ class _Job:
             self.falls.append(fall)
             self._add(position, toward, "snap", event, len(self.falls))
             phi, load = fall.landed.fold_angles, fall.load
-            if once or not self.follower.low <= load <= self.follower.high:
+            if not self.follower.low <= load <= self.follower.high:
                 return None
+            if once:
+                return phi, load
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
