@@ -21,9 +21,8 @@ import numpy as np
 
 from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
-from origami_nlp.sheets.contacts import closed_choices, closed_contacts
 from origami_nlp.sheets.descent import TRUST, Descended
-from origami_nlp.sheets.pieces import judge_pieces
+from origami_nlp.sheets.pieces import pieces_at
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -211,11 +210,9 @@ class _Press:
 
     def _judged(self) -> End:
         """Judge a state on every piece that meets there; go to a lower one beside it."""
-        sheet, phi = self.sheet, self.phi
-        rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
-        pieces = judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))
+        pieces = pieces_at(self.sheet, self.phi)
         if pieces.lower is not None:
-            self.radius = float(np.abs(pieces.lower - phi).max())
+            self.radius = float(np.abs(pieces.lower - self.phi).max())
             self._go(pieces.lower)
             return "lower"
         return "held" if pieces.left else "still"
