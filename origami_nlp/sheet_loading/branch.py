@@ -13,8 +13,8 @@ from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.numerics import BALANCED, CLOSES, INDEPENDENT, SETTLED, TOUCHES
 from origami_nlp.path import End, Steps, Tally, advance, trace_ahead
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState
-from origami_nlp.sheet_loading.ends import admissible, first_event
-from origami_nlp.sheet_loading.events import Found, inner_events
+from origami_nlp.sheet_loading.ends import first_event
+from origami_nlp.sheet_loading.events import Found, admissible, inner_events
 from origami_nlp.sheet_loading.held import (
     Contact,
     creases_of,

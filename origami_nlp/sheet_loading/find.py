@@ -211,7 +211,7 @@ class _Job:
             position, event = next(
                 (k, e) for k, e in branch.events if e.type not in ("closes", "leaves")
             )
-            slips = event.type == "slides"
+            slips = event.type == "slides" and bool(event.contacts)
             fall = self._let_go(branch, event, toward) if slips or event.type in SNAPS else None
             if fall is None and event.type not in SNAPS:
                 told = (event.contact, event.why) if event.type in MEETS else (event.why,)
@@ -242,7 +242,9 @@ class _Job:
         at = float(event.state.x[-1])
         why = "no lower state was reached"
         begun: np.ndarray | None = event.state.phi
-        if event.type == "slides":  # where the facet ends there are lower states beside it, unless others hold it
+        if (
+            event.type == "slides"
+        ):  # where the facet ends there are lower states beside it, unless others hold it
             begun = pieces_at(event.state.system.sheet, event.state.phi).lower
         if begun is None:
             return None
