@@ -122,8 +122,8 @@ def _branch(number: int, branch: Branch, out: Packed, sheet: Sheet) -> PathBranc
         if np.abs(branch.states[a].x - branch.states[b].x).max() <= SETTLED:
             continue
         # between two events without a state beside them: of both the one that is less degenerate
-        ends = branch.states[a : b + 1]
-        middle = ends[(b - a) // 2] if b - a > 1 else max(ends, key=lambda s: abs(s.lowest))
+        part = branch.states[a : b + 1]
+        middle = part[(b - a) // 2] if b - a > 1 else max(part, key=lambda s: abs(s.lowest))
         kind, certificate = _kind(middle, number, out)
         ranges.append(KindRange((low, high), kind, middle.index, certificate, (a, b)))
     end = branch.end

@@ -222,8 +222,8 @@ def pieces_at(sheet: Sheet, phi: np.ndarray) -> Pieces:
     >>> from origami_nlp.facets import Sheet
     >>> from origami_nlp.sheets import pieces_at
     >>> sheet = Sheet(o.examples.pattern("miura", 1, 2).with_springs(1.0, 0.5))
-    >>> pieces_at(sheet, np.array([0.5])).left is None, pieces_at(sheet, np.array([0.4])).lower
-    (True, array([0.5]))
+    >>> pieces_at(sheet, np.array([-0.5])).left is None, pieces_at(sheet, np.array([-0.4])).lower
+    (True, array([-0.4001]))
     """
     rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
     return judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))
