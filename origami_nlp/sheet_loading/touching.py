@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Touch
+from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Touch
 from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState, System
 from origami_nlp.sheet_loading.events import Found, admissible, length, root_between
@@ -29,14 +29,14 @@ def slid(curve: LoadCurve, state: LoadedState) -> list[Touch]:
     if not touches:
         return []
     crossings = curve.sheet.crossings
-    features, at = Features(crossings), Placed(crossings.poses, state.phi)
+    features, at = curve.sheet.features, Placed(crossings.poses, state.phi)
     return [t for t in touches if margin(features, t, at) <= INSIDE]
 
 
 def leaning(curve: LoadCurve, state: LoadedState) -> str:
     """Say which features held are so close to a border that forces on them grow beyond bounds; empty if none are."""
     crossings = curve.sheet.crossings
-    features, at = Features(crossings), Placed(crossings.poses, state.phi)
+    features, at = curve.sheet.features, Placed(crossings.poses, state.phi)
     close = [t for t in touches_of(state.held) if margin(features, t, at) <= BESIDE]
     return f"{words(close)}: close to a border, where the gap hardly moves" if close else ""
 
@@ -48,7 +48,7 @@ def sliding(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:
     there facets slip off each other.  Otherwise it is the last state of which their gap tells.
     """
     crossings, out = curve.sheet.crossings, []
-    features = Features(crossings)
+    features = curve.sheet.features
     for touch in slid(curve, b):
 
         def inside(state: LoadedState, least: float = 0.0, touch: Touch = touch) -> float:
@@ -89,7 +89,7 @@ def touching(curve: LoadCurve, a: LoadedState, b: LoadedState) -> Found | None:
             low, last = middle, here
     # a crossing is seen from a depth on, a little after the touch; before it where a side all but lies in the facet
     met: list[tuple[LoadedState, Touch]] = []
-    features = Features(crossings)
+    features = curve.sheet.features
     for reach in LATE:
         room = reach * (high - low)
         first, beyond = curve.beside(a, max(0.0, low - room)), curve.beside(a, high + room)
@@ -151,5 +151,5 @@ def _closed(
     polished = None if found is None else curve.frame_of(*found, near.tangent)
     if polished is not None and np.abs(polished.x - near.x).max() <= SETTLED:
         near = polished
-    facing = Features(crossings).facing(Placed(crossings.poses, near.phi), NARROW, INSIDE)
+    facing = curve.sheet.features.facing(Placed(crossings.poses, near.phi), NARROW, INSIDE)
     return near if touch.key in {t.key for t, _ in facing} else None
