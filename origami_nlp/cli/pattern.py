@@ -234,7 +234,7 @@ class _Files:
         for k, s in enumerate(found.minima if found else (), start=1):
             more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
             title = f"state {k}: {s.kind}, {s.energy:.6g} J"
-            words = [c.words() for c in s.contacts if c.corners]
+            words = [c.words() for c in s.contacts if c.type != "fold-limit"]
             self.states.append((title, s.fold_angles, (s.certificate, *words), more))
         if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
