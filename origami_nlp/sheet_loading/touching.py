@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Touch
+from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Touch
 from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState, System
 from origami_nlp.sheet_loading.events import Found, length, root_between
@@ -27,14 +27,14 @@ def slid(curve: LoadCurve, state: LoadedState) -> list[Touch]:
     if not touches:
         return []
     crossings = curve.sheet.crossings
-    features, at = Features(crossings), Placed(crossings.poses, state.phi)
+    features, at = curve.sheet.features, Placed(crossings.poses, state.phi)
     return [t for t in touches if margin(features, t, at) <= 0.0]
 
 
 def leaning(curve: LoadCurve, state: LoadedState) -> str:
     """Say which features held are so close to a border that forces on them grow beyond bounds; empty if none are."""
     crossings = curve.sheet.crossings
-    features, at = Features(crossings), Placed(crossings.poses, state.phi)
+    features, at = curve.sheet.features, Placed(crossings.poses, state.phi)
     close = [t for t in touches_of(state.held) if margin(features, t, at) <= BESIDE]
     return f"{words(close)}: close to a border, where the gap hardly moves" if close else ""
 
@@ -42,7 +42,7 @@ def leaning(curve: LoadCurve, state: LoadedState) -> str:
 def sliding(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:
     """Return where features held come to a border between a, where they are inside each other, and b."""
     crossings, out = curve.sheet.crossings, []
-    features = Features(crossings)
+    features = curve.sheet.features
     for touch in slid(curve, b):
 
         def inside(state: LoadedState, touch: Touch = touch) -> float:
@@ -76,7 +76,7 @@ def touching(curve: LoadCurve, a: LoadedState, b: LoadedState) -> Found | None:
     first, beyond = curve.beside(a, max(0.0, 2 * low - high)), curve.beside(a, 2 * high - low)
     met: list[tuple[LoadedState, Touch]] = []
     if first is not None and beyond is not None:
-        features = Features(crossings)
+        features = curve.sheet.features
         facing = [t for t, _ in features.facing(Placed(crossings.poses, first.phi), REACH)]
         new = without(facing, a.held)
         between = [t for t in touches_of(new) if any(features.between(t, p) for p in pairs)]
@@ -131,5 +131,5 @@ def _closed(
     polished = None if found is None else curve.frame_of(*found, near.tangent)
     if polished is not None and np.abs(polished.x - near.x).max() <= SETTLED:
         near = polished
-    facing = Features(crossings).facing(Placed(crossings.poses, near.phi), NARROW, INSIDE)
+    facing = curve.sheet.features.facing(Placed(crossings.poses, near.phi), NARROW, INSIDE)
     return near if touch.key in {t.key for t, _ in facing} else None

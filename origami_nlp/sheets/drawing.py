@@ -58,6 +58,8 @@ SHUT = 1e-6
 """Creases shut up to this [rad] are where layers lie on each other."""
 MOST_ORDERED = 400
 """Polygons up to which layers are ordered for a picture."""
+CELL = 4 / 3
+"""Width over height of the pictures of states side by side: all alike, so that their titles are in line."""
 BEFORE = 4e-3
 """A line hides only behind what is nearer by more than this share of the picture."""
 
@@ -369,11 +371,11 @@ def draw_states(
         axes = figure.add_subplot(rows, columns, k + 1)
         touches = contacts[k] if k < len(contacts) else ()
         draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else (), touches)
+        _widen(axes, CELL)
         axes.set_title(name, fontsize=9)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
     figure.suptitle(title + more, fontsize=11)
-    touch = any(c.corners for held in contacts[: len(shown)] for c in held)
-    handles = crease_legend() + (touch_legend() if touch else [])
+    handles = crease_legend() + touch_legend(c for held in contacts[: len(shown)] for c in held)
     many = 4 if columns > 1 else 2
     figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)
     if path is not None:
@@ -381,6 +383,14 @@ def draw_states(
 
         save_figure(figure, path, 200)
     return figure
+
+
+def _widen(axes: Axes, shape: float) -> None:
+    """Widen the limits of axes until width over height is as given."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    across = max(0.0, shape * (high - low) - (right - left)) / 2
+    up = max(0.0, (right - left) / shape - (high - low)) / 2
+    axes.set(xlim=(left - across, right + across), ylim=(low - up, high + up))
 
 
 def draw_motion(motion: Motion, path: Any = None) -> Figure:

@@ -19,7 +19,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Features, Placed, Sheet, Touch, choices
+from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
 from origami_nlp.sheets.contacts import closed_choices, closed_contacts
 from origami_nlp.sheets.descent import TRUST, Descended
@@ -87,7 +87,7 @@ class _Press:
     """A descent: where it is, and which features it has run into."""
 
     def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
-        self.sheet, self.features = sheet, Features(sheet.crossings)
+        self.sheet, self.features = sheet, sheet.features
         self.radius = TRUST
         self.known: dict[object, Touch] = {}
         self._go(phi)
