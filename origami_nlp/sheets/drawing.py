@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.facets import Crossings, Sheet, order_layers
+from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
 from origami_nlp.sheets.marks import mark_touches, touch_legend, touch_places, touching_facets
@@ -54,8 +55,6 @@ LAYER = 1e-5
 """Of layers that lie on each other within this share of the picture, the first is shown."""
 TINT = 0.3
 """Share of the colour of contacts in that of facets that touch."""
-SHUT = 1e-6
-"""Creases shut up to this [rad] are where layers lie on each other."""
 MOST_ORDERED = 400
 """Polygons up to which layers are ordered for a picture."""
 CELL = 4 / 3
@@ -177,7 +176,7 @@ def _paint(
 def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
     """Count the layers behind each polygon [q, 3], as seen, [P]; none where no order of layers is known."""
     behind = np.zeros(len(corners))
-    if not (math.pi - np.abs(phi) < SHUT).any() or len(corners) > MOST_ORDERED:
+    if not (math.pi - np.abs(phi) <= CLOSES).any() or len(corners) > MOST_ORDERED:
         return behind
     towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
     orders = order_layers(Sheet(pattern), phi).orders
