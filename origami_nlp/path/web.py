@@ -211,17 +211,15 @@ class Web:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
         return bool(inside)
 
-    def add_flat(self) -> int:
-        """Follow the minima that are born where curves pass the flat state; return how many curves were new."""
-        new = 0
+    def add_flat(self) -> None:
+        """Follow the minima that are born where curves pass the flat state."""
         for s, direction in self.flat:
             for frame in beside_flat(self.line, s, direction, self.tally):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
                 known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
                 if min(known, default=1.0) > SETTLED:
-                    new += self.add(frame.state, frame.s, "minimum")
-        return new
+                    self.add(frame.state, frame.s, "minimum")
 
     def _follow(self, start: int, half: Half) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
