@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.atlas import family_of, find_boundaries, follow, parse_over
+from origami_nlp.atlas import family_of, find_boundaries, parse_over
 from origami_nlp.bench import random_vertex
-from origami_nlp.path import flat_roots
+from origami_nlp.path import Web, flat_roots
 
 
 def drawn(seed, degree):
@@ -75,31 +75,31 @@ def test_nothing_passes_where_there_is_no_flat_state():
 
 
 BETWEEN = drawn(90035, 5), "torque[2]=-9:3.4"
-"""Between -2.46 and 2.04 a minimum comes out of the flat state and goes back: the checks are elsewhere."""
+"""Between -2.46 and 2.04 a minimum comes out of the flat state and goes back."""
 
 
-def test_a_minimum_that_comes_out_of_the_flat_state_between_checks_is_followed():
-    """A search at one value has it too, on the nappe of the cone of closed states that nothing pulls along."""
+def test_a_minimum_that_comes_out_of_the_flat_state_is_followed_without_a_search():
     scene, text = BETWEEN
-    atlas = follow(scene, text)
+    over = parse_over(text)
+    family = family_of(scene, over)
+    web = Web(family.line, over.low, over.high)
+    web.add_flat()
     born, gone = roots_by_signs(scene, text, 101)
-    assert not any(born < c.t < gone for c in atlas.checks)
-    flat = [e for e in atlas.events if not any(e.fold_angles)]
-    assert [e.t for e in flat] == pytest.approx([born, gone], abs=1e-9)
-    assert all(e.located and e.type == "singular" and "flat" in e.note for e in flat)
-    ends = {t for i in atlas.intervals for t in i.t}
-    assert all(min(abs(t - e.t) for t in ends) < 1e-9 for e in flat)
-    middle = 0.5 * (born + gone)
-    found = o.find_minima(atlas.family.scene(middle), prove=False, max_starts=24).minima
-    states = [s for s in atlas.at(middle) if s.verdict == "minimum"]
-    for m in found:
-        apart = [np.abs(np.subtract(m.fold_angles, s.fold_angles)).max() for s in states]
-        assert min(apart) < 1e-6
-    assert len(found) == len(states)
-    counts = [
-        sum(s.verdict == "minimum" for s in atlas.at(e.t + d)) for e in flat for d in (-0.1, 0.1)
+    flat = sorted(n.s for n in web.nodes if not n.point[:-1].any())
+    assert flat == pytest.approx([born, gone], abs=1e-9)
+    assert all(n.located and n.type == "singular" for n in web.nodes if n.s in flat)
+    low, high = (sorted(a.low for a in web.arcs), sorted(a.high for a in web.arcs))
+    assert {*flat} <= {*low} and {*flat} <= {*high}  # arcs end there, on both sides
+    near = [
+        [f.state for _, f in web.states_at(s + d) if not f.index and np.abs(f.state).max() < 0.2]
+        for s in flat
+        for d in (-0.1, 0.1)
     ]
-    assert counts[1] == counts[0] + 1 and counts[2] == counts[3] + 1
+    assert [len(states) for states in near] == [0, 1, 1, 0]
+    for s, (state,) in zip((born + 0.1, gone - 0.1), near[1:3], strict=True):
+        found = o.find_minima(family.scene(s), prove=False, max_starts=24).minima
+        apart = [np.abs(state - m.fold_angles).max() for m in found]
+        assert min(apart) < 1e-8
 
 
 def test_over_two_parameters_each_point_is_where_curves_pass_and_counts_change():
