@@ -111,6 +111,8 @@ def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
     for lam in grids:
         h = _h(lam, a, g)
         change = np.flatnonzero(h[1:] * h[:-1] < 0)
+        if not len(change):
+            continue
         left, right, sign = lam[change], lam[change + 1], np.sign(h[change])
         for _ in range(HALVINGS):
             middle = 0.5 * (left + right)
@@ -121,7 +123,7 @@ def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
 
 
 def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
-    """Yield states with lam, in pairs that lean to either side of an axis along which nothing pulls: lam is its pole."""
+    """Yield states with lam, in pairs that lean to either side of an axis that nothing pulls along: lam is its pole."""
     poles = np.concatenate(_poles(a))
     for lam in poles[np.isfinite(poles)]:
         factor = 1.0 + lam * a
