@@ -1,4 +1,10 @@
 from . import cone as cone, springs as springs, sweep as sweep
+from .atlas import (
+    Atlas as Atlas,
+    Boundaries as Boundaries,
+    find_boundaries as find_boundaries,
+    follow as follow,
+)
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .contact import (
     ContactReport as ContactReport,

@@ -21,7 +21,7 @@ FLAGS = (
     "--remote-debugging-pipe"
 ).split()
 SHUT = "--host-resolver-rules=MAP * ~NOTFOUND"
-PATIENCE = 60.0
+PATIENCE = 300.0
 """Seconds for one answer; starting up on a busy machine takes some ten."""
 
 

@@ -13,12 +13,14 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 import pytest  # noqa: E402
-from hypothesis import settings  # noqa: E402
+from hypothesis import HealthCheck, settings  # noqa: E402
 
 from tests import computed_once  # noqa: E402
 
-settings.register_profile("fixed", derandomize=True)
-settings.register_profile("random", print_blob=True)
+# a machine may be as slow as it is
+patient = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("fixed", patient, derandomize=True)
+settings.register_profile("random", patient, print_blob=True)
 
 
 def _long(config):

@@ -34,6 +34,8 @@ origami-nlp example miura:4x4 --fold miura.fold   # the pattern, with the same s
 origami-nlp minima miura.fold                     # every vertex of it, equal ones once
 ```
 
+Whole sheets: [sheets by name](sheets.md).
+
 Written by `python -m tests.gallery`.  Seconds are those of one run on one core of a 2-core machine, proof and full
 space included.
 """

@@ -156,7 +156,7 @@ def test_notebook_runs_and_prints_what_is_stored(stored):
     for cell in fresh.cells:
         if cell.cell_type == "code":
             cell.outputs = []
-    NotebookClient(fresh, timeout=120, kernel_name="python3").execute()
+    NotebookClient(fresh, timeout=600, startup_timeout=600, kernel_name="python3").execute()
     for before, after in zip(stored.cells, fresh.cells, strict=True):
         if before.cell_type == "code":
             assert printed(after) == printed(before)

@@ -123,6 +123,14 @@ class Boundaries(Told):
         What was followed over one parameter: each event there lies on a curve.
     seconds
         Of wall time.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> few = {"lines": 1, "across": 0, "effort": "quick"}
+    >>> found = o.find_boundaries(o.examples.degree6("pi/4"), "ratio=1:1.1", "alpha=44deg:45deg", **few)
+    >>> len(found.curves), [interval.minima for interval in found.lines[0].intervals]
+    (0, [2])
     """
 
     scene: Scene
@@ -217,6 +225,13 @@ def find_boundaries(
     ------
     OptionError
         If the scene has no such parameters, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene, few = o.examples.degree6("pi/3"), {"lines": 1, "across": 0, "effort": "quick"}
+    >>> o.find_boundaries(scene, "ratio=0.3:0.4", "alpha=59deg:60deg", **few)
+    Boundaries(1 curves of events over ratio and alpha)
     """
     check_type("scene", scene, Scene)
     check_whole("lines", lines, 1, MOST_LINES)

@@ -75,6 +75,15 @@ def follow(
     ------
     OptionError
         If the scene has no such parameter, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False)
+    >>> [(event.type, round(event.t, 6)) for event in atlas.events]
+    [('leaves', 0.355732)]
+    >>> [state.kind for state in atlas.at(0.3)]
+    ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
     check_type("scene", scene, Scene)
     stated = parse_over(over) if isinstance(over, str) else over

@@ -24,7 +24,6 @@ from origami_nlp.show import (
     Told,
     Turnable,
     Words,
-    check_schema,
     from_plain,
     to_plain,
 )
@@ -57,6 +56,13 @@ class Atlas(Told, Turnable):
         The scenes.
     web, branch_of_arc
         What was followed, for `at`; None and empty where the atlas was read from a file.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full_space=False)
+    >>> [interval.minima for interval in atlas.intervals], [branch.kind_ranges[0].kind for branch in atlas.branches]
+    ([2], ['interior', 'contact-touching'])
     """
 
     scene: Scene
@@ -70,7 +76,7 @@ class Atlas(Told, Turnable):
     web: Web | None
     branch_of_arc: dict[int, int]
 
-    PICTURE = "draw_atlas"
+    PICTURE, READ = "draw_atlas", SCHEMA
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -227,41 +233,18 @@ class Atlas(Told, Turnable):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild an atlas from `to_dict`: all but what `at` needs.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        Atlas
-            With the same branches, events, counts and checks.
-
-        Raises
-        ------
-        OptionError
-            If it is of another schema, an entry is missing or wrong, or its parameter is none of a scene's.
-        """
-        check_schema(data, SCHEMA, OptionError)
+    def _read(cls, data: dict[str, Any]) -> Self:
+        """Rebuild all but what `at` needs."""
         unbounded = {"range": math.inf, "expected_undiscovered": math.inf}
-        try:
-            p = data["parameter"]
-            log = p["scale"] == "log"
-            over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], log)
-            scene = scene_from_dict(data["scene"])
-            branches = [from_plain(PathBranch, b, unbounded) for b in data["branches"]]
-            events = [from_plain(PathEvent, e) for e in data["events"]]
-            checks = [from_plain(Check, c, unbounded) for c in data["checks"]]
-            cost = from_plain(Cost, data["cost"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise OptionError(f"an atlas of schema {SCHEMA} is not whole: {error!r}") from None
+        p = data["parameter"]
+        over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], p["scale"] == "log")
+        scene = scene_from_dict(data["scene"])
+        branches = tuple(from_plain(PathBranch, b, unbounded) for b in data["branches"])
+        events = tuple(from_plain(PathEvent, e) for e in data["events"])
+        checks = tuple(from_plain(Check, c, unbounded) for c in data["checks"])
+        cost = from_plain(Cost, data["cost"])
         if over.name.startswith("loads"):
             raise OptionError("an atlas over forces cannot be read back: follow it anew")
         alarms = tuple(map(str, data.get("alarms", ())))
         family = family_of(scene, over)
-        return cls(
-            scene, over, tuple(branches), tuple(events), tuple(checks), alarms, cost, family, None, {}
-        )  # fmt: skip
+        return cls(scene, over, branches, events, checks, alarms, cost, family, None, {})

@@ -4,7 +4,5 @@ from .passes import Pass as Pass
 from .result import (
     Barriers as Barriers,
     barriers_table as barriers_table,
-    barriers_to_dict as barriers_to_dict,
-    print_barriers as print_barriers,
 )
 from .turned import add_passes as add_passes

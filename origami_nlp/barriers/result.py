@@ -208,9 +208,6 @@ class Barriers(Told, Turnable):
         }
 
 
-print_barriers, barriers_to_dict = Barriers.tell, Barriers.to_dict
-
-
 def _full_words(f: FullPass) -> str:
     """Say what is known of one barrier without the symmetry."""
     if f.verdict == "same":

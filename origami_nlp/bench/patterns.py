@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from origami_nlp.bench.pattern_methods import PatternMethod, Solve, pattern_meth
 from origami_nlp.bench.pattern_problems import QUICK, PatternProblem, pattern_problems
 from origami_nlp.bench.pattern_scaling import PatternScale, measure_scales
 from origami_nlp.bench.run import machine
-from origami_nlp.errors import OptionError
-from origami_nlp.show import Piece, Table, Told, check_schema, from_plain, to_plain
+from origami_nlp.show import Piece, Table, Told, from_plain, to_plain
 
 SCHEMA = "origami-nlp/bench-patterns/1"
 ROUNDS, QUICK_ROUNDS = 3, 2
@@ -108,7 +107,7 @@ class PatternBench(Told):
         What the numbers depend on.
     """
 
-    PICTURE = "draw_patterns"
+    PICTURE, READ = "draw_patterns", SCHEMA
 
     cases: tuple[PatternCase, ...]
     points: tuple[PatternPoint, ...]
@@ -193,9 +192,7 @@ class PatternBench(Told):
         return {"schema": SCHEMA, **to_plain({k: getattr(self, k) for k in _FIELDS})}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> PatternBench:
-        """Read back what `to_dict` returned."""
-        check_schema(data, SCHEMA, OptionError)
+    def _read(cls, data: dict[str, Any]) -> Self:
         return cls(
             tuple(from_plain(PatternCase, c) for c in data["cases"]),
             tuple(from_plain(PatternPoint, p) for p in data["points"]),

@@ -30,11 +30,9 @@ def barriers(
     """
     from origami_nlp.barriers import (
         barriers_table,
-        barriers_to_dict,
         check_freedoms,
         draw_barriers,
         find_barriers,
-        print_barriers,
     )
 
     given = scene.name if scene else None
@@ -55,8 +53,8 @@ def barriers(
         result = search(one, given, seed=seed, full=full)
         with progress(f"{one.label or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
-        print_barriers(found[-1], out.console)
-    documents = [barriers_to_dict(b) for b in found]
+        found[-1].tell(out.console)
+    documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())

@@ -30,14 +30,14 @@ def contacts(
     workers: o.Workers = 1,
 ) -> None:
     """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
-    from origami_nlp.contact import find_contacts, report
+    from origami_nlp.contact import find_contacts
 
     out = Output(json=json, markdown=markdown, html=html)
     result = search(
         scene.read(), scene.name, seed=seed, max_starts=max_starts, effort=effort, workers=workers
     )
     found = find_contacts(result, state=state, segments=segments)
-    report.print_contacts(found, out.console)
-    out.write("json", report.contacts_to_dict, found)
-    out.write("markdown", report.as_markdown, found)
+    found.tell(out.console)
+    out.write("json", found.to_dict)
+    out.write("markdown", found.to_markdown)
     out.turn(found)

@@ -41,8 +41,6 @@ def critical(
         compare_minima,
         find_critical_points,
         panel_row,
-        point_lines,
-        points_table,
     )
     from origami_nlp.show import rows_markdown, rows_table
     from origami_nlp.space import find_space
@@ -78,8 +76,8 @@ def critical(
             }
         )
         if scene is not None:
-            out.say(points_table(found, everything))
-            for line in point_lines(found, everything):
+            out.say(found.table(everything))
+            for line in found.lines(everything):
                 out.say(Text(line))
             out.say(verdict.text)
         elif out.console.is_terminal:

@@ -37,8 +37,6 @@ def minima(
         check_mesh,
         draw_minima,
         find_vertexwise,
-        print_result,
-        result_to_dict,
         write_fold,
         write_mesh,
     )
@@ -85,8 +83,8 @@ def minima(
     else:
         stated = scene.read()
     result = search(stated, scene.name, **options)
-    print_result(result, out.console)
-    out.write("json", result_to_dict, result)
+    result.tell(out.console)
+    out.write("json", result.to_dict)
     out.save("figure", draw_minima, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)

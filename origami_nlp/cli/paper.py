@@ -27,7 +27,7 @@ def demo(
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.files import make_folder, write_json
-    from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima, print_result, result_to_dict
+    from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
     from origami_nlp.show import rows_table
 
     out = make_folder(out, "--out")
@@ -39,12 +39,12 @@ def demo(
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
     for result in shown:
-        print_result(result, output.console)
+        result.tell(output.console)
         output.say()
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
     output.say(rows_table(DEMO_HEADS, demo_rows(results), title))
-    write_json([result_to_dict(r) for r in results], files[0])
+    write_json([r.to_dict() for r in results], files[0])
     for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)
     output.written(*files)
@@ -57,7 +57,7 @@ def panels(
     json: o.JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.minima import result_to_dict, table
+    from origami_nlp.minima import table
     from origami_nlp.show import rows_markdown, rows_table
 
     out = Output(markdown=markdown, json=json)
@@ -70,7 +70,7 @@ def panels(
     seconds = sum(r.search.seconds for r in results)
     out.say(rows_table(heads, rows, f"all panels of the paper, {seconds:.1f} s in total"))
     out.write("markdown", rows_markdown, heads, rows)
-    out.write("json", lambda: [result_to_dict(r) for r in results])
+    out.write("json", lambda: [r.to_dict() for r in results])
 
 
 def reproduce(
@@ -182,7 +182,6 @@ def grid(
 ) -> None:
     """List the grid-local minima of SCENE's landscape and follow each downhill to an exact minimum."""
     from origami_nlp.chart import landscape
-    from origami_nlp.minima import minima_table
     from origami_nlp.paper import follow_grid_minima, grid_minima_table
 
     stated = scene.read()
@@ -194,7 +193,7 @@ def grid(
         raise OptionError(f"scene has no two-dimensional chart: {why}")
     out = Output()
     result = search(stated, scene.name, seed=seed)
-    out.say(minima_table(result))
+    out.say(result.table())
     out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
 
 

@@ -16,12 +16,12 @@ def space(
     figure: o.FigureFile = None,
 ) -> None:
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
-    from origami_nlp.space import draw_space, find_space, print_space
+    from origami_nlp.space import draw_space, find_space
 
     out = Output(json=json, figure=figure)
     stated = scene.read()
     with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
         found = find_space(stated, rings)
-    print_space(found, out.console)
+    found.tell(out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_space, found)

@@ -18,7 +18,7 @@ def transitions(
 
     The sweep starts from so many --samples of alpha_1.
     """
-    from origami_nlp.space import find_transitions, print_transitions
+    from origami_nlp.space import find_transitions
 
     out = Output(json=json)
     with progress(family, 1.0) as tell:
@@ -29,5 +29,5 @@ def transitions(
             seed=seed,
             report=lambda what, done: tell(done, text=what),
         )
-    print_transitions(sweep, out.console)
+    sweep.tell(out.console)
     out.write("json", sweep.to_dict)

@@ -1,4 +1,3 @@
-from . import report as report
 from .figure import draw_contacts as draw_contacts
 from .pinned import find_contacts as find_contacts
 from .report import ContactReport as ContactReport

@@ -231,10 +231,6 @@ class ContactReport(Told, Turnable):
         return data
 
 
-print_contacts, contacts_to_dict = ContactReport.tell, ContactReport.to_dict
-as_markdown = ContactReport.to_markdown
-
-
 def _bullets(lines: Iterable[str]) -> str:
     return "".join(f"- {line}\n" for line in lines)
 

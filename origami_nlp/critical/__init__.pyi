@@ -1,8 +1,5 @@
 from .find import compare_minima as compare_minima, find_critical_points as find_critical_points
 from .result import (
     CriticalPoints as CriticalPoints,
-    point_lines as point_lines,
-    points_from_dict as points_from_dict,
-    points_table as points_table,
 )
 from .table import PANEL_HEADS as PANEL_HEADS, panel_row as panel_row

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from origami_nlp.errors import SceneFileError
 from origami_nlp.files import Brief
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
-from origami_nlp.show import Piece, Table, Told, check_schema, from_plain, pick
+from origami_nlp.show import Piece, Table, Told, from_plain, pick
 
 SCHEMA = "origami-nlp/critical/1"
 
@@ -146,7 +145,7 @@ class CriticalPoints(Told):
     comparison: MinimaComparison | None = None
     doubts: tuple[str, ...] = field(default=())
 
-    WIDTH = 160
+    WIDTH, READ = 160, SCHEMA
 
     @property
     def morse_sum(self) -> int:
@@ -301,38 +300,8 @@ class CriticalPoints(Told):
             yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> CriticalPoints:
-        """Read back what `to_dict` returned.
-
-        Parameters
-        ----------
-        data
-            Of the schema ``origami-nlp/critical/1``.
-
-        Returns
-        -------
-        CriticalPoints
-            The result.
-
-        Raises
-        ------
-        SceneFileError
-            If the schema is another one, or a field is missing or of the wrong form.
-        """
-        check_schema(data, SCHEMA, SceneFileError)
-        try:
-            points = tuple(from_plain(CriticalPoint, p) for p in data["critical_points"])
-            lists = data.get("minima")
-            comparison = None if lists is None else from_plain(MinimaComparison, lists)
-            scene = scene_from_dict(data["scene"])
-            return cls(scene, points, comparison, tuple(data["doubts"]))
-        except (KeyError, TypeError, ValueError) as error:
-            raise SceneFileError(
-                f"critical points cannot be read: {error!r}; write them anew"
-            ) from None
-
-
-points_table, point_lines = CriticalPoints.table, CriticalPoints.lines
-
-
-points_from_dict = CriticalPoints.from_dict
+    def _read(cls, data: dict[str, Any]) -> Self:
+        points = tuple(from_plain(CriticalPoint, p) for p in data["critical_points"])
+        lists = data.get("minima")
+        comparison = None if lists is None else from_plain(MinimaComparison, lists)
+        return cls(scene_from_dict(data["scene"]), points, comparison, tuple(data["doubts"]))

@@ -123,7 +123,8 @@ class Closure:
             for members in by_length.values():
                 self._groups.append(self._group(members, rows == 6))
         self._last: tuple[bytes, list[_Turned]] | None = None
-        self._size = float(np.abs(pattern.corners - pattern.corners.mean(axis=0)).max(initial=1.0))
+        away = pattern.corners - pattern.corners.mean(axis=0)
+        self._size = float(np.abs(away).max(initial=0.0)) or 1.0
 
     def _group(self, members: list[tuple[int, Loop]], hole: bool) -> _Group:
         p = self.pattern

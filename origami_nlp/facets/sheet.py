@@ -22,8 +22,9 @@ from scipy.sparse.linalg import splu
 
 from origami_nlp.facets.closure import Closure, Matrix
 from origami_nlp.facets.crossings import Crossings
+from origami_nlp.facets.features import Features
 from origami_nlp.facets.linear import SYMMETRIC, Normal, dense
-from origami_nlp.numerics import RANK, ROUNDED
+from origami_nlp.numerics import RANK, ROUNDED, null_space
 from origami_nlp.pattern import Pattern
 
 MOST_DENSE = 400
@@ -60,11 +61,17 @@ class Sheet:
         self.crossings = Crossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         self._last: tuple[bytes, list[int], Normal] | None = None
+        self._decomposed: tuple[bytes, np.ndarray, np.ndarray] | None = None
 
     @property
     def size(self) -> int:
         """Number of creases n."""
         return self.pattern.creases
+
+    @cached_property
+    def features(self) -> Features:
+        """Features of its facets that can meet."""
+        return Features(self.crossings)
 
     @cached_property
     def stiffness(self) -> np.ndarray:
@@ -186,24 +193,36 @@ class Sheet:
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
         """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
-        free = np.setdiff1d(np.arange(self.size), list(held))
-        j = dense(self.closure.jacobian(phi))[:, free]
-        _, values, vt = np.linalg.svd(j, full_matrices=True)
-        rank = int((values > RANK).sum())
-        z = np.zeros((self.size, len(free) - rank))
-        z[free] = vt[rank:].T
+        held = list(held)
+        if not held:
+            values, vt = self._singular(phi)
+            return np.array(vt[int((values > RANK).sum()) :].T, order="C")
+        free = np.setdiff1d(np.arange(self.size), held)
+        inside = null_space(dense(self.closure.jacobian(phi))[:, free])
+        z = np.zeros((self.size, inside.shape[1]))
+        z[free] = inside
         return z
+
+    def _singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Singular values of the Jacobian and all right vectors [n, n], in rows; the last ones are kept."""
+        key = phi.tobytes()
+        if self._decomposed is None or self._decomposed[0] != key:
+            # rank, kernel and curvature of a state are asked for in turn
+            j = dense(self.closure.jacobian(phi))
+            _, values, vt = np.linalg.svd(j, full_matrices=j.shape[0] < j.shape[1])
+            self._decomposed = key, values, vt
+        return self._decomposed[1:]
 
     def rank(self, phi: np.ndarray, below: float = RANK) -> int:
         """Rank of the Jacobian of closure, singular values below a bound being zero.
 
         Beyond `MOST_DENSE` creases the bound is 1e-6 at least: squares of smaller ones drown in rounding.
         """
-        j = self.closure.jacobian(phi)
-        if not j.shape[0]:
+        if not self.closure.count:
             return 0
         if self.size <= MOST_DENSE:
-            return int((np.linalg.svd(dense(j), compute_uv=False) > below).sum())
+            return int((self._singular(phi)[0] > below).sum())
+        j = self.closure.jacobian(phi)
         # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
         square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j

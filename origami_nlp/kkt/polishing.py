@@ -208,7 +208,10 @@ def newton(
         if best is None or merit < best[0]:
             u = _uncertainty(system) if reached else math.inf
             resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system.jacobian)
-            state = Polished(_closed_exactly(x), rows, closure, float(kkt), resolved, u)
+            y = _closed_exactly(model, x)
+            if (y != x).any():
+                closure = float(np.abs(model.closure(y)[0]).max())
+            state = Polished(y, rows, closure, float(kkt), resolved, u)
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
             break
@@ -304,7 +307,11 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
     return float(singular[singular > DEPENDENT].min(initial=math.inf))
 
 
-def _closed_exactly(x: np.ndarray) -> np.ndarray:
-    """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds)."""
+def _closed_exactly(model: Programme, x: np.ndarray) -> np.ndarray:
+    """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds).
+
+    A crease that contacts force shut is known to the rounding of these over their levers: beyond the limit it is at it.
+    """
     shut = np.abs(np.abs(x) - math.pi) <= 9 * EPS
-    return np.where(shut, np.copysign(math.pi, x), x)
+    y = np.where(shut, np.copysign(math.pi, x), x)
+    return np.clip(y, -math.pi, math.pi) if model.has_limits else y

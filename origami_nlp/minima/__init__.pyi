@@ -49,10 +49,6 @@ from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
-    minima_table as minima_table,
-    print_result as print_result,
-    result_from_dict as result_from_dict,
-    result_to_dict as result_to_dict,
 )
 from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1

@@ -104,8 +104,8 @@ def find_minima(
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     prove
-        Prove that the list is complete: True, or seconds that this may take; False: do not try.  Without being asked
-        it is tried where it is cheap: within fold limits, up to two freedoms.
+        Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
+        Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress

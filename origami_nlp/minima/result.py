@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
-from origami_nlp.errors import OptionError
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
@@ -33,7 +32,6 @@ from origami_nlp.show import (
     Told,
     Turnable,
     Words,
-    check_schema,
     from_plain,
     pick,
     to_plain,
@@ -85,7 +83,7 @@ class MinimaResult(Told, Turnable):
     search: SearchReport
     completeness: Completeness | None = None
 
-    PICTURE = "draw_minima"
+    PICTURE, READ = "draw_minima", SCHEMA
 
     @property
     def flags(self) -> ResultFlags:
@@ -201,25 +199,8 @@ class MinimaResult(Told, Turnable):
             yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> MinimaResult:
-        """Rebuild a result from `to_dict` (the model is posed anew from the scene).
-
-        Parameters
-        ----------
-        data
-            Of the schema ``origami-nlp/minima/1``.
-
-        Returns
-        -------
-        MinimaResult
-            The result.
-
-        Raises
-        ------
-        OptionError
-            If `data` is not of this schema.
-        """
-        check_schema(data, SCHEMA, OptionError)
+    def _read(cls, data: dict[str, Any]) -> Self:
+        """Rebuild all but the model, which is posed anew from the scene."""
         scene = scene_from_dict(data["scene"])
         if "geometry" in data["model"]:
             scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
@@ -244,7 +225,3 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
         if data[name] is None:
             del data[name]
     return data
-
-
-minima_table, print_result = MinimaResult.table, MinimaResult.tell
-result_to_dict, result_from_dict = MinimaResult.to_dict, MinimaResult.from_dict

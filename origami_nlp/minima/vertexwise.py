@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern import Alike, Labels, Scene, group_alike
-from origami_nlp.show import Piece, Table, Told, check_schema
+from origami_nlp.show import Piece, Table, Told
 
 SCHEMA = "origami-nlp/vertexwise/1"
 HEADS = ("vertices", "degree", "minima", "kinds", "lowest [J]", "closure", "KKT")
@@ -48,6 +48,8 @@ class VertexwiseMinima(Told):
 
     classes: tuple[Alike, ...]
     results: tuple[MinimaResult, ...]
+
+    READ = SCHEMA
 
     def result(self, vertex: int) -> MinimaResult:
         """Return the result for the class of a vertex, in the labels of its first one.
@@ -154,25 +156,7 @@ class VertexwiseMinima(Told):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> VertexwiseMinima:
-        """Rebuild a result from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            Of the schema ``origami-nlp/vertexwise/1``.
-
-        Returns
-        -------
-        VertexwiseMinima
-            The result.
-
-        Raises
-        ------
-        OptionError
-            If `data` is not of this schema.
-        """
-        check_schema(data, SCHEMA, OptionError)
+    def _read(cls, data: dict[str, Any]) -> Self:
         classes = []
         for k, apart in enumerate(data["apart"], start=1):
             mine = [v for v in data["vertices"] if v["class"] == k]

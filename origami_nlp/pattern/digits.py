@@ -30,6 +30,8 @@ SOFT = 1e-10
 """Rows that depend on others are weighed with this, so that they need not be told."""
 LIGHT = 1e-6
 """Weight of the angles and lengths that groups share, beside corners over the size of the sheet."""
+SHORTENS = 0.1
+"""Share of the shortest side by which corners may move: one that moves more is drawn anew, not made exact."""
 MOST_ROUND = 12
 """Sectors of a vertex up to which creases in a line are looked for."""
 MOST_POLYGONS = 2_000
@@ -104,6 +106,7 @@ def made_exact(
     size = float(np.abs(corners - origin).max())
     x = (corners - origin) / size
     at = _Sectors(polygons, joins)
+    shortest = size * float(at.lengths(x).min())
     rows = at.relations(x, unit / size)
     most = 2 * unit if rows is not None and rows.by_digits else RESOLVED * size
     for relations in (rows, None) if rows is not None else (None,):
@@ -114,7 +117,8 @@ def made_exact(
         if new is None:
             continue
         moved = size * float(np.linalg.norm(new - x, axis=1).max())
-        if relations is None or moved <= most:
+        # sides that moves change the length of by more than a share of it are not what was drawn
+        if moved <= SHORTENS * shortest and (relations is None or moved <= most):
             many = int((np.abs(wanted) > at.rounding(x)).sum())
             return Exact(origin + size * new, moved, many)
     return Exact(corners, 0.0, 0)
@@ -161,10 +165,14 @@ class _Sectors:
             self.rings.append(sectors)
             self.inside[ring] = True
 
+    def lengths(self, x: np.ndarray) -> np.ndarray:
+        """Return the length of each side, [S]."""
+        found: np.ndarray = np.linalg.norm(x[self.end] - x[self.start], axis=1)
+        return found
+
     def rounding(self, x: np.ndarray) -> float:
         """Return what sums of measures miss by rounding: corners are known to `EPS`, angles to that over a side."""
-        shortest = np.linalg.norm(x[self.end] - x[self.start], axis=1).min()
-        return SUMMED + 16 * EPS / float(shortest)
+        return SUMMED + 16 * EPS / float(self.lengths(x).min())
 
     def frames(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return both sides at each corner and the normal of its polygon, [C, 3] each."""
@@ -181,8 +189,7 @@ class _Sectors:
         """Return the inner angle at each corner [rad], then the length of each side, [C + S]."""
         u, v, n = self.frames(x)
         angle = np.arctan2((n * cross(v, u)).sum(axis=1), (u * v).sum(axis=1))
-        lengths = np.linalg.norm(x[self.end] - x[self.start], axis=1)
-        return np.concatenate([np.where(angle < 0, angle + 2 * math.pi, angle), lengths])
+        return np.concatenate([np.where(angle < 0, angle + 2 * math.pi, angle), self.lengths(x)])
 
     def slopes(self, x: np.ndarray) -> sparse.csr_array:
         """Return the derivatives of the measures, [C + S, 3 V]."""

@@ -176,15 +176,13 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
 
     try:
         data = json.loads(text, parse_constant=refuse)
-    except (
-        ValueError,
-        RecursionError,
-    ) as error:  # JSONDecodeError and UnicodeDecodeError are ValueErrors
+    except FoldFileError:
+        raise
+    # JSONDecodeError and UnicodeDecodeError are ValueErrors
+    except (ValueError, RecursionError) as error:
         raise FoldFileError(f"FOLD file is not valid JSON: {str(error).splitlines()[0]}") from None
     if not isinstance(data, Mapping):
-        raise FoldFileError(
-            "FOLD file must be a JSON object with vertices_coords, edges_vertices, ..."
-        )
+        raise FoldFileError("FOLD file must be a JSON object: vertices_coords, edges_vertices, ...")
     raw = [data, *_list(data.get("file_frames", []), "file_frames")]
     for number, one in enumerate(raw):
         if not isinstance(one, Mapping):
@@ -357,10 +355,11 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
         out[i, : len(row)] = [_number(v, f"vertices_coords[{i}]") for v in row]
     if not len(out):
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
-    if np.abs(out).max() > 1e100:
-        raise FoldFileError("vertices_coords exceed 1e100: rescale the pattern")
-    if 0.0 < np.ptp(out, axis=0).max() < 1e-100:
-        raise FoldFileError("vertices_coords span less than 1e-100: rescale the pattern")
+    # products of four lengths must be numbers, of small facets too
+    if np.abs(out).max() > 1e50:
+        raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
+    if 0.0 < np.ptp(out, axis=0).max() < 1e-50:
+        raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
     return out, wide
 
 

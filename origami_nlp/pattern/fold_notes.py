@@ -90,8 +90,11 @@ def flattened(
     normal = axes[2] if len(axes) == 3 else np.array([0.0, 0.0, 1.0])
     sides = np.array([(f[i - 1], f[i]) for f in faces for i in range(len(f))], dtype=int)
     sides = sides.reshape(-1, 2)
-    area = np.cross(coords[sides[:, 0]], coords[sides[:, 1]]).sum(axis=0)
-    up = area if np.linalg.norm(area) > 1e-9 else np.array([1e-6, 1e-3, 1.0])
+    about = coords - middle
+    areas = np.cross(about[sides[:, 0]], about[sides[:, 1]])
+    area = areas.sum(axis=0)
+    seen = np.linalg.norm(area) > NOISE * np.linalg.norm(areas, axis=1).sum()
+    up = area if seen else np.array([1e-6, 1e-3, 1.0])
     if (
         normal @ up < 0
     ):  # faces counter-clockwise as seen from above; without faces from +z (or +y, +x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -183,7 +183,8 @@ def check_drawing(frame: Frame) -> None:
     for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
         if v not in frame.edges[e]:
             raise FoldFileError(
-                f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
+                coincident(frame, [v])
+                or f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
             )
     one, other = tree.query(lines, predicate="crosses")
     if len(one):
@@ -191,3 +192,15 @@ def check_drawing(frame: Frame) -> None:
         raise FoldFileError(
             f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both"
         )
+
+
+def coincident(frame: Frame, vertices: Iterable[int]) -> str:
+    """Name another vertex in the place of one of some, and what to do; or '' where there is none."""
+    near = TYPED * float(np.ptp(frame.coords, axis=0).max())
+    for v in vertices:
+        off = np.linalg.norm(frame.coords - frame.coords[v], axis=1)
+        off[v] = np.inf
+        if off.min() <= near:
+            a, b = sorted((int(v), int(off.argmin())))
+            return f"vertices {a} and {b} are in the same place, make them one vertex"
+    return ""

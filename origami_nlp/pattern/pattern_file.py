@@ -17,7 +17,7 @@ from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_parts import check_parts, check_sides
-from origami_nlp.pattern.fold_rings import Rings, check_drawing, oriented
+from origami_nlp.pattern.fold_rings import Rings, check_drawing, coincident, oriented
 from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
@@ -240,10 +240,10 @@ class _Sheet:
         for walk, area in Rings(frame).walks():
             if area <= 0:
                 continue
-            ends = [v for i, v in enumerate(walk) if walk[i - 2] == v]
+            ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
             if ends:
-                v = walk[walk.index(ends[0]) - 1]
-                e = self.number[_side(v, ends[0])]
+                v = walk[ends[0] - 1]
+                e = self.number[_side(v, walk[ends[0]])]
                 raise FoldFileError(
                     f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v}: it cannot fold. Carry it "
                     "on to another crease or to the border, or leave it out"
@@ -265,18 +265,27 @@ class _Sheet:
             self.notes.append(f"{holes} faces with a border all around are holes")
         if not faces:
             raise FoldFileError(
-                "edges_vertices encloses no facet: add the outline of the paper, edges with assignment B"
+                "edges_vertices: a face with a border (B, C) all around is a hole, and there is no other: say in "
+                "faces_vertices what is paper"
+                if holes
+                else "edges_vertices encloses no facet: add the outline of the paper, edges with assignment B"
             )
         return faces
 
     def _check_faces(self) -> None:
+        from shapely import LinearRing
+
         x = self.frame.coords
         for f, face in enumerate(self.polygons):
             p = x[list(face)] - x[face[0]]
-            _, extent, _ = np.linalg.svd(p, full_matrices=False)
+            _, extent, axes = np.linalg.svd(p, full_matrices=False)
             name = f"faces_vertices[{f}]" if self.frame.faces else f"the facet at vertices {face}"
             if extent[1] <= TYPED * extent[0]:
                 raise FoldFileError(f"{name} has no area: leave it out, or move a vertex")
+            if len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
+                raise FoldFileError(
+                    f"{name} comes back to or crosses its own outline: put its vertices in the order of the outline"
+                )
             if len(extent) > 2 and extent[2] > NOISE * extent[0]:
                 raise FoldFileError(
                     f"{name} is not flat (by {extent[2] / extent[0]:.2g} of its size): split it along a crease"
@@ -358,9 +367,10 @@ class _Sheet:
         lost = [int(n) for e, n in enumerate(self.frame.numbers) if e not in used]
         lost = [n for n in lost if self.frame.assignment[n_at(self.frame, n)] in "MV"]
         if lost:
+            twins = coincident(self.frame, self.frame.edges[n_at(self.frame, lost[0])])
             raise FoldFileError(
-                f"edges_vertices[{lost[0]}] is a fold but the side of no face: give its faces in faces_vertices, or "
-                "leave it out"
+                f"edges_vertices[{lost[0]}] is a fold but the side of no face: "
+                + (twins or "give its faces in faces_vertices, or leave it out")
             )
 
     def measured(self) -> tuple[dict[Side, float], float]:

@@ -8,6 +8,7 @@ open; a crease is directed, with one facet on its left and one on its right.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -123,13 +124,21 @@ class Pattern:
     def directions(self) -> np.ndarray:
         """Unit vectors along the creases in the reference state, [n, 3]."""
         d = self.corners[self.ends[:, 1]] - self.corners[self.ends[:, 0]]
-        return d / np.linalg.norm(d, axis=1, keepdims=True)
+        return d / self.lengths[:, None]
 
     @cached_property
     def lengths(self) -> np.ndarray:
         """Of the creases, in the units of the corners, [n]."""
         d = self.corners[self.ends[:, 1]] - self.corners[self.ends[:, 0]]
         return np.linalg.norm(d, axis=1)
+
+    @property
+    def other_sides(self) -> dict[tuple[int, int], int]:
+        """Sides of polygons that are no creases, each with the number of polygons it belongs to: 1 at a border."""
+        ways = ((q[i - 1], v) for q in self.polygons for i, v in enumerate(q))
+        count = Counter((min(a, b), max(a, b)) for a, b in ways)
+        creases = set(map(tuple, self.ends.tolist()))
+        return {side: many for side, many in count.items() if side not in creases}
 
     @property
     def is_flat(self) -> bool:

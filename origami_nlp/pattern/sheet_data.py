@@ -37,19 +37,12 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     True
     """
     p = pattern
-    creases = set(map(tuple, p.ends.tolist()))
-    count: dict[tuple[int, int], int] = {}
-    for q in p.polygons:
-        for i, v in enumerate(q):
-            side = min(q[i - 1], v), max(q[i - 1], v)
-            count[side] = count.get(side, 0) + 1
-    joins = sorted(side for side, many in count.items() if many > 1 and side not in creases)
     return {
         "schema": SCHEMA,
         "name": p.name,
         "corners": p.corners.tolist(),
         "polygons": [list(q) for q in p.polygons],
-        "joins": [list(side) for side in joins],
+        "joins": sorted(list(side) for side, many in p.other_sides.items() if many > 1),
         "creases": p.ends.tolist(),
         "assignment": p.assignment,
         "numbers": p.numbers.tolist(),

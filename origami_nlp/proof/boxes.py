@@ -156,7 +156,7 @@ def prune(
     most
         Stop after this many boxes.
     seconds
-        Stop after this time.
+        Stop after so much processor time.
     recorder
         Where to record the tree, if at all.
 
@@ -167,8 +167,8 @@ def prune(
     """
     stack, found = [start], []
     boxes = flats = 0
-    end = math.inf if seconds is None else time.perf_counter() + seconds
-    while stack and boxes < most and time.perf_counter() < end:
+    end = math.inf if seconds is None else time.process_time() + seconds
+    while stack and boxes < most and time.process_time() < end:
         batch = joined(list(_popped(stack)))
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)

@@ -54,7 +54,7 @@ def prove(
     model
         Of a scene with contact "fold-limits".
     seconds
-        Stop after this time; what is left then is undecided.
+        Stop after so much processor time; what is left then is undecided.
     most
         Stop after this many boxes (which, unlike a time, stops at the same place everywhere).
     record
@@ -79,7 +79,7 @@ def prove(
     (True, 2)
     """
     check_type("model", model, Model)
-    started = time.perf_counter()
+    started = time.process_time()
     posed, flat = pose(model)
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
@@ -124,7 +124,7 @@ def prove(
         tuple(singular),
         tuple(undecided),
         left.boxes + flat.boxes + more,
-        time.perf_counter() - started,
+        time.process_time() - started,
         not len(left.open),
         flat.text,
         flat.radius,

@@ -107,7 +107,7 @@ class Proof:
     boxes
         How many were treated.
     seconds
-        How long it took.
+        Processor time that it took.
     finished
         Whether no box was left when it ended.
     flat

@@ -93,7 +93,7 @@ def prove(
     model
         Of a scene with contact "fold-limits" or "full".
     seconds
-        Stop after this time; what is left then is undecided.
+        Stop after so much processor time; what is left then is undecided.
     most
         Stop after this many boxes, touches apart (which, unlike a time, stops at the same place everywhere).
     record
@@ -120,11 +120,11 @@ def prove(
     model.scene.check_no_forces("a proof")
     if model.scene.contact != "full":
         return prove_within_limits(model, seconds=seconds, most=most, record=record)
-    started = time.perf_counter()
+    started = time.process_time()
     limits = prove_within_limits(
         Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most
     )
-    over = None if seconds is None else max(seconds - (time.perf_counter() - started), 0.0)
+    over = None if seconds is None else max(seconds - (time.process_time() - started), 0.0)
     return with_touches(model, limits, seconds=over)
 
 
@@ -202,14 +202,14 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     limits
         The proof of the same scene with contact "fold-limits".
     seconds
-        Stop after this time; what is left then is undecided.
+        Stop after so much processor time; what is left then is undecided.
 
     Returns
     -------
     Proof
         Points that certainly cross are left out.
     """
-    started = time.perf_counter()
+    started = time.process_time()
     end = math.inf if seconds is None else started + seconds
     boxes, finished = limits.boxes, limits.finished
     singular, undecided = list(limits.singular), list(limits.undecided)
@@ -222,7 +222,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
             stratum.posed,
             stratum.start,
             most=MOST_BOXES,
-            seconds=max(end - time.perf_counter(), 0.0),
+            seconds=max(end - time.process_time(), 0.0),
         )
         boxes += left.boxes
         finished &= not len(left.open)
@@ -251,7 +251,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         singular=tuple(_refused(model, c) for c in singular),
         undecided=tuple(undecided),
         boxes=boxes,
-        seconds=limits.seconds + time.perf_counter() - started,
+        seconds=limits.seconds + time.process_time() - started,
         finished=finished,
         crossing=len(points) - len(kept),
     )

@@ -25,8 +25,11 @@ def angle_sums(pattern: Pattern) -> dict[int, float]:
     inside = {loop.vertex: 0.0 for loop in pattern.vertices}
     for polygon in pattern.polygons:
         x = pattern.corners[list(polygon)]
+        normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        normal /= np.linalg.norm(normal)
         for i, v in enumerate(polygon):
             if v in inside:
                 a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
-                inside[v] += math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+                angle = math.atan2(float(normal @ np.cross(a, b)), float(a @ b))
+                inside[v] += angle % (2 * math.pi)
     return inside

@@ -23,6 +23,8 @@ MOST_HALVINGS = 3
 """Of a step in which a pair might touch."""
 TOUCH = 1e-9
 """Facets with a gap of less than this share of the sheet's size touch."""
+FAR = 1e200
+"""Longer than any distance, and finite, so that no fold moves over it makes 0."""
 MOST_PIECES = 64
 """Convex pieces of facets up to which gaps are asked for; beyond, only crossings at the states of a curve."""
 
@@ -89,7 +91,7 @@ class Clearance:
         out = np.zeros((len(self.first), p.creases))
         for k, (i, j) in enumerate(zip(self.first, self.second, strict=True)):
             if self._apex[k] == -2:
-                out[k] = np.inf  # never shown to be apart
+                out[k] = FAR  # never shown to be apart where anything moves
                 continue
             path, here, there = [], int(c.facet[j]), int(c.facet[i])
             while here != there:
@@ -114,17 +116,18 @@ class Clearance:
     def _ways(self) -> np.ndarray:
         """Length of a way over the paper from each crease to each corner, [n, V]: no folded state is longer."""
         p = self.sheet.pattern
-        n, many = p.creases, len(p.corners)
+        n, many, size = p.creases, len(p.corners), self.sheet.crossings.size
         points = np.vstack([p.corners, p.corners[p.ends].mean(axis=1)])
         length = np.full((many + n, many + n), np.inf)
         for facet in range(p.facets):
             on = {v for k in np.flatnonzero(p.facet_of == facet) for v in p.polygons[k]}
             on |= {many + int(k) for k in np.flatnonzero((p.left == facet) | (p.right == facet))}
             here = sorted(on)
-            apart = np.linalg.norm(points[here][:, None] - points[here], axis=2)
+            # over the size: SciPy takes lengths below 1e-8 for none
+            apart = np.linalg.norm(points[here][:, None] - points[here], axis=2) / size
             length[np.ix_(here, here)] = np.minimum(length[np.ix_(here, here)], apart)
-        found: np.ndarray = shortest_path(np.where(np.isinf(length), 0.0, length))[many:, :many]
-        return found
+        ways = shortest_path(np.where(np.isinf(length), 0.0, length))[many:, :many]
+        return np.minimum(size * ways, FAR)
 
     def crosses(self, placed: np.ndarray) -> bool:
         """Tell whether facets cross, from corners of pieces in space [P, q, 3]."""

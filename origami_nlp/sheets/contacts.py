@@ -93,7 +93,7 @@ def closed_contacts(sheet: Sheet, phi: np.ndarray, touching: bool = True) -> Row
         Gaps of features that meet inside each other; those that fold limits keep open are left to them.
     """
     limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-    features, touches = Features(sheet.crossings), []
+    features, touches = sheet.features, []
     if touching:
         place = Placed(sheet.crossings.poses, phi)
         for touch, gap in features.facing(place, SEEN, INSIDE):
@@ -138,7 +138,7 @@ def closed_choices(sheet: Sheet, phi: np.ndarray) -> list[Choice]:
     list of tuple of Touch
         Without those that have a gap which is closed on every piece anyway.
     """
-    return choices(Features(sheet.crossings), Placed(sheet.crossings.poses, phi))
+    return choices(sheet.features, Placed(sheet.crossings.poses, phi))
 
 
 def balance(sheet: Sheet, phi: np.ndarray, rows: Rows, z: np.ndarray) -> Balance:

@@ -91,8 +91,11 @@ class Overview(Told):
 
     @property
     def freedoms(self) -> int | None:
-        """Number of independent motions of the folded sheet: creases less rank."""
-        return None if self.rank_folded is None else self.pattern.creases - self.rank_folded
+        """Number of independent motions of the folded sheet: creases less rank; 0 where the flat one has none."""
+        if self.rank_folded is not None:
+            return self.pattern.creases - self.rank_folded
+        # flat, more may be free to first order than moves: that no motion is there to first order is enough
+        return 0 if self.rank_flat == self.pattern.creases else None
 
     @property
     def redundant(self) -> int | None:
@@ -145,7 +148,9 @@ class Overview(Told):
         said = [*p.notes]
         few = [loop.vertex for loop in p.vertices if len(loop.creases) < 4]
         if few:
-            said.append(f"vertices {_listed(few)} have fewer than four creases: those cannot fold")
+            said.append(
+                f"vertices {_listed(few)} have fewer than four creases: flat ones fold along a straight line only"
+            )
         sums = angle_sums(p)
         bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > FLAT_WITHIN}
         if bent:
@@ -161,12 +166,12 @@ class Overview(Told):
                 f"angle sums miss 360 degrees by up to {math.degrees(noise):.1e}: noise in coordinates, with which "
                 "redundant equations need not have a common solution"
             )
-        if self.freedoms == 0:
+        if self.freedoms == 0 and p.creases:
             said.append(
                 "no freedom is left: with rigid facets it holds still as it is; patterns such as Kresling's and the "
                 "hypar bend their facets, which is not modelled"
             )
-        if self.folded is None and p.creases:
+        if self.folded is None and self.freedoms is None:
             said.append(
                 "no folded state was found: it may have none, or its assignment leads to none; freedoms are not known"
             )

@@ -9,7 +9,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from origami_nlp.facets import MOST_DENSE, Matrix, Sheet, dense
-from origami_nlp.numerics import CURVED, EPS, RANK
+from origami_nlp.numerics import CURVED, EPS, null_space
 
 PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10, 1e12
 """Weights rho with which positivity on the kernel is tried."""
@@ -65,8 +65,7 @@ def curvature(
     j, h = dense(j), dense(h)
     if extra is not None and len(extra):
         j = np.vstack([j, extra[:, free]])
-    _, values, vt = np.linalg.svd(j, full_matrices=True)
-    z = vt[int((values > RANK).sum()) :].T
+    z = sheet.kernel(phi) if j.shape == (sheet.closure.count, sheet.size) else null_space(j)
     smallest = math.inf
     if z.shape[1]:
         curvatures, vectors = np.linalg.eigh(z.T @ h @ z)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.facets import Factor, Normal, Sheet
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, ROUNDED
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -82,12 +82,15 @@ def descend(
         if len(where) and limits.min() < -STILL:  # the limit would have to pull: let go
             held[where[int(limits.argmin())]] = False
             continue
+        # beside the flat state multipliers are large, and rounding with them
+        size, left = max(1.0, float(np.abs(lam).max(initial=0.0))), float(np.abs(balance).max())
+        still = STILL * size
+        if left <= ROUNDED * size and sheet.size > MOST_SPECTRAL:  # no step leaves a saddle there
+            return Descended(phi, True, step, "still", saddles, tuple(path))
         d, off_saddle = _direction(sheet, phi, lam, held, radius, normal, side)
         saddles += off_saddle
         slope = float(balance @ d)
-        # beside the flat state multipliers are large, and rounding with them
-        still = STILL * max(1.0, float(np.abs(lam).max(initial=0.0)))
-        if np.abs(balance).max() <= still and slope > -(still**2):
+        if left <= still and slope > -(still**2):
             return Descended(phi, True, step, "still", saddles, tuple(path))
         moved = False
         while radius > 1e-14:

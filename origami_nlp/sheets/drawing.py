@@ -44,6 +44,8 @@ PIXELS = 1_000
 """Of the longer side of the painted picture."""
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
+CANCELS = 1e-9
+"""Share of all areas below which the areas of facets, as vectors, cancel: their mean normal is rounding."""
 PIECE = 0.004
 """Lines are cut into pieces of this share of the picture, each seen or hidden."""
 DASH, PERIOD = 0.014, 0.022
@@ -52,6 +54,8 @@ LAYER = 1e-5
 """Of layers that lie on each other within this share of the picture, the first is shown."""
 TINT = 0.3
 """Share of the colour of contacts in that of facets that touch."""
+CELL = 4 / 3
+"""Width over height of the pictures of states side by side: all alike, so that their titles are in line."""
 BEFORE = 4e-3
 """A line hides only behind what is nearer by more than this share of the picture."""
 
@@ -111,13 +115,15 @@ def draw_sheet(
 
 def sheet_view(polygons: list[np.ndarray]) -> np.ndarray:
     """Return rows right, up and towards the viewer for polygons [q, 3] in space, [3, 3]."""
-    area = np.zeros(3)
-    for x in polygons:
-        area += np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    areas = np.array(
+        [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0) for x in polygons]
+    )
+    area = areas.sum(axis=0)
+    seen = np.linalg.norm(area) > CANCELS * np.linalg.norm(areas, axis=1).sum()
     points = np.concatenate(polygons)
     points = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(points, full_matrices=False)
-    up = axes[2] if np.linalg.norm(area) < 1e-9 else area / np.linalg.norm(area)
+    up = area / np.linalg.norm(area) if seen else axes[2]
     ahead = next(a for x in axes if np.linalg.norm(a := x - (x @ up) * up) > 0.3)
     ahead = ahead / np.linalg.norm(ahead)
     if ahead[int(np.abs(ahead).argmax())] < 0:
@@ -332,11 +338,11 @@ def draw_states(
         axes = figure.add_subplot(rows, columns, k + 1)
         touches = contacts[k] if k < len(contacts) else ()
         draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else (), touches)
+        _widen(axes, CELL)
         axes.set_title(name, fontsize=9)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
     figure.suptitle(title + more, fontsize=11)
-    touch = any(c.corners for held in contacts[: len(shown)] for c in held)
-    handles = crease_legend() + (touch_legend() if touch else [])
+    handles = crease_legend() + touch_legend(c for held in contacts[: len(shown)] for c in held)
     many = 4 if columns > 1 else 2
     figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)
     if path is not None:
@@ -344,6 +350,14 @@ def draw_states(
 
         save_figure(figure, path, 200)
     return figure
+
+
+def _widen(axes: Axes, shape: float) -> None:
+    """Widen the limits of axes until width over height is as given."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    across = max(0.0, shape * (high - low) - (right - left)) / 2
+    up = max(0.0, (right - left) / shape - (high - low)) / 2
+    axes.set(xlim=(left - across, right + across), ylim=(low - up, high + up))
 
 
 def draw_motion(motion: Motion, path: Any = None) -> Figure:

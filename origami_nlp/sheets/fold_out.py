@@ -50,10 +50,10 @@ def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> di
     Pattern('Miura, alpha = pi/3': 4 facets, 4 creases, 1 interior vertices)
     """
     p = pattern
-    others = _other_edges(p)
+    others = p.other_sides
     none = [None] * len(others)
     kind, attribute = ("creasePattern", "2D") if p.is_flat else ("foldedForm", "3D")
-    letters = [*p.assignment, *(letter for _, letter in others)]
+    letters = [*p.assignment, *_letters(p)]
     return {
         "file_spec": 1.1,
         "file_creator": f"origami_nlp {__version__}",
@@ -62,7 +62,7 @@ def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> di
         "frame_classes": [kind],
         "frame_attributes": [attribute],
         "vertices_coords": (p.corners[:, :2] if p.is_flat else p.corners).tolist(),
-        "edges_vertices": [*p.ends.tolist(), *(list(side) for side, _ in others)],
+        "edges_vertices": [*p.ends.tolist(), *map(list, others)],
         "edges_assignment": letters,
         "edges_foldAngle": _degrees(p.rest if p.is_flat else p.reference, len(others)),
         "faces_vertices": [list(q) for q in p.polygons],
@@ -98,7 +98,6 @@ def sheet_frame(
     """
     phi = np.asarray(fold_angles, float)
     letters = ["M" if a < 0 else "V" if a > 0 else "F" for a in phi]
-    others = _other_edges(pattern)
     x = Poses(pattern).corners(phi)
     x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
     layers = order_layers(Sheet(pattern), phi)
@@ -109,8 +108,8 @@ def sheet_frame(
         "frame_parent": 0,
         "frame_inherit": True,
         "vertices_coords": x.tolist(),
-        "edges_assignment": [*letters, *(letter for _, letter in others)],
-        "edges_foldAngle": _degrees(phi, len(others)),
+        "edges_assignment": [*letters, *_letters(pattern)],
+        "edges_foldAngle": _degrees(phi, len(pattern.other_sides)),
         "faceOrders": [list(order) for order in layers.orders],
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
@@ -153,15 +152,9 @@ def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str
     write_whole(target, content.encode() if isinstance(content, str) else content)
 
 
-def _other_edges(p: Pattern) -> list[tuple[tuple[int, int], str]]:
-    """Return sides that are no creases: J where two polygons share them, else B."""
-    creases = set(map(tuple, p.ends.tolist()))
-    count: dict[tuple[int, int], int] = {}
-    for q in p.polygons:
-        for i, v in enumerate(q):
-            side = min(q[i - 1], v), max(q[i - 1], v)
-            count[side] = count.get(side, 0) + 1
-    return [(s, "J" if n > 1 else "B") for s, n in count.items() if s not in creases]
+def _letters(p: Pattern) -> list[str]:
+    """Return what sides that are no creases are: joined where two polygons share them, else borders."""
+    return ["J" if many > 1 else "B" for many in p.other_sides.values()]
 
 
 def _degrees(phi: np.ndarray, others: int) -> list[float]:

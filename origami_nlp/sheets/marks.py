@@ -1,9 +1,9 @@
-"""Where facets touch, marked in a drawing: a ring at each place, filled where the contact pushes."""
+"""Where facets touch, marked in a drawing: a ring at each place, filled where the contact pushes, half where it may."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -17,6 +17,19 @@ from origami_nlp.show import IDLE, PUSHES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+PUSH, SHARE, REST = (
+    "facets touch and push",
+    "push, how it is shared is open",
+    "touch without force",
+)
+RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mew": 1.6}
+LOOKS: dict[str, dict[str, Any]] = {
+    PUSH: {**RING, "mec": PUSHES, "mfc": PUSHES},
+    SHARE: {**RING, "mec": PUSHES, "mfc": PUSHES, "mfcalt": "white", "fillstyle": "left"},
+    REST: {**RING, "mec": IDLE, "mfc": "white"},
+}
+"""Marks by how contacts push."""
 
 
 def touching_facets(contacts: Sequence[SheetContact]) -> list[int]:
@@ -95,24 +108,24 @@ def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> f
 def mark_touches(
     axes: Axes, view: np.ndarray, places: np.ndarray, contacts: Sequence[SheetContact]
 ) -> None:
-    """Draw the places of touch of `touch_places` [t, 3], seen by a view [3, 3]: full where a contact pushes."""
+    """Draw the places of touch of `touch_places` [t, 3], seen by a view [3, 3], each as its contact pushes."""
     around = [withStroke(linewidth=2.5, foreground="white")]
     touches = [c for c in contacts if c.corners]
     for k, ((x, y, _), contact) in enumerate(zip(places @ view.T, touches, strict=True)):
-        pushes = contact.force > LOADED
-        colour = PUSHES if pushes else IDLE
-        axes.plot(x, y, "o", ms=7, mew=1.6, mec=colour, mfc=colour if pushes else "white",
-                  path_effects=around, zorder=5)  # fmt: skip
+        axes.plot(x, y, **LOOKS[_how(contact)], path_effects=around, zorder=5)
         a, b = (f + 1 for f in contact.where)
         up = 1 if k % 2 == 0 else -1
         axes.annotate(f"{a}|{b}", (x, y), xytext=(0, 9 * up), textcoords="offset points", ha="center",
                       va="bottom" if up > 0 else "top", fontsize=9, path_effects=around, zorder=6)  # fmt: skip
 
 
-def touch_legend() -> list[Line2D]:
-    """Return what the marks mean."""
-    look = {"ls": "", "marker": "o", "ms": 7, "mew": 1.6}
-    return [
-        Line2D([], [], mec=PUSHES, mfc=PUSHES, label="facets touch and push", **look),  # type: ignore[arg-type]
-        Line2D([], [], mec=IDLE, mfc="white", label="touch without force", **look),  # type: ignore[arg-type]
-    ]
+def touch_legend(contacts: Iterable[SheetContact]) -> list[Line2D]:
+    """Return what the marks of contacts mean, those that occur."""
+    met = {_how(c) for c in contacts if c.corners}
+    return [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
+
+
+def _how(contact: SheetContact) -> str:
+    """Tell how a contact pushes, by the least and the largest force that balance the springs."""
+    least, most = contact.between or (contact.force, contact.force)
+    return PUSH if least > LOADED else SHARE if most > LOADED else REST

@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.facets import Choice, Sheet, dense
 from origami_nlp.numerics import INDEPENDENT, STATIONARY, unbounded
-from origami_nlp.sheets.contacts import Balance, balance
+from origami_nlp.sheets.contacts import Balance, balance, closed_choices, closed_contacts
 from origami_nlp.sheets.curvature import curvature
 from origami_nlp.sheets.lower import lower_state
 from origami_nlp.sheets.rows import LOADED, Rows
@@ -201,3 +201,29 @@ def judge_pieces(
         out.left = None
         waiting += [(*chosen, k) for k in passed]
     return out
+
+
+def pieces_at(sheet: Sheet, phi: np.ndarray) -> Pieces:
+    """Judge a state on every piece of what meets there.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme, and a closed state in which no facets cross, [n] [rad].
+
+    Returns
+    -------
+    Pieces
+        Of `judge_pieces`, with all that is closed at the state.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Sheet
+    >>> from origami_nlp.sheets import pieces_at
+    >>> sheet = Sheet(o.examples.pattern("miura", 1, 2).with_springs(1.0, 0.5))
+    >>> pieces_at(sheet, np.array([-0.5])).left is None, pieces_at(sheet, np.array([-0.4])).lower
+    (True, array([-0.4001]))
+    """
+    rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
+    return judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))

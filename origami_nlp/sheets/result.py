@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
-from origami_nlp.show import Piece, Table, Told, check_schema, from_plain
+from origami_nlp.show import Piece, Table, Told, from_plain
 
 if TYPE_CHECKING:
     from typing import Self
@@ -86,7 +85,8 @@ class SheetSearch:
     def words(self) -> Iterator[str]:
         """Say it."""
         if self.lines or self.families:
-            more = f" and {self.families} families with more freedoms" if self.families else ""
+            what = "family" if self.families == 1 else "families"
+            more = f" and {self.families} {what} with more freedoms" if self.families else ""
             yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
         if self.flat_folded > 1:
             yield f"flat-folded states: {self.flat_folded} enumerated, and the ways out of each"
@@ -125,13 +125,18 @@ class SheetSearch:
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.complete
         yield (
-            f"one freedom: {self.curves} curves traced"
-            + (f", {lost} of them lost on the way" if lost else ", each to its ends")
+            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            + (
+                f", {lost} of them lost on the way"
+                if lost
+                else (", each to its ends" if self.curves != 1 else " to its ends")
+            )
             + (f"; {self.outside} of them known from random starts only" if self.outside else "")
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            yield f"{self.unclear} parts of steps along them in which facets may touch and part again unseen"
+            what = "part of a step" if self.unclear == 1 else "parts of steps"
+            yield f"{self.unclear} {what} along them in which facets may touch and part again unseen"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,6 +163,8 @@ class SheetResult(Told):
     pattern: Pattern
     states: tuple[SheetState, ...] = field(repr=False)
     search: SheetSearch
+
+    READ = SCHEMA
 
     @property
     def minima(self) -> tuple[SheetState, ...]:
@@ -274,19 +281,18 @@ class SheetResult(Told):
         ------
         OptionError
             If it holds no states of a sheet, or an entry is missing or wrong.
-        FoldFileError
-            If its pattern is none.
         """
-        if not isinstance(data, dict) or "minima" not in data:
-            check_schema(data, SCHEMA, OptionError)
-        try:
-            groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
-            states = [SheetState.from_dict(s) for group in groups for s in group]
-            pattern = pattern_from_dict(data["pattern"])
-            search = from_plain(SheetSearch, data["search"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise OptionError(f"states of schema {SCHEMA} are not whole: {error!r}") from None
-        return cls(pattern, tuple(sorted(states, key=lambda s: s.energy)), search)
+        if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
+            data = {**data, "schema": SCHEMA}
+        return super().from_dict(data)
+
+    @classmethod
+    def _read(cls, data: dict[str, Any]) -> Self:
+        groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
+        states = [SheetState.from_dict(s) for group in groups for s in group]
+        pattern = pattern_from_dict(data["pattern"])
+        by_energy = tuple(sorted(states, key=lambda s: s.energy))
+        return cls(pattern, by_energy, from_plain(SheetSearch, data["search"]))
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         for s in self.minima:

@@ -111,15 +111,24 @@ def balanced(
     return forces, hessian, z.T @ rest
 
 
-def quadratic(h: np.ndarray, g: np.ndarray, rows: Rows, z: np.ndarray) -> np.ndarray:
-    """Minimise g.y + y'Hy/2 with gaps + slopes z y >= 0, H [t, t] with its negative curvatures turned round."""
+def quadratic(
+    h: np.ndarray, g: np.ndarray, rows: Rows, z: np.ndarray, pushing: np.ndarray
+) -> np.ndarray:
+    """Minimise g.y + y'Hy/2 with gaps + slopes z y >= 0, H [t, t] with its negative curvatures turned round.
+
+    They are so along what slopes of rows that push, `pushing` [p, n], leave free, and across it apart: what a gap adds
+    to the curvature across would otherwise stiffen directions along which the energy hardly curves, and a descent would
+    creep beyond a fold.
+    """
     if not len(g):
         return g
-    values, vectors = np.linalg.eigh(h)
-    root = np.sqrt(np.maximum(np.abs(values), SOFTEST))
-    back = vectors / root  # y = back x, with x'x/2 the quadratic form
-    x = nearest(-back.T @ g, rows.slopes @ z @ back, -np.maximum(rows.gaps, 0.0))
-    return np.zeros(len(g)) if x is None else back @ x
+    free, back = null_space(pushing @ z), []  # y = back x, with x'x/2 the quadratic form
+    for basis in (free, null_space(free.T)):
+        values, vectors = np.linalg.eigh(basis.T @ h @ basis)
+        back.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
+    whole = np.hstack(back)
+    x = nearest(-whole.T @ g, rows.slopes @ z @ whole, -np.maximum(rows.gaps, 0.0))
+    return np.zeros(len(g)) if x is None else whole @ x
 
 
 def _onto(
@@ -143,7 +152,9 @@ def _onto(
     return phi if worst <= CLOSES else None
 
 
-def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
+def put_back(
+    sheet: Sheet, phi: np.ndarray, rows: Rows, kept: Sequence[Touch] = ()
+) -> np.ndarray | None:
     """Put a trial state onto closure; limits and gaps that it has passed are met.
 
     Parameters
@@ -152,6 +163,8 @@ def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
         The programme and fold angles near closure, [n] [rad].
     rows
         Gaps that must not be passed.
+    kept
+        Features that touch, and shall do so.
 
     Returns
     -------
@@ -159,7 +172,7 @@ def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
         The state [n]; None where there is none near by.
     """
     held = np.abs(phi) >= math.pi
-    touches: list[Touch] = []
+    touches = list(kept)
     for _ in range(10):
         start = np.where(held, np.copysign(math.pi, phi), phi)
         new = _onto(sheet, start, held, touches)

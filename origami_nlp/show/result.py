@@ -181,6 +181,8 @@ class Result:
         check_schema(data, cls.READ, OptionError)
         try:
             return cls._read(data)
+        except OptionError:
+            raise
         except (KeyError, TypeError, ValueError, IndexError) as error:
             why = f"data of schema {cls.READ} are not whole: {error!r}"
             raise OptionError(why) from None

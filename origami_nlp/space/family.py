@@ -192,6 +192,3 @@ class Sweep(Told):
             "transitions": [t.to_dict() for t in self.transitions],
             **pick(self, "unexplained", "silent"),
         }
-
-
-print_transitions = Sweep.tell

@@ -293,9 +293,6 @@ class Space(Told):
         }
 
 
-print_space = Space.tell
-
-
 def _places(mesh: SpaceMesh) -> np.ndarray:
     """Number of the chart point (branches apart) of each vertex."""
     return _groups(np.column_stack([mesh.chart, 10.0 * mesh.branch]))

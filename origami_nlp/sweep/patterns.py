@@ -52,7 +52,7 @@ from origami_nlp.pattern import (
     read_pattern,
 )
 from origami_nlp.sheets import find_states
-from origami_nlp.sweep.spec import MOST_SCENES, Sweep, check_axes, read_axis
+from origami_nlp.sweep.spec import MOST_SCENES, Sweep, check_axes, checked_search, read_axis
 from origami_nlp.sweep.store import Outcome, Rows, attempted
 
 _PLACE = re.compile(r"(creases|mountains|valleys)\.(stiffness|rest_angles)(?:\[(\d{1,5})\])?")
@@ -173,7 +173,9 @@ def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> Pattern
     """
     base = _base(data["pattern"], folder)
     axes = tuple(read_axis(a, k) for k, a in enumerate(check_axes(data.get("axes")), start=1))
-    sweep = PatternSweep(base, axes, _search(data.get("search", {})))
+    least = {"starts": 0, "seed": 0}
+    search = checked_search(data.get("search", {}), _SEARCH, least, ["contact"], " of a pattern")
+    sweep = PatternSweep(base, axes, {**search, "follow": False})
     names = [a.name for a in axes]
     if len(set(names)) < len(names):
         raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
@@ -210,24 +212,6 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base
-
-
-def _search(stated: Any) -> dict[str, Any]:
-    if not isinstance(stated, Mapping):
-        raise SweepError("search must be a table: write [search]")
-    for key in stated:
-        if key not in _SEARCH:
-            raise SweepError(f"unknown key {key!r} in [search] of a pattern: {', '.join(_SEARCH)}")
-    search = {**_SEARCH, **stated, "follow": False}
-    if search["mode"] not in ("grid", "list"):
-        raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
-    for key in ("starts", "seed"):
-        value = search[key]
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least 0")
-    if not isinstance(search["contact"], bool):
-        raise SweepError(f"search.contact = {search['contact']!r} must be true or false")
-    return search
 
 
 def _creases(sheet: Pattern, match: re.Match[str], place: str) -> np.ndarray:

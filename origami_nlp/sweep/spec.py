@@ -35,7 +35,7 @@ import copy
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -354,23 +354,36 @@ def _put(data: dict[str, Any], place: str, value: float) -> None:
 
 
 def _search(stated: Any) -> dict[str, Any]:
+    least = {"starts": 1, "max_starts": 1, "seed": 0}
+    search = checked_search(stated, _SEARCH, least, ("full", "follow"))
+    if search["effort"] not in ("quick", "normal", "thorough"):
+        raise SweepError(f"search.effort = {search['effort']!r} must be quick, normal or thorough")
+    if search["follow"] and search["mode"] != "grid":
+        raise SweepError("search.follow needs mode = 'grid': it follows states along the last axis")
+    return search
+
+
+def checked_search(
+    stated: Any,
+    known: Mapping[str, Any],
+    least: Mapping[str, int],
+    flags: Iterable[str],
+    of: str = "",
+) -> dict[str, Any]:
+    """Return a [search] table with what it leaves out from `known`: whole numbers, their least values, and flags."""
     if not isinstance(stated, Mapping):
         raise SweepError("search must be a table: write [search]")
     for key in stated:
-        if key not in _SEARCH:
-            raise SweepError(f"unknown key {key!r} in [search]: it takes {', '.join(_SEARCH)}")
-    search = {**_SEARCH, **stated}
+        if key not in known:
+            raise SweepError(f"unknown key {key!r} in [search]{of}: it takes {', '.join(known)}")
+    search = {**known, **stated}
     if search["mode"] not in ("grid", "list"):
         raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
-    if search["effort"] not in ("quick", "normal", "thorough"):
-        raise SweepError(f"search.effort = {search['effort']!r} must be quick, normal or thorough")
-    for key, least in (("starts", 1), ("max_starts", 1), ("seed", 0)):
+    for key, lowest in least.items():
         value = search[key]
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least {least}")
-    for key in ("full", "follow"):
+        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
+            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least {lowest}")
+    for key in flags:
         if not isinstance(search[key], bool):
             raise SweepError(f"search.{key} = {search[key]!r} must be true or false")
-    if search["follow"] and search["mode"] != "grid":
-        raise SweepError("search.follow needs mode = 'grid': it follows states along the last axis")
     return search

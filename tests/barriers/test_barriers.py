@@ -105,7 +105,7 @@ def test_apart_components_have_no_barrier():
     assert tree.barrier(0, 1) is None and tree.path(0, 2) is None
 
 
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 @given(st.integers(0, 10_000))
 def test_merge_tree_is_the_min_max_of_all_paths(seed):
     rng = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import given, settings, strategies as st
 
 import origami_nlp as o
 from origami_nlp.chart import (
@@ -118,7 +118,7 @@ def test_a_line_is_cut_where_another_ends_on_it_tangentially():
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25)
 @given(a1=st.floats(0.4, 1.2), a2=st.floats(0.4, 1.2))
 def test_regions_of_other_vertices(a1, a2):
     check_vertex(a1, a2)

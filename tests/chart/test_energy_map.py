@@ -63,7 +63,7 @@ def check_cells(chart, rng, count=40):
     return checked
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(
     a1=st.floats(0.3, 1.3),
     a2=st.floats(0.3, 1.3),
@@ -76,7 +76,7 @@ def test_degree6_cells(a1, a2, ratio, seed):
     assert check_cells(chart, np.random.default_rng(seed)) > 0
 
 
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(
     n=st.sampled_from([2, 3, 4]),
     share=st.floats(0.15, 0.85),
@@ -154,7 +154,7 @@ def test_white_cells_have_no_admissible_state():
                     assert not examine(scene.vertex, model.expand(phi)).admissible
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     n=st.sampled_from([2, 3, 5]),
     share=st.floats(0.2, 0.8),

@@ -5,7 +5,7 @@ import json
 import pytest
 
 import origami_nlp
-from origami_nlp.minima import result_from_dict, result_to_dict
+from origami_nlp import MinimaResult
 from tests.command_line import run, scene_file
 
 
@@ -47,8 +47,8 @@ def test_minima_writes_the_contract(scene, tmp_path):
             assert low <= c["multiplier"] + 1e-12 and (
                 high is None or c["multiplier"] <= high + 1e-12
             )
-    result = result_from_dict(data)
-    assert result_to_dict(result) == data
+    result = MinimaResult.from_dict(data)
+    assert result.to_dict() == data
     assert "phi = -pi at creases 2, 6" in str(result)
 
 

@@ -57,7 +57,7 @@ class Terminal:
             if not part:
                 break
         if not until:
-            self.code = self.process.wait(20)
+            self.code = self.process.wait(300)
             os.close(self.mine)
         return told.decode().replace("\r\n", "\n")
 

@@ -20,7 +20,7 @@ from tests.independent import cone_branches as brute
     st.floats(1e-6, 1),
     st.sampled_from([1, -1]),
 )
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_enclosures_hold_what_they_enclose(degree, rest, where, width, direction):
     v = rest * (math.pi / 2 if rest > 0 else cone.Cone(degree).steep_end)
     side = cone.SideEnergy.of(degree, direction, v)

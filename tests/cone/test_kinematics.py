@@ -59,7 +59,7 @@ def test_fold_angles_agree_with_50_digits(degree, share, direction):
 
 
 @given(st.integers(3, 10), st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
     flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))
     direction = data.draw(st.sampled_from([1, -1]))
@@ -138,7 +138,7 @@ def test_classes_and_their_multiplicities_are_those_of_all_words(degree):
 
 
 @given(st.integers(3, 60))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_multiplicities_sum_to_all_assignments(half):
     assert sum(cone.assignment_classes(2 * half).multiplicity) == 2**half
 
@@ -203,7 +203,7 @@ def test_symmetries_of_degree_8():
 
 
 @given(st.integers(3, 7), st.data())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_symmetry_keeps_the_folded_shape(half, data):
     """Rotations and reflections of the name map the fold angles onto themselves; no others do."""
     flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))

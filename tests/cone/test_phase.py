@@ -107,7 +107,7 @@ def test_class_counts_change_only_across_boundaries(degree, depth):
     log_ratio=st.floats(-4, 4),
     place=st.floats(0.01, 0.99),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
     """The branches (word, up) and (complement, down) leave the flat state in opposite directions."""
     low, high = cone.Cone(degree).rest_range

@@ -38,7 +38,7 @@ def test_the_proof_fails_where_two_minima_exist():
 
 
 @given(st.data())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_enclosures_hold_the_energies_derivatives(data):
     degree = data.draw(st.sampled_from([6, 8, 10, 12, 22]))
     classes = cone.assignment_classes(degree)

@@ -63,7 +63,7 @@ def test_the_nearest_point_of_the_set_on_which_a_quadratic_programme_cycled():
     check_nearest(nearest(np.zeros(5), rows, lower), np.zeros(5), rows, lower)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 6),
@@ -82,7 +82,7 @@ def test_nearest_points_satisfy_their_optimality_conditions(seed, n, r, size, co
         check_nearest(nearest(point, rows, lower), point, rows, lower)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),
     rows=st.integers(1, 3),
@@ -108,7 +108,7 @@ def test_ranges_by_corners_and_by_a_linear_programme_agree(seed, rows, extra, si
         assert np.abs(b @ mu - c).max() <= 1e-10 * 10.0**size * max(1.0, mu.max() / 10.0**size)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     seed=st.integers(0, 2**32 - 1),
     rows=st.integers(1, 3),
@@ -146,7 +146,7 @@ def rows_with_held_ones(seed, n, r, held):
     return np.vstack([rows, -rows[:held]])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5), r=st.integers(1, 8), held=st.integers(0, 3)
 )

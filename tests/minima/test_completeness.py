@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, find_minima
+from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import find, proved, result_from_dict, result_to_dict
+from origami_nlp.minima import find, proved
 from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
@@ -121,7 +121,7 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
 def test_json_carries_it():
     scene = generic(1, 4)
     result = find_minima(scene)
-    data = json.loads(json.dumps(result_to_dict(result)))
+    data = json.loads(json.dumps(result.to_dict()))
     c = data["completeness"]
     assert {
         "status",
@@ -133,7 +133,7 @@ def test_json_carries_it():
         "added",
     } <= set(c)
     assert c["status"] == "proved" and c["critical_points"]["0"] == len(result.minima)
-    assert result_from_dict(data).completeness == result.completeness
+    assert MinimaResult.from_dict(data).completeness == result.completeness
     assert "complete: proved" in str(result) and "complete: proved" in result.to_html(picture=False)
 
 

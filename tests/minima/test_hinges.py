@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import origami_nlp
+from origami_nlp import MinimaResult
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import result_from_dict, result_to_dict
 from origami_nlp.minima.find import Rejected
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.programme import Model
@@ -27,9 +27,9 @@ def test_a_report_says_what_was_made_exact() -> None:
     scene = origami_nlp.Scene(vertex, (1.0,) * 4, (1.0, 0.3, 0.4, -0.2), symmetry="none")
     result = origami_nlp.find_minima(scene, max_starts=4, fewest_starts=4, prove=False)
     assert "sector angles moved by up to 1.0e-09 rad" in str(result)
-    data = result_to_dict(result)
+    data = result.to_dict()
     assert data["model"]["geometry"]["made_exact"] and data["search"]["undecided"] == []
-    assert result_to_dict(result_from_dict(data)) == data
+    assert MinimaResult.from_dict(data).to_dict() == data
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
@@ -97,4 +97,4 @@ def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     named = Rejected(what.verdict, what.reason, state.fold_angles, state.energy, 1)
     told = replace(result, search=replace(result.search, undecided=(named,)))
     assert "not decided: energy" in str(told) and what.reason in str(told)
-    assert result_from_dict(result_to_dict(told)).search.undecided == (named,)
+    assert MinimaResult.from_dict(told.to_dict()).search.undecided == (named,)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import origami_nlp as o
 from origami_nlp.cli import app
-from origami_nlp.minima import judge_in_full_space, minima_table
+from origami_nlp.minima import judge_in_full_space
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from origami_nlp.show import VERDICTS, WARNING
@@ -92,7 +92,7 @@ def test_verdicts_are_in_table_html_figure_and_fold(decided):
 
 def test_the_table_with_verdicts_fits_a_narrow_terminal(decided):
     console = Console(width=80, record=True, file=io.StringIO())
-    console.print(minima_table(decided))
+    console.print(decided.table())
     text = console.export_text()
     assert "…" not in text and "contact-touching" in text and "unstable" in text
 

@@ -209,7 +209,7 @@ def test_vertices_that_cannot_be_made(sectors, flat, words):
 
 
 @pytest.mark.slow
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.floats(0.05, 3.1), min_size=3, max_size=7))
 def test_the_polygon_inequalities_are_sharp(sides):
     """Refused sides never close; accepted ones do: a Gauss-Newton search from many starts decides."""

@@ -101,6 +101,15 @@ def test_coarse_drawings_stay_as_they_are():
     assert (pattern.corners[:, :2] == x).all()
 
 
+def test_a_side_as_short_as_the_digits_stays():
+    """What would bring two corners together is no relation of the drawing."""
+    x = [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1, 2], [0, 2], [0, 1], [1, 1e-7]]
+    edges = [*([i, (i + 1) % 8] for i in range(8)), [1, 8], [3, 8], [5, 8], [7, 8]]
+    letters = [*"BBBBBBBBVVMV"]
+    pattern = made({"vertices_coords": x, "edges_vertices": edges, "edges_assignment": letters})
+    assert (pattern.corners[:, :2] == x).all() and len(pattern.vertices) == 1
+
+
 @pytest.mark.parametrize("digits", [5, 6])
 def test_a_folded_form_with_few_digits_is_read_as_the_folded_sheet(digits):
     flat = made(examples.crease_pattern("miura", 3, 3))

@@ -166,8 +166,21 @@ REFUSED = {
     ),
     "crossing": (lambda: square(extra=[([0, 4], "M"), ([2, 6], "M")]), "cross without a vertex"),
     "through": (lambda: square(extra=[([1, 5], "M"), ([7, 8], "M")]), "passes through vertex 8"),
-    "dangling": (lambda: square(extra=[([1, 8], "M")]), "ends within a facet"),
-    "no facets": (lambda: {**square(), "edges_assignment": ["B"] * 8}, "encloses no facet"),
+    "dangling": (lambda: square(extra=[([1, 8], "M")]), r"\[8\] ends within .* vertex 8"),
+    "no facets": (
+        lambda: {**square(), "edges_vertices": [[0, 1]] * 8, "edges_assignment": ["B"] * 8},
+        "encloses no facet",
+    ),
+    "nothing but holes": (square, "is a hole, and there is no other"),
+    "one place twice": (
+        lambda: {**square(extra=[([1, 9], "M"), ([8, 5], "M")]), "vertices_coords": _twice(8)},
+        "vertices 8 and 9 are in the same place",
+    ),
+    "one place twice, with faces": (
+        lambda: {**_dragged(5), "vertices_coords": _twice(5, miura())},
+        "vertices 5 and 16 are in the same place",
+    ),
+    "a face across itself": (lambda: _crossed(miura()), "order of the outline"),
     "no faces": (
         lambda: {
             **square(extra=[([1, 8], "M"), ([8, 5], "M")]),
@@ -225,11 +238,30 @@ REFUSED = {
     ),
     "smaller than anything": (
         lambda: {**miura(), "vertices_coords": _scaled(1e-200)},
-        "span less than 1e-100",
+        "span less than 1e-50",
     ),
     "springs beyond numbers": (lambda: _sprung(1e308), "is not within 1e-300 to 1e\\+300"),
     "springs too unlike": (lambda: _sprung(1e9), "more than 1e\\+08 times stiffness"),
 }
+
+
+def _twice(vertex, data=None):
+    x = (data or square())["vertices_coords"]
+    return [*x, list(x[vertex])]
+
+
+def _dragged(vertex):
+    """One crease at a vertex now ends at a vertex after the last."""
+    data = miura()
+    pair = next(pair for pair in data["edges_vertices"] if vertex in pair)
+    pair[pair.index(vertex)] = len(data["vertices_coords"])
+    return data
+
+
+def _crossed(data):
+    a, b, c, d = data["faces_vertices"][0]
+    data["faces_vertices"][0] = [a, c, b, d]
+    return data
 
 
 def _scaled(factor):
@@ -283,3 +315,16 @@ def test_patterns_of_others_are_read():
         assert p.facets - p.creases + len(p.vertices) == 1 and not p.holes  # Euler, a disc
         if path.name in FOLDED:
             assert (p.facets, p.creases, len(p.vertices)) == FOLDED[path.name]
+
+
+@pytest.mark.parametrize("scale", [2.0**-40, 2.0**40])
+@pytest.mark.parametrize("axes", [(0, 1), (0, 2), (1, 2)])
+def test_the_unit_of_length_changes_nothing(scale, axes):
+    """By powers of two nothing rounds differently, whatever plane the sheet is in."""
+    data, x = miura(), np.zeros((16, 3))
+    x[:, axes] = data["vertices_coords"]
+    for faces in (data["faces_vertices"], [f[::-1] for f in data["faces_vertices"]]):
+        form = {**data, "faces_vertices": faces}
+        one, other = (made({**form, "vertices_coords": (k * x).tolist()}) for k in (1, scale))
+        assert (other.corners == scale * one.corners).all() and other.polygons == one.polygons
+        assert (other.directions == one.directions).all()

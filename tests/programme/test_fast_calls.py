@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from origami_nlp import Scene, Vertex, examples
 from origami_nlp.numerics import cross
@@ -40,7 +40,6 @@ def test_evaluators_return_what_the_functions_return(scene):
 vectors = st.lists(st.floats(-1e3, 1e3), min_size=3, max_size=3)
 
 
-@settings(deadline=None)
 @given(a=vectors, b=vectors, c=vectors, d=vectors)
 def test_cross_products_have_the_bits_of_numpy(a, b, c, d):
     assert (cross(a, b) == np.cross(a, b)).all()

@@ -1,5 +1,7 @@
 """Closure and poses of patterns, against differences, closed forms and trees of creases."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,22 @@ def test_a_hole_needs_equations_of_its_own():
     j = j if isinstance(j, np.ndarray) else j.toarray()
     assert pattern.creases - np.linalg.matrix_rank(j, 1e-7) == 7
     assert pattern.creases - sheet.rank(phi) == 2
+
+
+@pytest.mark.parametrize("scale", [2.0**-30, 2.0**-10, 2.0**20])
+def test_the_unit_of_length_does_not_close_holes(scale):
+    """By powers of two nothing rounds differently: a small sheet is as open as a large one."""
+    pattern = miura(5, 5, without=HOLE)
+    closure, scaled = (
+        Sheet(replace(pattern, corners=k * pattern.corners)).closure for k in (1, scale)
+    )
+    phi = np.random.default_rng(0).uniform(-1, 1, pattern.creases)
+    assert np.abs(closure.values(phi)[-3:]).max() > 0.1
+    assert (closure.values(phi) == scaled.values(phi)).all()
+    for name in ("jacobian", "hessian"):
+        args = (phi,) if name == "jacobian" else (phi, np.ones(closure.count))
+        one, other = (np.asarray(getattr(c, name)(*args)) for c in (closure, scaled))
+        assert np.abs(one - other).max() == 0
 
 
 def test_metasheet_has_one_freedom():

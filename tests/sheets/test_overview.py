@@ -10,6 +10,7 @@ import origami_nlp as o
 from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import jacobian_rank
+from origami_nlp.sheets.angle_sums import angle_sums
 from tests.command_line import run
 from tests.fold_files import others
 
@@ -163,6 +164,18 @@ def test_what_cannot_fold_is_said():
     assert seen.folded is None and seen.freedoms is None
     text = str(seen)
     assert "fewer than four creases" in text and "no folded state was found" in text
+
+
+def test_no_freedom_to_first_order_is_none_at_all():
+    """A crease with a corner in it: paper of 270 and of 90 degrees, in one plane."""
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, -1), (1, -1)], float)
+    p = make_pattern(square, [(0, 1, 2, 3), (0, 3, 4, 5, 6, 1)])
+    assert angle_sums(p)[0] == pytest.approx(2 * math.pi, abs=1e-15)
+    seen = o.overview(p)
+    assert seen.folded is None and seen.freedoms == hinge_freedoms(p, np.zeros(2)) == 0
+    assert "no freedom is left" in str(seen) and "not flat" not in str(seen)
+    alone = o.overview(make_pattern(square[:4], [(0, 1, 2, 3)]))
+    assert alone.freedoms == 0 and "no freedom" not in str(alone)
 
 
 def test_the_command_writes_its_keys(tmp_path):

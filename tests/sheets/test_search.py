@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from origami_nlp.sheets import (
     tangents,
     wells,
 )
-from tests.sheets.patterns import miura, strip, wheel
+from tests.sheets.patterns import metasheet, miura, strip, wheel
 
 
 def _closes(sectors, phi):
@@ -109,6 +110,21 @@ def test_gaps_are_no_larger_than_distances():
                 continue
             a, b = weights @ x[i], weights @ x[j]
             assert 0 < gaps[k] <= np.linalg.norm(a[:, None] - b, axis=2).min() + 1e-12
+
+
+def test_the_unit_of_length_does_not_part_facets():
+    """By powers of two nothing rounds differently: along a motion the same facets are seen to cross."""
+    seen = []
+    for scale in (1.0, 2.0**-30):
+        pattern, _ = metasheet(3)
+        sheet = Sheet(replace(pattern, corners=scale * pattern.corners))
+        line = list_branches(pattern).lines[1]
+        phi, _ = sheet.project(0.2 * line / np.abs(line).max())
+        curve = interpolate(sheet, follow_curve(sheet, phi, tangents(sheet, phi)[:, 0], 0.3))
+        seen.append(Clearance(sheet).along(curve))
+    one, other = seen
+    assert one.unclear == other.unclear and (one.states == other.states).all()
+    assert (one.crosses == other.crosses).all() and one.crosses.any()
 
 
 def test_an_account_of_drawn_starts():

@@ -34,7 +34,7 @@ def setup():
 def executed():
     sources = [setup(), "import json; print(json.dumps(texts))", "minima", "points"]
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(s) for s in sources])
-    NotebookClient(book, timeout=300, kernel_name="python3").execute()
+    NotebookClient(book, timeout=600, startup_timeout=600, kernel_name="python3").execute()
 
     return [cell.outputs for cell in book.cells]
 

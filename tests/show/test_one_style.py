@@ -104,7 +104,7 @@ def test_labels_of_the_panels_cover_nothing_and_marks_are_explained(number):
     explained(figure)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.tuples(st.floats(0.05, 0.95), st.floats(0.05, 0.95)), min_size=1, max_size=7))
 def test_labels_find_room(points):
     """Seven marks anywhere, also on each other: every number stands once, and covers no other."""

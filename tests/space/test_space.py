@@ -203,7 +203,7 @@ def test_picture_joins_states_that_are_apart(spaces):
 
 
 @pytest.mark.slow
-@settings(max_examples=4, deadline=None)
+@settings(max_examples=4)
 @given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
 def test_every_sector_angle_gives_a_sound_space(alpha, make):
     space = find_space(make(alpha), 12)

@@ -62,7 +62,7 @@ def test_an_angle_without_a_circle_is_an_error():
         to_circles(sp.cos(B / 4), [CB])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(-3, 3), st.floats(-3, 3), st.integers(-3, 3), st.integers(-3, 3))
 def test_circle_polynomials_keep_the_value(a, b, m, n):
     expr = sp.cos(m * A + n * B / 2) * sp.sin(A) ** 3 + sp.sin(n * B) ** 2

@@ -36,7 +36,11 @@ def test_the_committed_notebook_runs_and_is_current(run):
     content = pickle.dumps({r.claim.id: r.verdict for r in run.results})
     fresh.cells.insert(0, nbformat.v4.new_code_cell(DECIDED.format(content=content)))
     NotebookClient(
-        fresh, timeout=300, kernel_name="python3", resources={"metadata": {"path": NOTEBOOK.parent}}
+        fresh,
+        timeout=600,
+        startup_timeout=600,
+        kernel_name="python3",
+        resources={"metadata": {"path": NOTEBOOK.parent}},
     ).execute()
     assert texts(fresh) == texts(committed)
     assert "all decided" in texts(committed)[-1]
