@@ -114,7 +114,7 @@ def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
         return replace(
             blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
         )
-    branches = list_branches(sheet.pattern)
+    branches = list_branches(sheet.pattern, None, sheet.check_time)
     drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
     ways = [
         -free,
