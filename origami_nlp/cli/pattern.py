@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -234,7 +235,7 @@ class _Files:
         for k, s in enumerate(found.minima if found else (), start=1):
             more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
             title = f"state {k}: {s.kind}, {s.energy:.6g} J"
-            words = [c.words() for c in s.contacts if c.corners]
+            words = [c.words() for c in s.contacts if c.type != "fold-limit"]
             self.states.append((title, s.fold_angles, (s.certificate, *words), more))
         if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
@@ -318,7 +319,10 @@ class _Files:
             states = [(f"end: {self.motion.end}", self.motion.phi[-1], ())]
         told = [one for one in (self.found, self.motion, self.seen) if one is not None]
         pieces = [piece for one in told for piece in one.told()]
-        contents = [] if self.loaded is None else [self.loaded.turned()]
+        contents = []
+        if self.loaded is not None:
+            under = f"{self.pattern.name}: under load"
+            contents.append(replace(self.loaded.turned(), title=under))
         if states or self.motion is not None:
             contents.append(sheet_content(self.pattern, states, self.motion, pieces))
         TurnedPage(*contents).save(file)

@@ -107,11 +107,15 @@ class Job:
             if self.record.starts >= self.fewest and self._enough(quiet):
                 found = len(self.record.minima)
                 yield from search.run()
+                if self._late():
+                    return
                 if len(self.record.minima) == found:
                     self.stopped_by = "rule"
                     break
                 quiet = 0
         yield from search.run()
+        if self._late():
+            return
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:

@@ -184,7 +184,7 @@ def test_a_search_stopped_by_its_cap_says_so():
 
 def test_a_search_ended_by_time_says_so():
     """A vertex of degree eight in contact takes ten seconds and more."""
-    scene = Scene(Vertex.from_degrees([45.0] * 8), [1.0] * 8, [1.0] * 8, contact="full")
+    scene = Scene(Vertex.from_degrees([45.0] * 8), [1.0] * 8, [-3.0] * 8, "none", "full")
     begin = time.process_time()
     result = find_minima(scene, prove=False, seconds=0.3)
     assert time.process_time() - begin < 3
