@@ -78,7 +78,9 @@ class Sheet:
 
     def check_time(self) -> None:
         """Raise `OutOfTime` where the time is over: all that takes long goes through here every few milliseconds."""
-        if time.process_time() > self.until:
+        if (
+            self.until < math.inf and time.process_time() > self.until
+        ):  # which takes microseconds to ask
             raise OutOfTime
 
     @cached_property
@@ -132,6 +134,7 @@ class Sheet:
         residual : float
             Largest entry of closure there: whether that is close enough is for the caller to say.
         """
+        self.check_time()
         phi = phi.copy()
         free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
         before = math.inf
@@ -140,7 +143,6 @@ class Sheet:
             c = self.closure.values(phi, at)
             if np.abs(c).max(initial=0.0) <= ROUNDED:
                 break
-            self.check_time()
             size = float(np.linalg.norm(c))  # the same in every frame
             if near is None or not size <= FALLS * before:
                 near = Normal(self.closure.jacobian(phi, at)[:, free])
