@@ -86,8 +86,8 @@ def pattern(
     ] = False,
     seconds: Annotated[
         float,
-        typer.Option("--seconds", metavar="S", help="Processor time for contact, in --minima."),
-    ] = 120.0,
+        typer.Option("--seconds", metavar="S", help="Processor time for --minima."),
+    ] = 300.0,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
