@@ -128,6 +128,14 @@ class SheetState(Brief):
     crossings: tuple[tuple[int, int], ...]
     certificate: str
 
+    def title(self, number: int) -> str:
+        """Name the state, of some number, by its kind and energy."""
+        return f"state {number}: {self.kind or self.verdict}, {self.energy:.6g} J"
+
+    def lines(self) -> tuple[str, ...]:
+        """Say what is proved, and which facets touch."""
+        return self.certificate, *(c.words() for c in self.contacts if c.corners)
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; facets and creases 1-based, what is not known is None."""
         return {
