@@ -6,6 +6,7 @@ from .crossings import (
     convex_parts as convex_parts,
     cross_each_other as cross_each_other,
 )
+from .faces import Faces as Faces, Lying as Lying
 from .features import INSIDE as INSIDE, Features as Features
 from .layers import (
     Layers as Layers,

@@ -15,6 +15,7 @@ from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.near_flat import flat_minima
+from origami_nlp.minima.near_folded import folded_minima
 from origami_nlp.minima.one_freedom import EXACT, trace
 from origami_nlp.minima.record import Record, exact_state, judge, listed
 from origami_nlp.minima.search import Search, Work
@@ -52,6 +53,7 @@ class Job:
         self.complete = ""
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
+        self.foldings: list[np.ndarray] = []
         self.begin = time.perf_counter()
 
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
@@ -64,7 +66,8 @@ class Job:
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
         model = self.model
-        states = itertools.chain(rest_state(model), hinge_minima(model), flat_foldings(model))
+        self.foldings = flat_foldings(model)
+        states = itertools.chain(rest_state(model), hinge_minima(model), self.foldings)
         if model.freedom <= 0:
             states = itertools.chain(states, rigid_states(model, self.seed))
         for x in states:
@@ -83,6 +86,7 @@ class Job:
         under = self._under()
         with Search(self.model, self.record, under, workers, self._tell) as search:
             search.also_from(flat_minima(self.model))
+            search.also_from(folded_minima(self.model, self.foldings))
             if guesses:
                 yield from search.run(search.closed(np.array(guesses)))
             rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)

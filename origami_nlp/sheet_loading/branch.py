@@ -9,12 +9,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import MOST_DENSE, Sheet, order_layers
 from origami_nlp.numerics import BALANCED, CLOSES, INDEPENDENT, SETTLED, TOUCHES
 from origami_nlp.path import End, Steps, Tally, advance, trace_ahead
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState
-from origami_nlp.sheet_loading.ends import admissible, first_event
-from origami_nlp.sheet_loading.events import Found, inner_events
+from origami_nlp.sheet_loading.ends import first_event
+from origami_nlp.sheet_loading.events import Found, admissible, inner_events
 from origami_nlp.sheet_loading.held import (
     Contact,
     creases_of,
@@ -119,6 +119,11 @@ class Follower:
             if stop is None:
                 return branch
             came = branch.states[-1]
+            shut = creases_of(stop.contacts) if stop.type == "closes" else []
+            layers = order_layers(self.sheet, came.phi) if shut else None
+            if layers is not None and layers.verdict == "crosses":
+                branch.add(Found("touches", came, 0.0, stop.contact, stop.contacts, layers.reason))
+                return branch
             onward = self._onward(came, stop)
             if onward is None:
                 why = f"{stop.contact}: no set of held contacts leads on"

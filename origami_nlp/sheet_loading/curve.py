@@ -26,7 +26,7 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.facets import Factor, Matrix, Normal, Sheet
-from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME, STATIONARY, null_space
+from origami_nlp.numerics import CLOSES, EPS, OUTSIDE, ROUNDED, SAME, STATIONARY, null_space
 from origami_nlp.path import Tally
 from origami_nlp.sheet_loading.held import Contact, creases_of, touches_of, touching_rows
 from origami_nlp.sheet_loading.loaded import LoadedSheet
@@ -301,10 +301,14 @@ class LoadCurve:
             if length <= SAME:  # its square is rounding
                 system = self.system(point, multipliers)
                 # off closure a gap is one along a tree, its slope one along a walk: one step more
-                if system.missing <= CLOSES:
+                if system.missing <= (ROUNDED if touches_of(self.held) else CLOSES):
                     break
         else:
             return None
+        beyond = np.abs(point[:-1]) - math.pi
+        if 0.0 < beyond.max(initial=0.0) <= OUTSIDE:  # touches keep a crease shut, to rounding
+            point = np.append(np.clip(point[:-1], -math.pi, math.pi), point[-1])
+            system = self.system(point, multipliers)
         self._known[:] = [(point, system)]
         good = system.missing <= CLOSES and system.residual <= STATIONARY
         return (point, system) if good and self.sheet.closure.on_sheet(point[:-1]) else None

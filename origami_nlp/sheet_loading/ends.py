@@ -7,20 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.numerics import INDEPENDENT, OUTSIDE, STATIONARY, TOUCHES
+from origami_nlp.numerics import INDEPENDENT, OUTSIDE, TOUCHES
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState
-from origami_nlp.sheet_loading.events import BISECTIONS, NEARLY, Found, length, root_between
+from origami_nlp.sheet_loading.events import (
+    BISECTIONS,
+    NEARLY,
+    PULLS,
+    Found,
+    admissible,
+    length,
+    root_between,
+)
 from origami_nlp.sheet_loading.held import Contact, creases_of, ordered, words
-from origami_nlp.sheet_loading.touching import sliding, touching
-
-PULLS = -STATIONARY
-"""A moment that is smaller, relative to the largest torque, pulls."""
-
-
-def admissible(state: LoadedState) -> bool:
-    """Tell whether fold angles are within their limits and held ones push."""
-    inside = float(np.abs(state.phi).max(initial=0.0)) <= math.pi + OUTSIDE
-    return inside and bool((state.system.forces >= PULLS * state.system.size).all())
+from origami_nlp.sheet_loading.touching import leaning, slid, sliding, touching
 
 
 def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, high: float) -> Found:
@@ -33,7 +32,7 @@ def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, hi
         found += [] if state is None else [Found("range", state)]
     found += _closings(curve, a, b)
     found += [*_leavings(curve, a, b), *sliding(curve, a, b)]
-    if not found and not admissible(b):
+    if not found and not _goes(curve, b):
         found = [_last_before(curve, a, b)]
     first = min(found, key=lambda e: length(curve, a, e.state), default=None)
     touched = touching(curve, a, b if first is None else first.state)
@@ -83,12 +82,17 @@ def _closings(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:
     return [Found("closes", replace(state, x=x), miss, words(creases), creases)]
 
 
+def _goes(curve: LoadCurve, state: LoadedState) -> bool:
+    """Tell whether what is held pushes, and inside each other."""
+    return admissible(state) and not slid(curve, state)
+
+
 def _last_before(curve: LoadCurve, a: LoadedState, b: LoadedState) -> Found:
-    """Return the last state that Newton reaches before many creases shut at once."""
+    """Return the last state that Newton reaches before closure, or gaps, lose rank."""
     low, high, last = 0.0, length(curve, a, b), a
     for _ in range(BISECTIONS):
         here = curve.beside(a, 0.5 * (low + high))
-        if here is not None and admissible(here):
+        if here is not None and _goes(curve, here):
             low, last = 0.5 * (low + high), here
         else:
             high = 0.5 * (low + high)
@@ -96,6 +100,6 @@ def _last_before(curve: LoadCurve, a: LoadedState, b: LoadedState) -> Found:
     why = (
         f"{words(near)}: closure loses rank where so many creases shut at once"
         if near
-        else ("what ends the curve was not found")
+        else leaning(curve, last) or "what ends the curve was not found"
     )
     return Found("singular", last, math.nan, words(near), near, why)

@@ -5,7 +5,8 @@ branching       an eigenvalue of the reduced Hessian is zero, and the load does 
 closes, leaves  a crease comes to its fold limit, or features of facets come to touch (their gap is zero); the moment or
                 force of one that is held is zero
 touches         facets come to touch at borders or face to face, where no single gap keeps them apart: the curve ends
-slides          features that touch come to a border, where their gap no longer keeps facets apart: the curve ends
+slides          features that touch come to a border, where their gap no longer keeps facets apart: they slip off each
+                other, or the curve ends
 
 Where a contact that closes or leaves turns the load back, a minimum meets a saddle: `nonsmooth-fold`.
 """
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import SETTLED, STATIONARY, bracketed_roots
+from origami_nlp.numerics import OUTSIDE, SETTLED, STATIONARY, bracketed_roots
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState
 from origami_nlp.sheet_loading.held import Contact
 
@@ -26,6 +27,9 @@ BISECTIONS = 24
 """Of a step at whose end no single event could be located."""
 NEARLY = 1e-2
 """Creases this close to their limit are named where many shut at once [rad]."""
+
+PULLS = -STATIONARY
+"""A moment that is smaller, relative to the largest torque, pulls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +72,12 @@ class Found:
 def length(curve: LoadCurve, a: LoadedState, b: LoadedState) -> float:
     """Return the length of the step from a to b along the tangent at a."""
     return float(a.tangent @ (curve.root * (b.x - a.x)))
+
+
+def admissible(state: LoadedState) -> bool:
+    """Tell whether fold angles are within their limits and held ones push."""
+    inside = float(np.abs(state.phi).max(initial=0.0)) <= math.pi + OUTSIDE
+    return inside and bool((state.system.forces >= PULLS * state.system.size).all())
 
 
 def root_between(

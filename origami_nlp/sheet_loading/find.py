@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,15 @@ from origami_nlp.sheet_loading.loaded import LoadedSheet
 from origami_nlp.sheet_loading.packing import Packed, pack_branches
 from origami_nlp.sheet_loading.result import SheetLoadPath
 from origami_nlp.sheet_loading.work import DeadForce, Pull, Torque, Work
-from origami_nlp.sheets import Descended, SheetState, descend, find_states, judge, press
+from origami_nlp.sheets import (
+    Descended,
+    SheetState,
+    descend,
+    find_states,
+    judge,
+    pieces_at,
+    press,
+)
 
 MOST_CREASES = 600
 """Of a sheet: the kernel of closure is decomposed at every step."""
@@ -73,7 +81,7 @@ def find_load_path(
     state
         Number (1-based) of the stable state at load 0, by energy, of `find_states`; or one of its states.
     back
-        Whether the load then falls back to 0.
+        Whether the load then falls back to 0, from where it came to or snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of torques only.
     starts, seed
@@ -117,7 +125,9 @@ def find_load_path(
     for end in ends:
         arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")
         if back and arrived is not None:
+            job.between(0.0, end)
             job.go(*arrived, 0.0, once=False)
+            job.between(*ends)
     return job.path(number, search if confirm else None)
 
 
@@ -184,6 +194,12 @@ class _Job:
         self.falls: list[_Fall] = []
         self.alarms: list[str] = []
 
+    def between(self, *ends: float) -> None:
+        """Follow in the range of load that these and 0 span."""
+        scale = self.sheet.scale
+        low, high = min(0.0, *ends) / scale, max(0.0, *ends) / scale
+        self.follower = replace(self.follower, low=low, high=high)
+
     def go(
         self, phi: np.ndarray, load: float, end: float, *, once: bool
     ) -> tuple[np.ndarray, float] | None:
@@ -195,22 +211,25 @@ class _Job:
             position, event = next(
                 (k, e) for k, e in branch.events if e.type not in ("closes", "leaves")
             )
-            if event.type not in SNAPS:
+            slips = event.type == "slides" and bool(event.contacts)
+            fall = self._let_go(branch, event, toward) if slips or event.type in SNAPS else None
+            if fall is None and event.type not in SNAPS:
                 told = (event.contact, event.why) if event.type in MEETS else (event.why,)
                 named = ": ".join(part for part in told if part)
                 why = "range" if event.type == "range" else f"stopped: {named}"
                 self._add(position, toward, why, event, None)
                 last = branch.states[position]
                 return (last.phi, float(last.x[-1])) if why == "range" else None
-            fall = self._let_go(branch, event, toward)
             if fall is None:
                 self._add(position, toward, "snap", event, None)
                 return None
             self.falls.append(fall)
             self._add(position, toward, "snap", event, len(self.falls))
             phi, load = fall.landed.fold_angles, fall.load
-            if once or not self.follower.low <= load <= self.follower.high:
+            if not self.follower.low <= load <= self.follower.high:
                 return None
+            if once:
+                return phi, load
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
@@ -222,12 +241,19 @@ class _Job:
         """Descend from the end of a way, a little beyond its load."""
         at = float(event.state.x[-1])
         why = "no lower state was reached"
+        begun: np.ndarray | None = event.state.phi
+        if (
+            event.type == "slides"
+        ):  # where the facet ends there are lower states beside it, unless others hold it
+            begun = pieces_at(event.state.system.sheet, event.state.phi).lower
+        if begun is None:
+            return None
         for share in OVER:
             load = at + toward * share * max(
                 abs(at), 1e-3 * (self.follower.high - self.follower.low)
             )
             loaded = LoadedSheet(self.sheet, self.work, load * self.sheet.scale)
-            end = self._down(loaded, event.state)
+            end = self._down(loaded, begun, bool(touches_of(event.state.held)))
             if np.abs(end.phi - event.state.phi).max() <= 10 * share:
                 continue
             if not end.arrived:
@@ -242,13 +268,13 @@ class _Job:
         self.alarms.append(f"no certified minimum was reached from the end at {where:.9g}: {why}")
         return None
 
-    def _down(self, loaded: LoadedSheet, state: LoadedState) -> Descended:
+    def _down(self, loaded: LoadedSheet, phi: np.ndarray, touching: bool) -> Descended:
         """Descend from a state: where facets touch, or would come to cross, along states that do not cross."""
-        if not touches_of(state.held):
-            end = descend(loaded, state.phi)
+        if not touching:
+            end = descend(loaded, phi)
             if not any(self.sheet.crossings.find(phi) for phi in (*end.path, end.phi)):
                 return end
-        return press(loaded, state.phi)
+        return press(loaded, phi)
 
     @staticmethod
     def _again(branch: Branch, event: Found) -> float | None:

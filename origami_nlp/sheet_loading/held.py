@@ -83,11 +83,11 @@ def _limits(creases: list[int]) -> str:
 
 
 def margin(features: Features, touch: Touch, at: Placed) -> float:
-    """Return how far inside each other features are, as a share of their size, less what `INSIDE` asks for.
+    """Return how far inside each other features are, as a share of their size; below 0 they are not.
 
-    Positive as long as their gap is the one that keeps facets apart.  For a corner over a facet it is the way to the
-    border, for a side that starts on the facet's own corner the angle to its sides there, for two sides what is left of
-    either to its end.
+    Their gap is the one that keeps facets apart as long as it is positive.  For a corner over a facet it is the way to
+    the border, for a side that starts on the facet's own corner the angle to its sides there, for two sides what is
+    left of either to its end, or the square of their sine less what `INSIDE` asks for.
     """
     p = touch.points(at)
     if touch.type == "edge-edge":
@@ -98,7 +98,7 @@ def margin(features: Features, touch: Touch, at: Placed) -> float:
             return -INSIDE
         shares = float(cross(r, v) @ w) / square, float(cross(r, u) @ w) / square
         steep = square / float((u @ u) * (v @ v))
-        return min(*shares, *(1 - s for s in shares), steep) - INSIDE
+        return min(*shares, *(1 - s for s in shares), steep - INSIDE)
     crossings = features.crossings
     face, other = touch.facets
     common = features.rings[face] & features.rings[other]
@@ -110,9 +110,10 @@ def margin(features: Features, touch: Touch, at: Placed) -> float:
         inward = cross(normal, np.roll(x, -1, axis=0) - x)
         inward /= np.linalg.norm(inward, axis=1)[:, None]
         depth, size = np.einsum("qi,qi->q", inward, p[0] - x), crossings.size
+        depth += np.where(crossings.inner[k, : len(ring)], INSIDE * size, 0.0)  # cuts are none
         apex = [i for i, c in enumerate(ring) if c in common]
         if apex:
             depth = depth[[apex[0], apex[0] - 1]]
             size = float(np.linalg.norm(p[0] - x[apex[0]]))
         best = max(best, float(depth.min()) / size)
-    return best - INSIDE
+    return best

@@ -121,7 +121,9 @@ def _branch(number: int, branch: Branch, out: Packed, sheet: Sheet) -> PathBranc
         low, high = branch.states[a].t, branch.states[b].t
         if np.abs(branch.states[a].x - branch.states[b].x).max() <= SETTLED:
             continue
-        middle = branch.states[(a + b) // 2] if b - a > 1 else branch.states[a]
+        # between two events without a state beside them: of both the one that is less degenerate
+        part = branch.states[a : b + 1]
+        middle = part[(b - a) // 2] if b - a > 1 else max(part, key=lambda s: abs(s.lowest))
         kind, certificate = _kind(middle, number, out)
         ranges.append(KindRange((low, high), kind, middle.index, certificate, (a, b)))
     end = branch.end
@@ -156,11 +158,14 @@ def _point(state: LoadedState, sheet: Sheet) -> PathPoint:
 def _carried(state: LoadedState) -> tuple[Multiplier, ...]:
     """Return what contacts carry; where features touch, all that are closed, and between which bounds."""
     sheet, phi = state.system.sheet, state.phi
-    if not touches_of(state.held):
-        moments = (state.system.forces * sheet.scale).tolist()
-        both = zip(state.held, moments, strict=True)
+    touches, rows = touches_of(state.held), closed_contacts(sheet, phi)
+    if not {t.key for t in touches} <= {t.key for t in rows.touches} or not touches:
+        # no features touch, or they do so on a border, where they are not inside each other
+        units = np.full(len(state.held), sheet.scale)
+        units[len(units) - len(touches) :] /= sheet.crossings.size
+        both = zip(state.held, (state.system.forces * units).tolist(), strict=True)
         return tuple(Multiplier(words((c,)), f, (f, f)) for c, f in both)
-    rows, contacts = closed_contacts(sheet, phi), carried_at(sheet, phi)
+    contacts = carried_at(sheet, phi)
     closed = (*rows.limits.tolist(), *rows.touches)
     return tuple(
         Multiplier(words((c,)), told.force, told.between or (told.force, told.force))

@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Touch
 from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState, System
-from origami_nlp.sheet_loading.events import Found, length, root_between
+from origami_nlp.sheet_loading.events import Found, admissible, length, root_between
 from origami_nlp.sheet_loading.held import margin, ordered, touches_of, without, words
 from origami_nlp.sheets import closed_contacts
 
@@ -17,18 +17,20 @@ REACH = 0.05
 """Features closer than this, over the sheet's size, may be those that meet."""
 NARROW = 1e-4
 """Share of a step to which the first crossing of facets is bracketed."""
+LATE = 1, 30
+"""Lengths of that bracket before and after it between which gaps are looked at."""
 MOST_BORDERS = 8
 """Pairs of facets that are named where they meet at borders."""
 
 
 def slid(curve: LoadCurve, state: LoadedState) -> list[Touch]:
-    """Return the features held that are no longer inside each other."""
+    """Return the features held that are no longer inside each other, by `INSIDE`."""
     touches = touches_of(state.held)
     if not touches:
         return []
     crossings = curve.sheet.crossings
     features, at = curve.sheet.features, Placed(crossings.poses, state.phi)
-    return [t for t in touches if margin(features, t, at) <= 0.0]
+    return [t for t in touches if margin(features, t, at) <= INSIDE]
 
 
 def leaning(curve: LoadCurve, state: LoadedState) -> str:
@@ -40,17 +42,33 @@ def leaning(curve: LoadCurve, state: LoadedState) -> str:
 
 
 def sliding(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:
-    """Return where features held come to a border between a, where they are inside each other, and b."""
+    """Return where features held come to a border between a, where they are inside each other, and b.
+
+    Where nothing else happens between `INSIDE` and the border itself it is the border, and the event has its features:
+    there facets slip off each other.  Otherwise it is the last state of which their gap tells.
+    """
     crossings, out = curve.sheet.crossings, []
     features = curve.sheet.features
     for touch in slid(curve, b):
 
-        def inside(state: LoadedState, touch: Touch = touch) -> float:
-            return margin(features, touch, Placed(crossings.poses, state.phi))
+        def inside(state: LoadedState, least: float = 0.0, touch: Touch = touch) -> float:
+            return margin(features, touch, Placed(crossings.poses, state.phi)) - least
 
-        state = a if inside(a) <= 0.0 else root_between(curve, a, b, inside)
-        if state is not None:
-            out.append(Found("slides", state, inside(state), f"{words([touch])}: to a border"))
+        def told(state: LoadedState) -> float:
+            return inside(state, INSIDE)
+
+        near = a if told(a) <= 0.0 else root_between(curve, a, b, told)
+        if near is None or abs(told(near)) > STATIONARY:
+            continue
+        named = f"{words([touch])}: to a border"
+        found = Found("slides", near, told(near), named)
+        for beyond in (b, curve.beside(a, 2 * length(curve, a, b))):
+            if beyond is not None and inside(beyond) < 0.0:
+                border = root_between(curve, near, beyond, inside)
+                if border is not None and admissible(border) and abs(inside(border)) <= STATIONARY:
+                    found = Found("slides", border, inside(border), named, (touch,))
+                break
+        out.append(found)
     return out
 
 
@@ -65,22 +83,24 @@ def touching(curve: LoadCurve, a: LoadedState, b: LoadedState) -> Found | None:
     while abs(high - low) > NARROW * abs(whole):
         middle = 0.5 * (low + high)
         here = curve.beside(a, middle)
-        if here is None:
-            break
-        crossed = crossings.find(here.phi)
-        if crossed:
-            high, pairs = middle, crossed
+        if here is None or (crossed := crossings.find(here.phi)):
+            high, pairs = middle, pairs if here is None else crossed
         else:
             low, last = middle, here
-    # a crossing is seen from a depth on: the touch is a little before
-    first, beyond = curve.beside(a, max(0.0, 2 * low - high)), curve.beside(a, 2 * high - low)
+    # a crossing is seen from a depth on, a little after the touch; before it where a side all but lies in the facet
     met: list[tuple[LoadedState, Touch]] = []
-    if first is not None and beyond is not None:
-        features = curve.sheet.features
+    features = curve.sheet.features
+    for reach in LATE:
+        room = reach * (high - low)
+        first, beyond = curve.beside(a, max(0.0, low - room)), curve.beside(a, high + room)
+        if first is None or beyond is None:
+            break
         facing = [t for t, _ in features.facing(Placed(crossings.poses, first.phi), REACH)]
         new = without(facing, a.held)
         between = [t for t in touches_of(new) if any(features.between(t, p) for p in pairs)]
         met = [(s, t) for t in between if (s := _closed(curve, first, beyond, t)) is not None]
+        if met:
+            break
     if not met:
         return _at_borders(curve, last, pairs)
     return _meeting(curve, *min(met, key=lambda m: length(curve, a, m[0])))

@@ -42,6 +42,7 @@ from .judgement import judge as judge
 from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
+from .pieces import pieces_at as pieces_at
 from .pinned import press_along as press_along, press_off as press_off
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch

@@ -143,7 +143,10 @@ class _Search:
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
         self.until = time.process_time() + seconds
         self.labels, self.contact = find_labels(pattern), contact
-        self.sheet = Sheet(self.labels.arranged(pattern))
+        self.sheet, self._middle = (
+            Sheet(self.labels.arranged(pattern)),
+            pattern.corners.mean(axis=0),
+        )
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = _Tally()
         rng = np.random.default_rng(0)
@@ -200,12 +203,15 @@ class _Search:
         else:
             why = f"not decided: pressed down to where {end.why}"
             state = judge(self.sheet, end.phi)
+            if state.verdict == "minimum":
+                self.add(state)
+                return
             self.add(replace(state, verdict="undecided", kind=None, certificate=why))
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return tuple(sorted(by_key, key=lambda s: s.energy))
+        return tuple(sorted((s.moved(self._middle) for s in by_key), key=lambda s: s.energy))
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""

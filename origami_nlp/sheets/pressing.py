@@ -21,9 +21,8 @@ import numpy as np
 
 from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
-from origami_nlp.sheets.contacts import closed_choices, closed_contacts
 from origami_nlp.sheets.descent import TRUST, Descended
-from origami_nlp.sheets.pieces import judge_pieces
+from origami_nlp.sheets.pieces import pieces_at
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -128,7 +127,9 @@ class _Press:
             end = self._settled(rows, forces) if near else "not settled"
             if end == "still":
                 return Descended(self.phi, True, step, end)
-            if end == "lower" or (end != "held" and self._step(rows, z, hessian)):
+            if end == "lower" or (
+                end != "held" and self._step(rows, z, hessian, rows.only(forces > LOADED))
+            ):
                 continue
             slips += 1
             end = self._slip() if slips <= MOST_SLIPS else "held"
@@ -138,16 +139,20 @@ class _Press:
                 )
         return Descended(self.phi, False, most, "too many steps")
 
-    def _step(self, rows: Rows, z: np.ndarray, hessian: np.ndarray) -> bool:
+    def _step(self, rows: Rows, z: np.ndarray, hessian: np.ndarray, pushing: Rows) -> bool:
         """Take a step down; False if there is none."""
         sheet = self.sheet
         while self.radius > SHORTEST:
-            d = z @ quadratic(z.T @ hessian @ z, z.T @ sheet.torque(self.phi), rows, z)
+            slope = z.T @ sheet.torque(self.phi)
+            d = z @ quadratic(z.T @ hessian @ z, slope, rows, z, pushing.slopes)
             length = float(np.abs(d).max(initial=0.0))
             if length == 0.0:
                 return False
             share = min(1.0, self.radius / length)
-            new = put_back(sheet, self.phi + share * d, rows)
+            # a straight step along facets that push leaves them by its square, which costs more than it gains
+            stay = np.abs(pushing.slopes @ d)[len(pushing.limits) :] <= NEAR * length
+            kept = [t for t, on in zip(pushing.touches, stay, strict=True) if on]
+            new = put_back(sheet, self.phi + share * d, rows, kept)
             fall = share * float(sheet.torque(self.phi) @ d)
             if new is not None and sheet.energy(new) < self.energy + 1e-4 * fall:
                 crossed = sheet.crossings.find(new)
@@ -211,11 +216,9 @@ class _Press:
 
     def _judged(self) -> End:
         """Judge a state on every piece that meets there; go to a lower one beside it."""
-        sheet, phi = self.sheet, self.phi
-        rows, meeting = closed_contacts(sheet, phi), closed_choices(sheet, phi)
-        pieces = judge_pieces(sheet, phi, rows, meeting, sheet.kernel(phi))
+        pieces = pieces_at(self.sheet, self.phi)
         if pieces.lower is not None:
-            self.radius = float(np.abs(pieces.lower - phi).max())
+            self.radius = float(np.abs(pieces.lower - self.phi).max())
             self._go(pieces.lower)
             return "lower"
         return "held" if pieces.left else "still"
@@ -233,7 +236,8 @@ class _Press:
             forces, hessian, left = balanced(sheet, self.phi, rows, z)
             if np.abs(left).max(initial=0.0) < SETTLING and self._polished(rows, forces):
                 return self._judged()
-            d = z @ quadratic(z.T @ hessian @ z, z.T @ sheet.torque(self.phi), rows, z)
+            slope, pushing = z.T @ sheet.torque(self.phi), rows.slopes[forces > LOADED]
+            d = z @ quadratic(z.T @ hessian @ z, slope, rows, z, pushing)
             share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), 1e-300))
             new = put_back(sheet, self.phi + share * d, rows)
             if new is None or sheet.energy(new) > self.energy - 1e-12 * (1 + self.energy):

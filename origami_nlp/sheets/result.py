@@ -210,9 +210,8 @@ class SheetResult(Told, Turnable):
         for k, s in enumerate(self.minima, 1):
             curved = "rigid" if np.isinf(s.eigenvalue) else f"{s.eigenvalue:.4g}"
             limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
-            pairs = [
-                f"{a + 1}|{b + 1}" for a, b in (c.where for c in s.contacts if len(c.where) == 2)
-            ]
+            touched = dict.fromkeys(c.where for c in s.contacts if len(c.where) == 2)
+            pairs = [f"{a + 1}|{b + 1}" for a, b in touched]
             more = ", ..." if len(pairs) > 3 else ""
             words = [f"facets {', '.join(pairs[:3])}{more} touch"] if pairs else []
             if limits:

@@ -6,14 +6,15 @@ Rows that push balance the springs; a state is solved for with those rows as equ
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Normal, Placed, Sheet, Touch, dense
+from origami_nlp.facets import Lying, Normal, Placed, Sheet, Touch, dense
 from origami_nlp.numerics import (
     CLOSES,
+    INDEPENDENT,
     ROUNDED,
     nearest,
     nonnegative_least_squares,
@@ -85,6 +86,44 @@ class Rows:
         )
         return Rows(self.limits, touches, gaps, slopes)
 
+    def inside(self, sheet: Sheet, phi: np.ndarray) -> Rows:
+        """Return the rows with points of facets that lie face to face moved inside both."""
+        touches = [t.inside() if isinstance(t, Lying) else t for t in self.touches]
+        return Rows.at(sheet, phi, self.limits, touches)
+
+    def needed(self, z: np.ndarray, which: Container[Touch]) -> Rows:
+        """Leave out some gaps that stay open to first order as long as the other rows do.
+
+        Parameters
+        ----------
+        z
+            Basis of what closure allows, [n, t].
+        which
+            Gaps that may be left out.
+
+        Returns
+        -------
+        Rows
+            Of those that say the same the one with the longest lever.
+        """
+        rows = self.slopes @ z
+        lengths = np.linalg.norm(rows, axis=1)
+        keep = np.ones(len(rows), bool)
+        extra = [k for k, t in enumerate(self.touches, len(self.limits)) if t in which]
+        keep[extra] = lengths[extra] > INDEPENDENT
+        columns = (rows / np.where(lengths > INDEPENDENT, lengths, 1.0)[:, None]).T
+        seen: set[bytes] = set()
+        for k in sorted(extra, key=lambda k: -round(lengths[k], 9)):
+            same = (np.round(columns[:, k], 9) + 0.0).tobytes()
+            keep[k] &= same not in seen
+            seen.add(same)
+        for k in sorted((k for k in extra if keep[k]), key=lambda k: round(lengths[k], 9)):
+            keep[k] = False
+            others = columns[:, keep]
+            left = others @ nonnegative_least_squares(others, columns[:, k]) - columns[:, k]
+            keep[k] = float(np.abs(left).max()) > INDEPENDENT
+        return self.only(keep)
+
     def bent(self, sheet: Sheet, phi: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Return the Hessian of forces . gaps, [n, n]; forces over the mean stiffness, [r]."""
         place = Placed(sheet.crossings.poses, phi)
@@ -111,15 +150,24 @@ def balanced(
     return forces, hessian, z.T @ rest
 
 
-def quadratic(h: np.ndarray, g: np.ndarray, rows: Rows, z: np.ndarray) -> np.ndarray:
-    """Minimise g.y + y'Hy/2 with gaps + slopes z y >= 0, H [t, t] with its negative curvatures turned round."""
+def quadratic(
+    h: np.ndarray, g: np.ndarray, rows: Rows, z: np.ndarray, pushing: np.ndarray
+) -> np.ndarray:
+    """Minimise g.y + y'Hy/2 with gaps + slopes z y >= 0, H [t, t] with its negative curvatures turned round.
+
+    They are so along what slopes of rows that push, `pushing` [p, n], leave free, and across it apart: what a gap adds
+    to the curvature across would otherwise stiffen directions along which the energy hardly curves, and a descent would
+    creep beyond a fold.
+    """
     if not len(g):
         return g
-    values, vectors = np.linalg.eigh(h)
-    root = np.sqrt(np.maximum(np.abs(values), SOFTEST))
-    back = vectors / root  # y = back x, with x'x/2 the quadratic form
-    x = nearest(-back.T @ g, rows.slopes @ z @ back, -np.maximum(rows.gaps, 0.0))
-    return np.zeros(len(g)) if x is None else back @ x
+    free, back = null_space(pushing @ z), []  # y = back x, with x'x/2 the quadratic form
+    for basis in (free, null_space(free.T)):
+        values, vectors = np.linalg.eigh(basis.T @ h @ basis)
+        back.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
+    whole = np.hstack(back)
+    x = nearest(-whole.T @ g, rows.slopes @ z @ whole, -np.maximum(rows.gaps, 0.0))
+    return np.zeros(len(g)) if x is None else whole @ x
 
 
 def _onto(
@@ -143,7 +191,9 @@ def _onto(
     return phi if worst <= CLOSES else None
 
 
-def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
+def put_back(
+    sheet: Sheet, phi: np.ndarray, rows: Rows, kept: Sequence[Touch] = ()
+) -> np.ndarray | None:
     """Put a trial state onto closure; limits and gaps that it has passed are met.
 
     Parameters
@@ -152,6 +202,8 @@ def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
         The programme and fold angles near closure, [n] [rad].
     rows
         Gaps that must not be passed.
+    kept
+        Features that touch, and shall do so.
 
     Returns
     -------
@@ -159,7 +211,7 @@ def put_back(sheet: Sheet, phi: np.ndarray, rows: Rows) -> np.ndarray | None:
         The state [n]; None where there is none near by.
     """
     held = np.abs(phi) >= math.pi
-    touches: list[Touch] = []
+    touches = list(kept)
     for _ in range(10):
         start = np.where(held, np.copysign(math.pi, phi), phi)
         new = _onto(sheet, start, held, touches)

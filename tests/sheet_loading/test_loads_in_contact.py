@@ -16,6 +16,7 @@ import origami_nlp as o
 from origami_nlp.facets import Sheet
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.path import Steps
+from origami_nlp.sheet_loading import LoadedSheet, Torque
 from origami_nlp.sheets import judge, press
 from tests.sheets.patterns import QUAD, metasheet
 from tests.sheets.rigid import Rigid, _collide
@@ -318,17 +319,27 @@ def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
     assert path.branches[0].kind_ranges[0].kind == "contact-pinned"
 
 
-def test_a_path_stops_by_name_where_a_corner_slides_to_a_border():
-    pattern, _, _ = sprung(12)
-    path = loaded(12, -3.0)
-    (leg,) = path.legs
-    slides = next(e for e in path.events if e.type == "slides")
-    assert "to a border" in leg.why and slides.located
-    # the corner is within 1e-6 of a side of the facet, and lies on it
-    rigid, phi = Turned(pattern), np.array(slides.fold_angles)
-    assert not rigid.crossing(phi)
+def by_small_steps(seed, to, count=60):
+    """The state at a load, by descents at loads that grow little by little."""
+    pattern, start, crease = sprung(seed)
+    sheet, phi = Sheet(pattern), start.fold_angles
+    for t in np.linspace(0.0, to, count)[1:]:
+        end = press(LoadedSheet(sheet, Torque(pattern, (crease,)), t), phi)
+        assert end.arrived
+        phi = end.phi
+    return phi
+
+
+def test_a_corner_slips_off_a_facet_where_it_comes_to_the_border():
+    pattern, _, _ = sprung(46)
+    path = loaded(46, 2.0)
+    (event,), (snap,) = path.events, path.snaps
+    assert event.type == snap.type == "slides" and event.located and not path.alarms
+    assert [leg.why for leg in path.legs] == ["snap", "range"] and snap.released > 0
+    # the corner lies on a side of the facet, by rotation matrices, and is pressed onto it
+    rigid, phi = Turned(pattern), np.array(event.fold_angles)
     corner, facet = (
-        int(x) - 1 for x in re.match(r"corner (\d+) .* on facet (\d+)", slides.contact).groups()
+        int(x) - 1 for x in re.match(r"corner (\d+) .* on facet (\d+)", event.contact).groups()
     )
     x = rigid.polygons(phi)
     at = next(x[f][list(q).index(corner)] for f, q in enumerate(pattern.polygons) if corner in q)
@@ -337,8 +348,73 @@ def test_a_path_stops_by_name_where_a_corner_slides_to_a_border():
     assert abs(n @ (at - x[facet][0])) < 1e-11
     sides = x[facet] - np.roll(x[facet], 1, axis=0)
     depth = [
-        abs(np.cross(n, u / np.linalg.norm(u)) @ (at - end))
+        np.cross(n, u / np.linalg.norm(u)) @ (at - end)
         for u, end in zip(sides, x[facet], strict=True)
     ]
-    size = float(np.ptp(pattern.corners, axis=0).max())
-    assert min(depth) / size == pytest.approx(1e-6, abs=1e-10)
+    assert min(depth, key=abs) == pytest.approx(0.0, abs=1e-11)
+    assert all(d * np.sign(sum(depth)) > -1e-11 for d in depth)
+    # the force is there up to the border, and facets do not cross on either side
+    pushed = pushes(path.branches[0].points[-1])
+    assert len(pushed) == 1 and pushed[0].value > 0.1
+    for p in (*path.legs[0].points, *path.legs[1].points):
+        assert not rigid.crossing(np.array(p.fold_angles))
+    assert by_small_steps(46, 2.0, 20) == pytest.approx(
+        np.array(path.legs[-1].points[-1].fold_angles), abs=1e-9
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "to", "snaps"),
+    [
+        (12, -6.0, 1),
+        (19, 6.0, 2),
+        (21, -6.0, 2),
+        (27, -6.0, 3),
+        (45, 6.0, 3),
+        (45, -6.0, 1),
+        (46, 6.0, 1),
+        (46, -6.0, 2),
+        (6, 6.0, 1),
+        (35, 1.2, 0),
+        (39, 7.5, 0),
+    ],
+)
+def test_descents_at_small_steps_of_the_load_come_to_the_same_state(seed, to, snaps):
+    """Through slips, folds, and contacts that close and leave."""
+    path = loaded(seed, to)
+    assert len(path.snaps) == snaps and path.legs[-1].why == "range" and not path.alarms
+    assert all(e.located for e in path.events)
+    assert by_small_steps(seed, to) == pytest.approx(
+        np.array(path.legs[-1].points[-1].fold_angles), abs=1e-9
+    )
+
+
+@pytest.mark.slow
+def test_facets_that_touch_keep_a_crease_shut():
+    """Its moment vanishes, and a touch takes over that keeps it where it is: to rounding, never beyond."""
+    path = loaded(41, 8.0)
+    (leaves,) = [e for e in path.events if e.type == "leaves"]
+    assert leaves.contact == "crease 14 at its fold limit" and leaves.located and not path.alarms
+    beyond = [p for p in path.legs[-1].points if p.t > leaves.t]
+    assert len(beyond) > 5 and all(abs(p.fold_angles[13]) == math.pi for p in beyond)
+    assert by_small_steps(41, 8.0) == pytest.approx(np.array(beyond[-1].fold_angles), abs=1e-9)
+
+
+def test_a_descent_beyond_a_fold_in_contact_does_not_creep():
+    """Where curvature along a contact is all but zero, and that across it is not."""
+    pattern, _, crease = sprung(6)
+    (snap,) = loaded(6, 4.1).snaps
+    for share in (1e-5, 1e-4):
+        under = LoadedSheet(Sheet(pattern), Torque(pattern, (crease,)), snap.t * (1 + share))
+        end = press(under, np.array(snap.before))
+        assert end.arrived and end.steps < 30
+
+
+def test_a_path_stops_where_a_crease_shuts_on_facets_without_an_order():
+    path = loaded(39, -6.0)
+    (leg,) = path.legs
+    assert "layers have no order" in leg.why and not path.alarms
+    state = judge(LoadedSheet(Sheet(path.pattern), path.driver, leg.points[-1].t),
+                  np.array(leg.points[-1].fold_angles))  # fmt: skip
+    assert state.verdict == "crosses"

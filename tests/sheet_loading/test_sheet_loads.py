@@ -190,6 +190,36 @@ def test_springs_take_up_the_work_of_the_load():
         assert e[-1] - e[0] == pytest.approx(done, rel=2e-3)
 
 
+def test_the_load_falls_back_to_zero_and_no_further():
+    pattern, start = folded_miura(3, 3)
+    path = o.find_load_path(pattern, Pull(pattern, (0, 15)), state=start, back=True)
+    assert [leg.toward for leg in path.legs] == [-1, 1, 1, -1]
+    assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
+    for leg in path.legs[1::2]:
+        assert leg.points[-1].t == 0.0
+        assert leg.points[-1].fold_angles == pytest.approx(start.fold_angles, abs=1e-9)
+        assert all(p.t * leg.points[0].t >= 0 for p in leg.points)
+
+
+def test_the_load_falls_back_from_a_snap():
+    """Of a vertex, followed by another program from the state that the snap lands on."""
+    scene = o.examples.degree6("5*pi/12", ratio=1)
+    pattern = wheel(scene.vertex.sector_angles)
+    pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
+    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    one = o.load_path(scene, 1, to=-0.2, back=True, **quick)
+    start = settled(pattern, one.legs[0].points[0].fold_angles)
+    path = o.find_load_path(pattern, 1, state=start, back=True, confirm=False)
+    there, again = path.legs[:2]
+    assert (there.why, again.why, again.toward) == ("snap", "snap", 1)
+    last = next(k for k, leg in enumerate(one.legs) if leg.toward == 1)
+    assert again.points[-1].t == pytest.approx(one.legs[last].points[-1].t, abs=1e-10)
+    assert path.legs[2].points[-1].t == 0.0
+    assert path.legs[2].points[-1].fold_angles == pytest.approx(
+        one.legs[-1].points[-1].fold_angles, abs=1e-9
+    )
+
+
 # ---------------------------------------------------------------- what a load works on
 
 
