@@ -51,7 +51,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "Modes": (None, True, True, True),
-    "SheetResult": (lambda r: len(r.minima), False, True, True),
+    "SheetResult": (lambda r: len(r.minima), True, True, True),
     "Overview": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.phi), True, True, True),
     "SheetLoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
