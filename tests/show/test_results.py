@@ -150,6 +150,21 @@ def test_saved_and_read_back(kind, tmp_path):
         type(found).load(path)
 
 
+@pytest.mark.parametrize("kind", [kind for kind, (*_, is_read) in KINDS.items() if is_read])
+def test_what_is_not_whole_is_refused_in_one_line(kind):
+    found = results()[kind]
+    data, refused = found.to_dict(), set()
+    for key in data:
+        try:
+            type(found).from_dict({k: v for k, v in data.items() if k != key})
+        except o.OrigamiError as error:
+            assert "\n" not in str(error)
+            refused.add(key)
+    assert len(refused) > 2  # some may be missing
+    with pytest.raises(o.OrigamiError, match="schema"):
+        type(found).from_dict([])
+
+
 def test_functions_take_results_only(tmp_path):
     scene = results()["MinimaResult"].scene
     for call in (o.draw, o.to_frame, lambda x: o.save(x, tmp_path / "x.json")):
