@@ -144,7 +144,8 @@ class Follower:
 
     def _again(self, branch: Branch, state: LoadedState) -> bool:
         """Tell whether a branch that was unstable is stable here."""
-        return state.index == 0 and any(s.index for s in branch.states)
+        at = {k for k, _ in branch.events}  # closure may lose rank there
+        return state.index == 0 and any(s.index for k, s in enumerate(branch.states) if k not in at)
 
     def _piece(self, branch: Branch) -> Found | None:
         """Follow the last state until what is held changes: the event there; None where the branch ends."""
