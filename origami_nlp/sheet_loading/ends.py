@@ -29,7 +29,9 @@ def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, hi
     if end is not None:
         share = (end - a.x[-1]) / (b.x[-1] - a.x[-1])
         state = curve.where(a.x + share * (b.x - a.x), -1, end, a.tangent)
-        if state is None:  # where closure loses rank the load does not tell where, but the length does
+        if (
+            state is None
+        ):  # where closure loses rank the load does not tell where, but the length does
             near = root_between(curve, a, b, lambda f: float(f.x[-1]) - end)
             good = near is not None and abs(near.x[-1] - end) <= STATIONARY * (1 + abs(end))
             state = near if good else None

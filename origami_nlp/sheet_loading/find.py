@@ -14,7 +14,7 @@ from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.loading import Confirmed, Leg, LoadPoint, Snap
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import SAME, SETTLED
 from origami_nlp.path import Steps
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheet_loading.branch import STEPS, Branch, Follower
@@ -121,6 +121,12 @@ def find_load_path(
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
     number, begun = _state(pattern, state, search)
+    if isinstance(work, Pull) and work.conjugate(begun.fold_angles) <= SAME * work.arm:
+        a, b = work.corners
+        raise OptionError(
+            f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from one to "
+            "the other"
+        )
     job = _Job(pattern, work, min(0.0, *ends), max(0.0, *ends), steps or STEPS)
     for end in ends:
         arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")

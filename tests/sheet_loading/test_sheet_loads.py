@@ -246,6 +246,42 @@ def test_derivatives_against_differences(make):
     assert loaded.energy(phi) > 0
 
 
+def folded_cross():
+    """One vertex with creases 90 degrees apart but one pair 60 and 120, folded flat, its springs at rest there."""
+    angles = np.radians([0.0, 60.0, 180.0, 300.0])
+    pattern = wheel(np.diff(np.r_[angles, 2 * math.pi]))
+    flat = math.pi * np.array([-1.0, 1.0, -1.0, -1.0])
+    pattern = pattern.with_springs(1.0, list(flat))
+    return pattern, judge(Sheet(pattern), flat)
+
+
+@pytest.mark.slow
+def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable():
+    """A pull that does no work to first order: the state stays one, and is no minimum from the branching on."""
+    pattern, start = folded_cross()
+    assert start.verdict == "minimum"
+    pull = Pull(pattern, (1, 3))
+    path = o.find_load_path(pattern, pull, state=start, confirm=False)
+    (event,) = path.events
+    assert event.type == "branching" and event.located and not path.alarms
+    assert "the load does no work" in str(path) and len(path.snaps) == 1
+    for share, verdict in ((0.999, "minimum"), (1.001, "not a minimum")):
+        under = LoadedSheet(Sheet(pattern), pull, event.t * share)
+        assert judge(under, start.fold_angles).verdict == verdict
+    under = LoadedSheet(Sheet(pattern), pull, event.t * 1.001)
+    after = np.array(path.snaps[0].after)
+    assert np.abs(after - start.fold_angles).max() > 0.01
+    assert under.energy(after) < under.energy(start.fold_angles)
+
+
+def test_vertices_that_lie_on_each_other_have_no_pull():
+    pattern, start = folded_cross()
+    x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
+    one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
+    with pytest.raises(OptionError, match="lie on each other"):
+        o.find_load_path(pattern, Pull(pattern, (one, two)), state=start)
+
+
 def test_a_load_that_does_no_work_is_told():
     """A force across the only way in which its corner can move, found by differences along the law of the sheet."""
     pattern, start = folded_miura(3, 3)
