@@ -163,7 +163,7 @@ def thinned(path: Path) -> Path:
     """Return contour lines without the points that nobody sees: most of a vector file would be theirs."""
     from shapely import LineString
 
-    if path.codes is None or not len(path.codes):
+    if path.codes is None or not len(path):
         return path
     starts = np.flatnonzero(path.codes == Path.MOVETO)
     parts = (LineString(p).simplify(UNSEEN) for p in np.split(path.vertices, starts[1:]))
