@@ -6,6 +6,7 @@ from .crossings import (
     convex_parts as convex_parts,
     cross_each_other as cross_each_other,
 )
+from .faces import Faces as Faces, Lying as Lying
 from .features import INSIDE as INSIDE, Features as Features
 from .layers import (
     Layers as Layers,
@@ -16,6 +17,6 @@ from .layers import (
 from .linear import Factor as Factor, Normal as Normal, dense as dense
 from .orders import Orders as Orders
 from .poses import Poses as Poses
-from .sheet import MOST_DENSE as MOST_DENSE, Sheet as Sheet
+from .sheet import MOST_DENSE as MOST_DENSE, OutOfTime as OutOfTime, Sheet as Sheet
 from .stacks import Stack as Stack
 from .touches import Placed as Placed, Touch as Touch

@@ -136,8 +136,36 @@ def _is_stated(pattern: Pattern, phi: np.ndarray) -> bool:
     return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= STATED)
 
 
-def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
-    """Find an order, the one that is stated where it is."""
+def pose_layers(sheet: Sheet, phi: np.ndarray, stack: Stack) -> Orders | Layers:
+    """Pose which of the pieces that lie on each other at a state are above, with what creases and the file say of it.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state whose facets do not pierce each other, [n] [rad].
+    stack
+        Its pieces.
+
+    Returns
+    -------
+    Orders or Layers
+        Of pairs of the stack, whether the first piece is above; or why they have no order.
+
+    Raises
+    ------
+    Unclear
+        If two pieces are too close to each other.
+    """
+    posed = _posed(stack)
+    if not isinstance(posed, Layers) and _is_stated(sheet.pattern, phi):
+        bare = list(posed[0].values)
+        if _conflict(stack, posed[0], sheet.pattern.orders)[0]:
+            posed[0].values = bare
+    return posed if isinstance(posed, Layers) else posed[0]
+
+
+def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
+    """Pose the orders of a stack, and the pieces that each rule is about."""
     many = len(stack.facets)
     rules, about = [], []
     for rule, pieces in stack.rules():
@@ -150,9 +178,20 @@ def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
     for unknown, value, crease in stack.known():
         bad = orders.assume({unknown: value})
         if bad != -1:
-            pieces = stack.pairs[unknown] if bad == -2 else about[bad]
-            why = f"{_facets(stack, pieces)} have no order with the crease {crease + 1} folded as it is"
+            both = stack.pairs[unknown].tolist() if bad == -2 else about[bad]
+            why = (
+                f"{_facets(stack, both)} have no order with the crease {crease + 1} folded as it is"
+            )
             return Layers("crosses", f"layers have no order: {why}", many)
+    return orders, about
+
+
+def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
+    """Find an order, the one that is stated where it is."""
+    posed, many = _posed(stack), len(stack.facets)
+    if isinstance(posed, Layers):
+        return posed
+    orders, about = posed
     if not stated:
         found = orders.solve()
         if found is None:

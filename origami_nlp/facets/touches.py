@@ -91,7 +91,7 @@ class Touch:
     ([0, 1], 2, (2, 2))
     """
 
-    type: Literal["vertex-face", "edge-edge"]
+    type: Literal["vertex-face", "edge-edge", "face-face"]
     facets: tuple[int, int]
     corners: tuple[int, int, int, int]
     sign: float
@@ -113,7 +113,7 @@ class Touch:
     def gap(self, at: Placed) -> float:
         """Return the distance along the common normal, positive where facets are apart [unit of the corners]."""
         p = self.points(at)
-        if self.type == "vertex-face":
+        if self.type != "edge-edge":
             normal, off = cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]
         else:
             normal, off = cross(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
@@ -123,7 +123,7 @@ class Touch:
         """Return the creases of the walk and the derivative of the gap by each, [k] and [k]."""
         creases, c, o = at.walk(*self.facets)
         p = self.points(at)
-        if self.type == "vertex-face":
+        if self.type != "edge-edge":
             normal = cross(p[2] - p[1], p[3] - p[1])
             arms = cross(c, p[0] - o)
             return creases, self.sign * arms @ (normal / np.linalg.norm(normal))
@@ -140,7 +140,7 @@ class Touch:
         """Return the second derivatives of the gap by the creases of the walk, [k, k]."""
         _, c, o = at.walk(*self.facets)
         p = self.points(at)
-        if self.type == "vertex-face":
+        if self.type != "edge-edge":
             normal = cross(p[2] - p[1], p[3] - p[1])
             normal /= np.linalg.norm(normal)
             return self.sign * _mirrored(cross(normal, c) @ cross(c, p[0] - o).T)

@@ -329,7 +329,8 @@ class Web:
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
             share = (end - a.s) / (b.s - a.s)
-            beyond = curve.at(a.x + share * (b.x - a.x), end, a.tangent)
+            guess = a.x + share * (b.x - a.x)
+            beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
                 return a, Found("singular", a, None, np.nan, False, "no state at the end")
             b = beyond

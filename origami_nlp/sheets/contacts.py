@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, Choice, Features, Placed, Sheet, Touch, choices
+from origami_nlp.facets import INSIDE, Choice, Features, Lying, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import (
     CLOSES,
     DEPENDENT,
@@ -166,6 +166,10 @@ def told_contacts(sheet: Sheet, rows: Rows, found: Balance) -> tuple[SheetContac
             out.append(SheetContact("fold-limit", where, float(force * unit), (), between))
         else:
             touch = rows.touches[k - len(rows.limits)]
+            if isinstance(touch, Lying):
+                lies = (), between, int(touch.sign), touch.place
+                out.append(SheetContact(touch.type, touch.facets, float(force * unit), *lies))
+                continue
             contact = touch.type, touch.facets, float(force * unit), touch.corners, between
             out.append(SheetContact(*contact))
     return tuple(out)
@@ -176,7 +180,7 @@ def joined_contacts(told: Sequence[tuple[SheetContact, ...]]) -> tuple[SheetCont
     found: dict[object, list[SheetContact]] = {}
     for contacts in told:
         for c in contacts:
-            found.setdefault((c.type, c.where, c.corners), []).append(c)
+            found.setdefault((c.type, c.where, c.corners, c.side, c.place), []).append(c)
     out = []
     for same in found.values():
         ends = [e for c in same for e in (c.between or (c.force, c.force))]

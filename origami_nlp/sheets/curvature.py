@@ -9,7 +9,7 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from origami_nlp.facets import MOST_DENSE, Matrix, Sheet, dense
-from origami_nlp.numerics import CURVED, EPS, null_space
+from origami_nlp.numerics import CURVED, EPS, RANK, null_space
 
 PENALTIES = 1e2, 1e4, 1e6, 1e8, 1e10, 1e12
 """Weights rho with which positivity on the kernel is tried."""
@@ -73,15 +73,19 @@ def curvature(
         way[free] = z @ vectors[:, 0]
     if smallest <= CURVED:
         return smallest, way, False
-    square, size = j.T @ j, float(np.abs(h).max())
-    for rho in PENALTIES:
-        whole = h + rho * square
-        margin = CURVED * size + 10 * len(h) * EPS * rho  # rows of J have entries up to 1/2
-        try:
-            linalg.cholesky(whole - margin * np.eye(len(h)))
-        except linalg.LinAlgError:
-            continue
-        return smallest, way, True
+    size, exact = float(np.abs(h).max()), 10 * len(h) * EPS  # rows of J have entries up to 1/2
+    # beside a singular state rows of J are short, those across the kernel and what seems to be are not
+    for square, off in (
+        (j.T @ j, exact),
+        (np.eye(len(h)) - z @ z.T, exact + (len(h) * EPS / RANK) ** 2),
+    ):
+        for rho in PENALTIES:
+            margin = CURVED * size + off * rho
+            try:
+                linalg.cholesky(h + rho * square - margin * np.eye(len(h)))
+            except linalg.LinAlgError:
+                continue
+            return smallest, way, True
     return smallest, way, False
 
 

@@ -21,9 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Sheet, order_layers
+from origami_nlp.facets import MOST_DENSE, Faces, Lying, Sheet, order_layers
 from origami_nlp.numerics import CLOSES, STATIONARY, nonnegative_least_squares
-from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.contacts import (
     Balance,
     balance,
@@ -36,7 +35,7 @@ from origami_nlp.sheets.curvature import lowest_curvature
 from origami_nlp.sheets.lower import lower_state
 from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
 from origami_nlp.sheets.rows import LOADED, Rows
-from origami_nlp.sheets.sharp import slopes
+from origami_nlp.sheets.sharp import list_ways, slopes
 from origami_nlp.sheets.state import SheetState, Verdict
 
 SHARP: dict[str, Any] = {
@@ -56,7 +55,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     sheet
         The programme.
     phi
-        Fold angles [rad], [n].
+        Fold angles [rad], [n]; those beyond pi by less than closure can tell are at pi.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -66,6 +65,9 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
         With the verdict and what it rests on.
     """
     phi = np.asarray(phi, float)
+    shut = np.clip(phi, -math.pi, math.pi)
+    if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close
+        phi = shut
     residual = sheet.residual(phi)
     energy = float(sheet.pattern.energy(phi))
     blank = SheetState(
@@ -109,17 +111,17 @@ def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
             eigenvalue=float(lowest_curvature(sheet, phi, np.diag(sheet.stiffness))),
             certificate="flat, its springs balanced by closure: strict minimum, curvature of the springs",
         )
-    if slopes(sheet, phi)[0]:
+    out = list_ways(sheet, phi)
+    if slopes(sheet, phi, out)[0]:
         why = "flat and alone: no way leads out of it, strict minimum"
         return replace(
             blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
         )
-    branches = list_branches(sheet.pattern)
     drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
     ways = [
         -free,
-        *branches.lines,
-        *(b[:, k] for b in branches.families for k in range(b.shape[1])),
+        *out.lines,
+        *(b[:, k] for b in out.families for k in range(b.shape[1])),
         *drawn,
     ]
     # states come in pairs, phi and -phi: one of them is lower wherever the torque is not orthogonal
@@ -152,46 +154,62 @@ def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
         why = f"not decided: facets reach into each other by {-rows.gaps.min():.1e} of the sheet's size"
         return replace(blank, verdict="undecided", certificate=why)
     piece = judge_piece(sheet, phi, rows, found)
-    rises, falling = (False, []) if piece.balanced else slopes(sheet, phi)
+    pieces = Pieces([piece], count=1)
+    if piece.proved:
+        return _told(sheet, blank, pieces)
+    ways = None if piece.balanced else list_ways(sheet, phi)
+    if touching:
+        assert z is not None
+        faces, meeting = Faces(sheet, phi), closed_choices(sheet, phi)
+        pieces = judge_pieces(sheet, phi, rows, meeting, z, faces, ways)
+        return _told(sheet, blank, pieces, faces.reason)
+    rises, falling = (False, []) if ways is None else slopes(sheet, phi, ways)
     if rises:
         contacts = told_contacts(sheet, rows, found)
         return replace(blank, kkt_residual=piece.missing, contacts=contacts, **SHARP)
-    meeting = closed_choices(sheet, phi) if touching and not piece.proved else []
-    pieces = Pieces([piece], count=1)
-    if z is not None and meeting:
-        pieces = judge_pieces(sheet, phi, rows, meeting, z)
-    elif not piece.proved:
-        found_ways = (lower_state(sheet, phi, w, rows, contact) for w in (*piece.ways, *falling))
-        down = next((new for new in found_ways if new is not None), None)
-        pieces = Pieces([], piece, down, 1)
-    return _told(sheet, blank, pieces)
+    found_ways = (lower_state(sheet, phi, w, rows, contact) for w in (*piece.ways, *falling))
+    down = next((new for new in found_ways if new is not None), None)
+    return _told(sheet, blank, Pieces([], piece, down, 1))
 
 
-def _told(sheet: Sheet, blank: SheetState, pieces: Pieces) -> SheetState:
+def _told(sheet: Sheet, blank: SheetState, pieces: Pieces, unknown: str = "") -> SheetState:
     """Say what was found on the pieces."""
     at = pieces.left or pieces.proved[0]
     blank = replace(blank, kkt_residual=at.missing, eigenvalue=at.lowest)
     blank = replace(blank, contacts=told_contacts(sheet, at.rows, at.balance))
     if pieces.left is None:
-        return replace(blank, verdict="minimum", **_of_minimum(sheet, pieces.proved))
-    where = f" on piece {pieces.count} of what meets at borders" if pieces.count > 1 else ""
+        return replace(blank, **_of_minimum(sheet, blank.fold_angles, pieces.proved))
+    where = f" on piece {pieces.count} of what meets" if pieces.count > 1 else ""
     if pieces.lower is not None:
         why = f"lower states beside it: curvature {at.lowest:.3g}"
         why = why if at.balanced else "torque along a free motion"
         return replace(blank, verdict="not a minimum", certificate=why + where)
     if pieces.count >= MOST_PIECES:
-        why = f"not decided: facets meet at borders, in more than {MOST_PIECES} pieces"
+        why = f"not decided: facets meet at borders or face to face, in more than {MOST_PIECES} pieces"
     elif not at.balanced:
         why = (
             f"not decided: torque of {at.missing:.1e} is left{where}, but no lower state was found"
         )
+    elif at.lowest > 0:
+        why = f"not decided: facets face to face push at borders alone{where}, where they may slide off"
     else:
         why = f"not decided: curvature {at.lowest:.3g} along a free motion{where} proves nothing"
+    why += f"; {unknown}" if unknown else ""
     return replace(blank, verdict="undecided", certificate=why)
 
 
-def _of_minimum(sheet: Sheet, proved: list[Piece]) -> dict[str, Any]:
+def _of_minimum(sheet: Sheet, phi: np.ndarray, proved: list[Piece]) -> dict[str, Any]:
     """Return kind, certificate, contacts and residuals of a minimum, from the pieces on which it is one."""
+    residual = max(p.missing for p in proved)
+    if sharp := [p for p in proved if p.sharp]:
+        pairs = {t.facets for p in sharp for t in p.rows.touches if isinstance(t, Lying)}
+        apart = ", ".join(f"{a + 1}|{b + 1}" for a, b in sorted(map(sorted, pairs)))
+        why = SHARP["certificate"] + (
+            f"; with layers of facets {apart} kept apart" if pairs else ""
+        )
+        held = sharp[0].rows.only(np.arange(len(sharp[0].rows.gaps)) < len(sharp[0].rows.limits))
+        told = told_contacts(sheet, held, balance(sheet, phi, held, sheet.kernel(phi)))
+        return {**SHARP, "certificate": why, "kkt_residual": residual, "contacts": told}
     most = np.concatenate([p.most for p in proved])
     every = bool((most > LOADED).all())
     kind = "interior" if not len(most) else "contact-pinned" if every else "contact-touching"
@@ -199,14 +217,13 @@ def _of_minimum(sheet: Sheet, proved: list[Piece]) -> dict[str, Any]:
     what = f"curvature {lowest:.3g}" if math.isfinite(lowest) else "nothing is left free"
     many = f" on each of {len(proved)} pieces" if len(proved) > 1 else ""
     why = f"strict minimum{many}: torque balanced, {what} along what loaded contacts leave free"
-    told = [told_contacts(sheet, p.rows, p.balance) for p in proved]
-    residual = max(p.missing for p in proved)
     return {
+        "verdict": "minimum",
         "kind": kind,
         "certificate": why,
         "eigenvalue": lowest,
         "kkt_residual": residual,
-        "contacts": joined_contacts(told),
+        "contacts": joined_contacts([told_contacts(sheet, p.rows, p.balance) for p in proved]),
     }
 
 

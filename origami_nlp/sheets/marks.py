@@ -34,7 +34,7 @@ LOOKS: dict[str, dict[str, Any]] = {
 
 def touching_facets(contacts: Sequence[SheetContact]) -> list[int]:
     """Return the facets that touch, from 0, each once."""
-    return sorted({f for c in contacts if c.corners for f in c.where})
+    return sorted({f for c in contacts if len(c.where) == 2 for f in c.where})
 
 
 def touch_places(
@@ -54,8 +54,8 @@ def touch_places(
     Returns
     -------
     numpy.ndarray
-        A corner on a facet, or where two sides meet, [t, 3].  A side that lies on a facet from a corner of it on, and
-        leaves it, touches up to its border: the middle of that stretch is returned.
+        A corner on a facet, where two sides meet, or a corner of an overlap, [t, 3].  A side that lies on a facet from
+        a corner of it on, and leaves it, touches up to its border: the middle of that stretch is returned.
     """
     crossings = Crossings(pattern)
     turn, shift = crossings.poses.motions(fold_angles)
@@ -65,9 +65,13 @@ def touch_places(
 
     places = []
     for contact in contacts:
-        if not contact.corners:
+        if contact.type == "fold-limit":
             continue
-        (a, b), (p, q, r, s) = contact.where, contact.corners
+        a, b = contact.where
+        if contact.type == "face-face":
+            places.append(turn[b] @ np.array(contact.place) + shift[b])
+            continue
+        p, q, r, s = contact.corners
         if contact.type == "vertex-face":
             end = point(p, b)
             ring = [
@@ -110,7 +114,7 @@ def mark_touches(
 ) -> None:
     """Draw the places of touch of `touch_places` [t, 3], seen by a view [3, 3], each as its contact pushes."""
     around = [withStroke(linewidth=2.5, foreground="white")]
-    touches = [c for c in contacts if c.corners]
+    touches = [c for c in contacts if len(c.where) == 2]
     for k, ((x, y, _), contact) in enumerate(zip(places @ view.T, touches, strict=True)):
         axes.plot(x, y, **LOOKS[_how(contact)], path_effects=around, zorder=5)
         a, b = (f + 1 for f in contact.where)
@@ -121,7 +125,7 @@ def mark_touches(
 
 def touch_legend(contacts: Iterable[SheetContact]) -> list[Line2D]:
     """Return what the marks of contacts mean, those that occur."""
-    met = {_how(c) for c in contacts if c.corners}
+    met = {_how(c) for c in contacts if len(c.where) == 2}
     return [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
 
 

@@ -22,13 +22,19 @@ STEEP = 1e-4
 `SAME_WAY`."""
 
 
-def slopes(sheet: Sheet, phi: np.ndarray) -> tuple[bool, list[np.ndarray]]:
+def slopes(
+    sheet: Sheet, phi: np.ndarray, ways: Branches, gaps: np.ndarray | None = None
+) -> tuple[bool, list[np.ndarray]]:
     """Compare the energy with the ways out of a closed state.
 
     Parameters
     ----------
     sheet, phi
         The programme and the state, [n] [rad].
+    ways
+        Of `list_ways`.
+    gaps
+        Slopes of gaps that stay open, [r, n]; none by default.
 
     Returns
     -------
@@ -37,19 +43,22 @@ def slopes(sheet: Sheet, phi: np.ndarray) -> tuple[bool, list[np.ndarray]]:
     falling : list of numpy.ndarray
         Directions [n] of ways along which it falls.
     """
-    ways = _ways(sheet, phi)
     if ways.reason:
         return False, []
+    gaps = np.zeros((0, sheet.size)) if gaps is None else gaps
+    lengths = np.linalg.norm(gaps, axis=1)
     torque = sheet.torque(phi)
     steep = STEEP * float(np.abs(torque).max(initial=0.0))
     inward = -np.sign(phi) * (math.pi - np.abs(phi) < SAME_WAY)
     rises, falling = True, []
     for d in ways.open(phi):
+        if (gaps @ d < -STEEP * lengths).any():
+            continue
         rises &= bool(torque @ d > steep)
         if torque @ d < -steep:
             falling.append(d)
     for basis in ways.families:
-        rows = inward[:, None] * basis
+        rows = np.vstack([inward[:, None] * basis, gaps @ basis])
         rows = rows[np.abs(rows).max(axis=1) > SAME_WAY]
         rises &= _rises_on(rows, basis.T @ torque, steep)
         down = basis @ nearest_in_cone(-basis.T @ torque, rows)
@@ -58,13 +67,23 @@ def slopes(sheet: Sheet, phi: np.ndarray) -> tuple[bool, list[np.ndarray]]:
     return rises, falling
 
 
-def _ways(sheet: Sheet, phi: np.ndarray) -> Branches:
-    """Return subspaces that contain the tangent cone: of vertices without modes, what first order allows."""
+def list_ways(sheet: Sheet, phi: np.ndarray) -> Branches:
+    """List the ways out of a closed state.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and the state, [n] [rad].
+
+    Returns
+    -------
+    Branches
+        Subspaces that contain the tangent cone: of vertices without modes, what first order allows.
+    """
     axes = sheet.closure.axes(phi)
     known = zip(list_modes(sheet.pattern, phi), axes, strict=True)
-    return combine(
-        sheet.pattern, [[null_space(a.T, SAME_WAY)] if m is None else m for m, a in known]
-    )
+    modes = [[null_space(a.T, SAME_WAY)] if m is None else m for m, a in known]
+    return combine(sheet.pattern, modes, sheet.check_time)
 
 
 def _rises_on(rows: np.ndarray, torque: np.ndarray, steep: float) -> bool:

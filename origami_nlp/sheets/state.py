@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -21,7 +21,7 @@ class SheetContact(Brief):
     Attributes
     ----------
     type
-        ``"fold-limit"``, ``"vertex-face"`` or ``"edge-edge"``.
+        ``"fold-limit"``, ``"vertex-face"``, ``"edge-edge"`` or ``"face-face"``.
     where
         The crease at a fold limit, or the two facets that touch, that of the face first; 0-based.
     force
@@ -31,6 +31,11 @@ class SheetContact(Brief):
     between
         The least and the largest force that balance the springs, where others balance them as well; inf where there is
         no largest.
+    side
+        Of facets face to face, as in faceOrders of a FOLD file: +1 where the second one lies on the side of the first
+        one's normal, -1 where it lies on the other; else 0.
+    place
+        Of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     """
 
     type: str
@@ -38,12 +43,18 @@ class SheetContact(Brief):
     force: float
     corners: tuple[int, ...] = ()
     between: tuple[float, float] | None = None
+    side: int = 0
+    place: tuple[float, ...] = ()
 
     def features(self) -> str:
         """Say what touches, 1-based."""
         if self.type == "fold-limit":
             return f"crease {self.where[0] + 1} at its fold limit"
         a, b = (f + 1 for f in self.where)
+        if self.type == "face-face":
+            at = ", ".join(f"{x:.4g}" for x in self.place)
+            which = "front" if self.side > 0 else "back"
+            return f"facet {b} flat on the {which} of facet {a} at ({at})"
         p, q, r, s = (c + 1 for c in self.corners)
         if self.type == "edge-edge":
             return f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
@@ -63,7 +74,7 @@ class SheetContact(Brief):
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; facets, creases and corners 1-based."""
         low, high = self.between or (self.force, self.force)
-        return {
+        data = {
             "type": self.type,
             "where": [i + 1 for i in self.where],
             "corners": [i + 1 for i in self.corners],
@@ -71,6 +82,7 @@ class SheetContact(Brief):
             "force_least": low,
             "force_most": high if math.isfinite(high) else None,
         }
+        return {**data, "side": self.side, "place": list(self.place)} if self.place else data
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> SheetContact:
@@ -79,7 +91,8 @@ class SheetContact(Brief):
         high = math.inf if data["force_most"] is None else float(data["force_most"])
         where, corners = (tuple(int(i) - 1 for i in data[key]) for key in ("where", "corners"))
         between = None if low == high == force else (low, high)
-        return cls(data["type"], where, force, corners, between)
+        side, place = int(data.get("side", 0)), tuple(map(float, data.get("place", ())))
+        return cls(data["type"], where, force, corners, between, side, place)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -127,6 +140,22 @@ class SheetState(Brief):
     contacts: tuple[SheetContact, ...]
     crossings: tuple[tuple[int, int], ...]
     certificate: str
+
+    def title(self, number: int) -> str:
+        """Name the state, of some number, by its kind and energy."""
+        return f"state {number}: {self.kind or self.verdict}, {self.energy:.6g} J"
+
+    def lines(self) -> tuple[str, ...]:
+        """Say what is proved, and which facets touch."""
+        return self.certificate, *(c.words() for c in self.contacts if c.type != "fold-limit")
+
+    def moved(self, by: np.ndarray) -> SheetState:
+        """Return the state of a sheet that lies elsewhere in its reference state, moved by a vector [3]."""
+        places = [
+            tuple((np.array(c.place) + by).tolist()) if c.place else () for c in self.contacts
+        ]
+        contacts = (replace(c, place=x) for c, x in zip(self.contacts, places, strict=True))
+        return replace(self, contacts=tuple(contacts))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; facets and creases 1-based, what is not known is None."""

@@ -1,0 +1,280 @@
+"""Facets that lie face to face: which layer is above, and the gaps that stay open.
+
+Two convex pieces of paper that overlap in a plane have an order, and beside the state every point of one that lies
+inside the other stays on its side: over its plane, or under it.  Seen from one piece the other one moves as a rigid
+body, so that to first order its points stay there if those at the corners of the overlap do.  A corner of one facet
+inside the other, and sides that cross inside each other, stay on their side to any order; of a corner of the overlap
+that is on a border this says nothing to second order, since the point may slide off: `Lying.inside` is the same gap of
+a point that cannot.
+
+Which orders there are is asked of `Orders`; those that all of them agree on are known, the others are a choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from origami_nlp.facets.features import INSIDE, Features
+from origami_nlp.facets.layers import MOST_PAIRS, Layers, pose_layers
+from origami_nlp.facets.orders import Orders
+from origami_nlp.facets.sheet import Sheet
+from origami_nlp.facets.stacks import Stack, Unclear
+from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.numerics import CLOSES, cross
+
+Point: TypeAlias = tuple[float, float, float]
+ASIDE = 1e-4
+"""Share of the way to the middle of an overlap at which a point is inside it, and stays inside beside the state."""
+
+
+@dataclass(frozen=True)
+class Lying(Touch):
+    """The gap of a point of one facet over another facet on which it lies.
+
+    Attributes
+    ----------
+    place
+        The point, in the sheet's reference state.
+    middle
+        Of the overlap, likewise.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Faces, Placed, Sheet
+    >>> sheet = Sheet(o.examples.pattern("miura", 1, 3))
+    >>> phi = np.array([math.pi, -math.pi])
+    >>> faces = Faces(sheet, phi)
+    >>> touch = faces.touches(*faces.known[-1])[0]
+    >>> touch.facets, touch.type, round(touch.gap(Placed(sheet.crossings.poses, phi)), 12)
+    ((2, 0), 'face-face', 0.0)
+    """
+
+    place: Point
+    middle: Point
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells it from others."""
+        return self.type, self.facets, self.place
+
+    def points(self, at: Placed) -> np.ndarray:
+        """Return the point and three corners of the facet in space, [4, 3]."""
+        i, j = self.facets
+        ring = at.points(np.array((i, i, i)), np.array(self.corners[1:]))
+        return np.vstack([at.turn[j] @ np.array(self.place) + at.shift[j], ring])
+
+    def inside(self, share: float = ASIDE) -> Lying:
+        """Return the gap of a point that is this share of the way to the middle of the overlap inside."""
+        x = np.array(self.place)
+        x += share * (np.array(self.middle) - x)
+        return replace(self, place=_point(x))
+
+    @property
+    def order(self) -> tuple[int, int, int]:
+        """Facets f, g and s as in FOLD: f is on the side of g's normal where s = 1, else on the other."""
+        return self.facets[1], self.facets[0], int(self.sign)
+
+
+class Faces:
+    """Facets that lie face to face at a state, without those that hang together at a crease that is shut.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        A closed state in which no facets pierce each other [rad], [n].
+
+    Attributes
+    ----------
+    reason
+        Why nothing is known of them; empty where it is.
+    known
+        Pairs that lie on each other the same way in every order, and which: (number, whether the first is above).
+    open
+        Numbers of pairs that may lie either way.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Faces, Sheet
+    >>> sheet = Sheet(o.examples.pattern("miura", 1, 3))
+    >>> faces = Faces(sheet, np.array([math.pi, math.pi]))  # rolled up, either end inside
+    >>> len(faces.known), len(faces.open), len(faces.touches(faces.open[0], True))
+    (0, 1, 4)
+    """
+
+    def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
+        self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
+        self._sheet, self._phi = sheet, phi
+        self._stack, self._orders = Stack(sheet.crossings, phi), Orders(0, ())
+        if not len(self._stack.pairs):
+            return
+        if len(self._stack.pairs) > MOST_PAIRS:
+            self.reason = f"more than {MOST_PAIRS:,} pairs of facets lie on each other"
+            return
+        try:
+            posed = pose_layers(sheet, phi, self._stack)
+            if isinstance(posed, Layers) or posed.solve() is None:
+                self.reason = "layers have no order"
+                return
+        except (Unclear, TimeoutError):
+            self.reason = "which layer is above is not known"
+            return
+        self._orders = posed
+        pattern = sheet.pattern
+        shut = np.abs(phi) > 0.5 * np.pi
+        beside = zip(pattern.left[shut].tolist(), pattern.right[shut].tolist(), strict=True)
+        joined = {frozenset(pair) for pair in beside}
+        facets = sheet.crossings.facet[self._stack.pairs].tolist()
+        for k, (value, pair) in enumerate(zip(posed.values, facets, strict=True)):
+            if frozenset(pair) in joined:
+                continue  # the fold limit keeps them apart
+            if value < 0:
+                self.open.append(k)
+            else:
+                self.known.append((k, bool(value)))
+
+    def follow(self, above: Mapping[int, bool]) -> dict[int, bool] | None:
+        """Return how open pairs lie where some of them lie as given.
+
+        Parameters
+        ----------
+        above
+            Of some open pairs, by number, whether the first piece is above.
+
+        Returns
+        -------
+        dict or None
+            Those that are given, and those that rules settle then; None where no order has them so.
+        """
+        orders, before = self._orders, list(self._orders.values)
+        try:
+            if orders.assume(above) != -1:
+                return None
+            found = {k: bool(orders.values[k]) for k in self.open if orders.values[k] >= 0}
+            return found if orders.solve() is not None else None
+        except TimeoutError:  # more orders than there are: what holds for them holds for those
+            return found
+        finally:
+            orders.values = before
+
+    @cached_property
+    def _at(self) -> Placed:
+        return Placed(self._sheet.crossings.poses, self._phi)
+
+    def touches(self, pair: int, above: bool) -> tuple[Touch, ...]:
+        """Return the gaps of a pair that stay open where its first piece is above, or below.
+
+        Parameters
+        ----------
+        pair
+            Its number.
+        above
+            Whether the first piece is above.
+
+        Returns
+        -------
+        tuple of Touch
+            One at each corner of the overlap: a corner inside the other facet, two sides that cross inside each other,
+            and else `Lying`.
+        """
+        return tuple(t if above else replace(t, sign=-t.sign) for t in self._above(pair))
+
+    def _above(self, pair: int) -> list[Touch]:
+        """Return the gaps of a pair whose first piece is above."""
+        stack, crossings = self._stack, self._sheet.crossings
+        one, other = (_Piece(stack, self._sheet.features, int(p)) for p in stack.pairs[pair])
+        up = stack.up[stack.pairs[pair][0]]
+        room = INSIDE * crossings.size
+        found: list[tuple[np.ndarray, Touch | None]] = []
+        feature: Touch | None
+        for of, on, sense in ((one, other, 1.0), (other, one, -1.0)):
+            for x, corner, depth in zip(of.x, of.corners, on.depth(of.x), strict=True):
+                if depth > room:
+                    sign = sense * float(np.sign(on.way @ up))
+                    feature = Touch(
+                        "vertex-face", (on.facet, of.facet), (corner, *on.triangle), sign
+                    )
+                    found.append((x, feature))
+                elif depth >= -10 * CLOSES * crossings.size:
+                    found.append((x, None))
+        found += [
+            (x, Touch("edge-edge", (other.facet, one.facet), sides, sign) if far > room else None)
+            for x, sides, sign, far in _crossings(other, one, up)
+        ]
+        kept: list[tuple[np.ndarray, Touch | None]] = []
+        for x, feature in found:
+            if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
+                kept.append((x, feature))
+        turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
+        middle = _point((np.mean([x for x, _ in kept], axis=0) - shift) @ turn)
+        corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
+        return [
+            feature
+            or Lying(
+                "face-face",
+                (other.facet, one.facet),
+                corners,
+                sign,
+                _point((x - shift) @ turn),
+                middle,
+            )
+            for x, feature in kept
+        ]
+
+
+class _Piece:
+    """A convex piece in space: its corners, those of its sides that are borders of the facet, and its normal."""
+
+    def __init__(self, stack: Stack, features: Features, piece: int) -> None:
+        rings = features.rings_of_pieces
+        real = rings.valid[piece]
+        self.x = stack.x[piece][real]
+        self.corners: list[int] = stack.crossings.pieces[piece][real].tolist()
+        self.border = rings.border[piece][real]
+        self.facet = int(stack.crossings.facet[piece])
+        self.way = stack.normal[piece]
+        a, b, c = rings.triangle[piece].tolist()
+        self.triangle: tuple[int, int, int] = a, b, c
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Return how far inside points of its plane are, [k, 3] -> [k]."""
+        inward = cross(self.way, np.roll(self.x, -1, axis=0) - self.x)
+        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+        depth = np.einsum("kpi,pi->kp", points[:, None] - self.x[None], inward)
+        return np.asarray(depth.min(axis=1))
+
+
+def _crossings(
+    one: _Piece, other: _Piece, up: np.ndarray
+) -> Iterator[tuple[np.ndarray, tuple[int, int, int, int], float, float]]:
+    """Go through sides that cross: point, ends, the sign with which the other is above, and the distance of ends."""
+    for i, (a, u) in enumerate(zip(one.x, np.roll(one.x, -1, axis=0) - one.x, strict=True)):
+        for j, (c, v) in enumerate(
+            zip(other.x, np.roll(other.x, -1, axis=0) - other.x, strict=True)
+        ):
+            w = cross(u, v)
+            size = float(w @ up)
+            lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
+            if abs(size) <= INSIDE * lengths[0] * lengths[1]:
+                continue  # as good as parallel: corners tell what there is
+            s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
+            if not (0 < s < 1 and 0 < t < 1):
+                continue
+            far = min(min(s, 1 - s) * lengths[0], min(t, 1 - t) * lengths[1])
+            real = one.border[i] and other.border[j]
+            after = one.corners[(i + 1) % len(one.x)], other.corners[(j + 1) % len(other.x)]
+            sides = one.corners[i], after[0], other.corners[j], after[1]
+            yield a + s * u, sides, float(np.sign(size)), far if real else 0.0
+
+
+def _point(x: np.ndarray) -> Point:
+    a, b, c = x.tolist()
+    return a, b, c
