@@ -1,5 +1,6 @@
 from .boundary import (
     Boundaries as Boundaries,
+    CurvePoint as CurvePoint,
     EventCurve as EventCurve,
     find_boundaries as find_boundaries,
 )
@@ -37,4 +38,5 @@ from .regions import (
     region_cells as region_cells,
 )
 from .result import Atlas as Atlas
+from .smooth import smooth as smooth
 from .turned import turn_paths as turn_paths

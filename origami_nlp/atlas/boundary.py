@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.atlas.event_curve import MEETS, EventPoint, EventTracer, follow_event
+from origami_nlp.atlas.event_curve import (
+    MEETS,
+    EventPoint,
+    EventTracer,
+    FlatTracer,
+    Tracer,
+    follow_event,
+)
 from origami_nlp.atlas.family import Over, family_of, parse_nearby, parse_over
 from origami_nlp.atlas.find import follow_family
 from origami_nlp.atlas.plane import Plane
@@ -24,7 +31,9 @@ from origami_nlp.show import Piece, Table, Told, Words, to_plain
 
 SCHEMA = "origami-nlp/boundary/1"
 FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
-"""Events that are followed over two parameters."""
+"""Events that are followed over two parameters, besides those at the flat state."""
+FLAT = "flat"
+"""Type of a curve along which states come out of the flat one."""
 MOST_LINES, MOST_CURVES = 100, 200
 AROUND = 0.03
 """Of a point where two events meet: share of the ranges, and fold angles [rad]."""
@@ -254,14 +263,18 @@ def _events_on(
     """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
     met: list[tuple[float, int]] = []
     for number, node in enumerate(web.nodes):
-        if node.type not in FOLLOWED or not node.located:
+        flat = node.type == "singular" and not node.point[:-1].any()
+        if not (flat or node.type in FOLLOWED) or not node.located:
             continue
         t = plane.overs[axis].t_of(node.s)
         point, normal = np.full(2, u), np.zeros(2)
         point[axis], normal[axis] = node.s, 1.0
         first: EventPoint | None = None
-        for hold, contact in _systems(web, number, node):
-            tracer = EventTracer(plane, hold, contact, tally)
+        tracers: Iterable[Tracer] = (
+            EventTracer(plane, hold, contact, tally)
+            for hold, contact in _systems(web, number, node)
+        )
+        for tracer in (FlatTracer(plane),) if flat else tracers:
             first = tracer.at(point, normal, node.point[:-1])
             if first is not None and abs(first.point[axis] - node.s) <= BESIDE:
                 break
@@ -282,7 +295,7 @@ def _events_on(
             found = tuple(
                 _point(plane, p) for p in points if max(p.kkt, abs(p.event)) <= STATIONARY
             )
-            curves.append(EventCurve(known, node.type, words, found, ends))
+            curves.append(EventCurve(known, FLAT if flat else node.type, words, found, ends))
         met.append((t, known))
     return tuple(sorted(met))
 
@@ -338,7 +351,7 @@ def _systems(web: Web, number: int, node: Node) -> Iterator[tuple[Hold, Contact 
         yield rest, contact
 
 
-def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
+def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
     """Tell whether an event is a point of a curve: between two of its points, at the same value of parameter `axis`."""
     plane = tracer.plane
     words = tracer.contact and first.frame.programme.words(tracer.contact, first.frame.state).text

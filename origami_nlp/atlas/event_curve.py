@@ -1,6 +1,7 @@
 """Curves of events over two parameters: where a contact closes or leaves, and where states fold.
 
-A contact event is one system on either side of it: without the contact its opening is zero; a fold is a zero of ds/dl.
+A contact event is one system on either side of it: without the contact its opening is zero; a fold is a zero of ds/dl;
+where equilibria pass the flat state one equation says when.
 Along the normal of the curve in the plane of parameters both are events over one parameter, so that the curve may turn
 in either of them.
 """
@@ -8,12 +9,21 @@ in either of them.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.numerics import ROUNDED, STATIONARY
-from origami_nlp.path import Equilibrium, EquilibriumCurve, Hold, Tally, is_equilibrium
+from origami_nlp.path import (
+    Equilibrium,
+    EquilibriumCurve,
+    Hold,
+    Tally,
+    flat_event,
+    flat_roots,
+    is_equilibrium,
+)
 from origami_nlp.programme import Contact
 
 FIRST, LONGEST, SHORTEST = 2e-3, 0.05, 1e-4
@@ -42,6 +52,36 @@ class EventPoint:
     frame: Equilibrium
     kkt: float
     event: float
+
+
+class Tracer(Protocol):
+    """Finds one kind of event on lines through the plane; contact: that closes, None for others."""
+
+    @property
+    def plane(self) -> Plane: ...  # noqa: D102
+    @property
+    def contact(self) -> Contact | None: ...  # noqa: D102
+    def at(self, point: np.ndarray, normal: np.ndarray, state: np.ndarray) -> EventPoint | None:
+        """Return the event on the line through a point of the plane, from a state nearby; None where it is not."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlatTracer:
+    """Follows where a curve of equilibria passes the flat state."""
+
+    plane: Plane
+    contact: None = None
+
+    def at(self, point: np.ndarray, normal: np.ndarray, state: np.ndarray) -> EventPoint | None:
+        """Return the event nearest to a point of the plane on a line through it."""
+        line = self.plane.line(point, normal * self.plane.size, 1.0)
+        roots = [s for s, _ in flat_roots(line, -LONGEST, LONGEST)]
+        if not roots:
+            return None
+        s = min(roots, key=abs)
+        frame, value = flat_event(line, s)
+        closed = float(np.abs(frame.system.values).max())
+        return EventPoint(point + s * normal * self.plane.size, frame, closed, value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +133,7 @@ class EventTracer:
         return b if b is not None and abs(b.ahead) <= STATIONARY else None
 
 
-def follow_event(
-    tracer: EventTracer, first: EventPoint
-) -> tuple[list[EventPoint], tuple[str, str]]:
+def follow_event(tracer: Tracer, first: EventPoint) -> tuple[list[EventPoint], tuple[str, str]]:
     """Follow an event both ways through the plane; return its points in order, and why they end."""
     along = _direction(tracer, first)
     if along is None:
@@ -105,7 +143,7 @@ def follow_event(
     return [*reversed(back), first, *ahead], (why_back, why)
 
 
-def _direction(tracer: EventTracer, first: EventPoint) -> np.ndarray | None:
+def _direction(tracer: Tracer, first: EventPoint) -> np.ndarray | None:
     """Return the unit direction of the curve in shares of the ranges, from a second point."""
     for k in (0, 1):
         normal, step = np.zeros(2), np.zeros(2)
@@ -121,9 +159,7 @@ def _direction(tracer: EventTracer, first: EventPoint) -> np.ndarray | None:
     return None
 
 
-def _one_way(
-    tracer: EventTracer, first: EventPoint, along: np.ndarray
-) -> tuple[list[EventPoint], str]:
+def _one_way(tracer: Tracer, first: EventPoint, along: np.ndarray) -> tuple[list[EventPoint], str]:
     plane = tracer.plane
     out: list[EventPoint] = []
     here, h, moved = first, FIRST, np.zeros(len(first.frame.state))
@@ -184,7 +220,7 @@ def _what(frame: Equilibrium) -> str:
 
 
 def _past_cusp(
-    tracer: EventTracer, here: EventPoint, along: np.ndarray, moved: np.ndarray
+    tracer: Tracer, here: EventPoint, along: np.ndarray, moved: np.ndarray
 ) -> EventPoint | None:
     """Return a fold beyond a cusp: the curve comes back in the plane while the states go on."""
     size = float(np.linalg.norm(moved))
@@ -202,7 +238,7 @@ def _past_cusp(
     return None
 
 
-def _at_edge(tracer: EventTracer, a: EventPoint, b: EventPoint) -> EventPoint | None:
+def _at_edge(tracer: Tracer, a: EventPoint, b: EventPoint) -> EventPoint | None:
     """Return the event at the edge of the plane between two points."""
     plane = tracer.plane
     p, q = ((e.point - plane.corner) / plane.size for e in (a, b))

@@ -13,9 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_path, check_type
-from origami_nlp.atlas.boundary import Boundaries
+from origami_nlp.atlas.boundary import FLAT, Boundaries
 from origami_nlp.atlas.records import PathPoint
 from origami_nlp.atlas.result import Atlas
+from origami_nlp.atlas.smooth import smooth
 from origami_nlp.files import save_figure
 from origami_nlp.show import INKS, KINDS, label_text
 
@@ -252,10 +253,12 @@ def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None 
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
-            x = [shown(across, p.t[1]) for p in curve.points]
-            y = [shown(up, p.t[0]) for p in curve.points]
-            turns = "fold" in curve.type
-            name = curve.contact.split(" (")[0] or "states fold"
+            y, x = smooth(curve, boundaries.overs).T
+            x = np.array([shown(across, across.t_of(s)) for s in x])
+            y = np.array([shown(up, up.t_of(s)) for s in y])
+            turns = "fold" in curve.type or curve.type == FLAT
+            name = curve.contact.split(" (")[0]
+            name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
             axes.plot(
                 x,
                 y,

@@ -125,6 +125,7 @@ def follow_family(
     check_prove("prove", prove)
     search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
     survey = _Survey(family, through_folds, full_space, morse, search, steps)
+    survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
     survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])

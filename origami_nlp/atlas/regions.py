@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.atlas.boundary import Boundaries
 from origami_nlp.atlas.plane import Plane
+from origami_nlp.atlas.smooth import smooth
 from origami_nlp.minima import find_minima
 
 CELLS = 400
@@ -138,10 +139,7 @@ def _walls(boundaries: Boundaries, plane: Plane) -> np.ndarray:
     """Return the cells that curves pass, [CELLS, CELLS]: first parameter along the rows."""
     walls = np.zeros((CELLS, CELLS), dtype=bool)
     for curve in boundaries.curves:
-        s = np.array(
-            [[o.s_of(v) for o, v in zip(plane.overs, p.t, strict=True)] for p in curve.points]
-        )
-        cells = (s - plane.corner) / plane.size * CELLS
+        cells = (smooth(curve, plane.overs) - plane.corner) / plane.size * CELLS
         for a, b in itertools.pairwise(cells):
             many = int(np.ceil(4 * np.abs(b - a).max())) + 2
             at = np.floor(a + np.linspace(0, 1, many)[:, None] * (b - a)).astype(int)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -85,8 +86,8 @@ def pattern(
     ] = False,
     seconds: Annotated[
         float,
-        typer.Option("--seconds", metavar="S", help="Processor time for contact, in --minima."),
-    ] = 120.0,
+        typer.Option("--seconds", metavar="S", help="Processor time for --minima."),
+    ] = 300.0,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
@@ -318,7 +319,10 @@ class _Files:
             states = [(f"end: {self.motion.end}", self.motion.phi[-1], ())]
         told = [one for one in (self.found, self.motion, self.seen) if one is not None]
         pieces = [piece for one in told for piece in one.told()]
-        contents = [] if self.loaded is None else [self.loaded.turned()]
+        contents = []
+        if self.loaded is not None:
+            under = f"{self.pattern.name}: under load"
+            contents.append(replace(self.loaded.turned(), title=under))
         if states or self.motion is not None:
             contents.append(sheet_content(self.pattern, states, self.motion, pieces))
         TurnedPage(*contents).save(file)

@@ -20,6 +20,7 @@ from .find import (
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     check_mesh as check_mesh,
+    join_meshes as join_meshes,
     write_fold as write_fold,
     write_mesh as write_mesh,
 )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import Scene
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
@@ -118,8 +122,40 @@ def write_mesh(result: MinimaResult, target: str | Path) -> None:
         parts.append(trimesh.Trimesh(points, faces, process=False))
     if not parts:
         raise OptionError(f"--mesh = {str(target)!r}: no minimum was found to write")
-    content = trimesh.util.concatenate(parts).export(None, file_type=suffix[1:])
-    write_whole(target, content.encode() if isinstance(content, str) else content)
+    write_whole(target, join_meshes(parts, suffix))
+
+
+def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
+    """Return triangle meshes as one, as the content of a file.
+
+    Parameters
+    ----------
+    parts
+        At least one.
+    suffix
+        Of the file, as `check_mesh` returns it; in ``.glb`` both sides of the paper are seen.
+
+    Returns
+    -------
+    bytes
+        The content.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from origami_nlp.minima import join_meshes
+    >>> one = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> join_meshes([one], ".glb")[:4], b'"doubleSided":true' in join_meshes([one], ".glb")
+    (b'glTF', True)
+    """
+    from trimesh import util, visual
+
+    whole: Any = util.concatenate(parts)
+    if suffix == ".glb":
+        both = visual.material.PBRMaterial(doubleSided=True)
+        whole.visual = visual.TextureVisuals(material=both)
+    content = whole.export(None, file_type=suffix[1:])
+    return content.encode() if isinstance(content, str) else bytes(content)
 
 
 def check_mesh(target: str | Path) -> str:

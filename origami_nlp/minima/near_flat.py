@@ -58,16 +58,33 @@ def flat_minima(model: Model) -> np.ndarray:
     no_gaps = np.zeros(len(model.structure.gaps))
     form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
     kernel = vt[rank:].T
-    a, axes = np.linalg.eigh(kernel.T @ form @ kernel)
-    axes = kernel @ axes
-    g = axes.T @ (model.parameters.torque(flat) / root)
-    if not (a[0] < -RANK and a[-1] > RANK):
-        return none  # the cone is its tip alone
-    g[np.abs(g) <= RANK * np.abs(g).max()] = 0.0
-    y = np.array([*_roots(a, g), *_aside(a, g)]).reshape(-1, len(a))
-    x = y @ axes.T / root
+    y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
+    x = y @ kernel.T / root
     size = np.abs(x).max(axis=1)
     return np.asarray(x[(size > RANK) & (size <= NEAR)])
+
+
+def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what may be minima of |y|^2 / 2 + torque . y on the cone y' form y = 0, its tip left out.
+
+    Parameters
+    ----------
+    form, torque
+        Shapes [t, t] and [t].
+
+    Returns
+    -------
+    y, lam : numpy.ndarray
+        Shapes [K, t] and [K]: y + torque + lam form y = 0.
+    """
+    a, axes = np.linalg.eigh(form)
+    if not (len(a) > 1 and a[0] < -RANK and a[-1] > RANK):
+        return np.zeros((0, len(a))), np.zeros(0)  # the cone is its tip alone
+    g = axes.T @ torque
+    g[np.abs(g) <= RANK * np.abs(g).max()] = 0.0
+    found = [*_roots(a, g), *_aside(a, g)]
+    y = np.array([y for y, _ in found]).reshape(-1, len(a)) @ axes.T
+    return y, np.array([lam for _, lam in found])
 
 
 def _poles(a: np.ndarray) -> list[np.ndarray]:
@@ -81,8 +98,8 @@ def _poles(a: np.ndarray) -> list[np.ndarray]:
     return found
 
 
-def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the states y of the roots of h in the interval between poles about 0, and in those beside it."""
+def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield the states y with lam of the roots of h in the interval between poles about 0, and in those beside it."""
     below, above = _poles(a)
     wide = above[0] - below[0]
     grids = [below[0] + wide * PLACES]
@@ -94,16 +111,19 @@ def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
     for lam in grids:
         h = _h(lam, a, g)
         change = np.flatnonzero(h[1:] * h[:-1] < 0)
+        if not len(change):
+            continue
         left, right, sign = lam[change], lam[change + 1], np.sign(h[change])
         for _ in range(HALVINGS):
             middle = 0.5 * (left + right)
             here = np.sign(_h(middle, a, g)) == sign
             left, right = np.where(here, middle, left), np.where(here, right, middle)
-        yield from -g / (1.0 + 0.5 * (left + right)[:, None] * a)
+        middle = 0.5 * (left + right)
+        yield from zip(-g / (1.0 + middle[:, None] * a), middle.tolist(), strict=True)
 
 
-def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield the states, in pairs, that lean to either side of an axis along which nothing pulls: lam is its pole."""
+def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield states with lam, in pairs that lean to either side of an axis that nothing pulls along: lam is its pole."""
     poles = np.concatenate(_poles(a))
     for lam in poles[np.isfinite(poles)]:
         factor = 1.0 + lam * a
@@ -113,8 +133,8 @@ def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[np.ndarray]:
         y = np.where(at, 0.0, -g / np.where(at, 1.0, factor))
         square = -float((a * y**2).sum()) / float(a[at][0])
         if square > 0:
-            yield y + np.where(at, np.sqrt(square), 0.0)
-            yield y - np.where(at, np.sqrt(square), 0.0)
+            yield y + np.where(at, np.sqrt(square), 0.0), float(lam)
+            yield y - np.where(at, np.sqrt(square), 0.0), float(lam)
 
 
 def _h(lam: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:

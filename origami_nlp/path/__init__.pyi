@@ -15,6 +15,7 @@ from .equilibrium import (
     Hold as Hold,
     Tally as Tally,
 )
+from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .halves import half_branches as half_branches, is_equilibrium as is_equilibrium
 from .line import (
     ParameterLine as ParameterLine,

@@ -233,6 +233,8 @@ class Equilibrium:
 
 Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
 """One more equation at (x, s): its row over (dy, dnu, w ds), and what that shall be."""
+BISECTIONS = 45
+"""Of a step, down to rounding."""
 Move = Callable[[np.ndarray, System], np.ndarray | None]
 """Newton's step at (x, s); None where there is none."""
 
@@ -361,6 +363,25 @@ class EquilibriumCurve:
         at = found[0].copy()
         at[-1] = s
         return self.frame_of(at, found[1], along)
+
+    def between(self, a: Equilibrium, b: Equilibrium, s: float) -> Equilibrium | None:
+        """Return the point at the parameter s between two frames, found along the length from a.
+
+        Next to a fold Newton at s (`at`) may fail, or take the point on the other side of it.
+        """
+        low, high = 0.0, float(a.tangent @ (self.root * (b.x - a.x)))
+        frame: Equilibrium | None = None
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            frame = self.beside(a, middle)
+            if frame is None:
+                return None
+            low, high = (middle, high) if (frame.s < s) == (a.s < s) else (low, middle)
+        if frame is None:
+            return None
+        at = frame.x.copy()
+        at[-1] = s
+        return replace(frame, x=at)
 
     def where_closed(
         self, frame: Equilibrium, contact: Contact, along: np.ndarray

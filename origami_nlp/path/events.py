@@ -30,7 +30,7 @@ from origami_nlp.numerics import (
     bracketed_roots,
 )
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.path.flat import flat_passage
+from origami_nlp.path.flat import AT_FLAT, crossing, flat_passage
 from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates, touches
 from origami_nlp.programme import Contact
 
@@ -171,6 +171,18 @@ def _pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value)
     )
     least = frame.system.least
     return Found("singular", frame, None, least, False, why, b, between=between)
+
+
+def flat_crossed(
+    curve: EquilibriumCurve, root: tuple[float, np.ndarray], a: Equilibrium
+) -> tuple[list[Equilibrium], Found]:
+    """Return a point on the way from a to the flat state that the curve passes at a root, and this event."""
+    between, frame, value, beyond = crossing(curve, root, a)
+    residual = float(np.abs(frame.system.values).max())
+    located = max(abs(value), residual) <= STATIONARY
+    return between, Found(
+        "singular", frame, None, value, located, AT_FLAT, beyond, residual=residual
+    )
 
 
 def _contacts_become_one(

@@ -7,8 +7,10 @@ the number of unstable directions stay the same.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,9 +19,11 @@ from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, System, 
 from origami_nlp.path.events import (
     Found,
     first_contact_event,
+    flat_crossed,
     folds_and_branchings,
     other_piece_leaves,
 )
+from origami_nlp.path.flat import AT_FLAT, beside_flat, flat_roots, passes
 from origami_nlp.path.halves import (
     Half,
     balances,
@@ -95,7 +99,7 @@ class Arc:
     @property
     def index(self) -> int:
         """Number of directions in which the energy falls."""
-        return self.frames[len(self.frames) // 2].index
+        return self.frames[(len(self.frames) - 1) // 2].index
 
     def at(self, s: float, tally: Tally) -> Equilibrium | None:
         """Return its state at s, by Newton; None outside."""
@@ -156,6 +160,11 @@ class Web:
         self.tally = Tally()
         self.root = np.append(line.programme.root, line.weight)
 
+    @cached_property
+    def flat(self) -> list[tuple[float, np.ndarray]]:
+        """Where curves pass the flat state, see `flat_roots`."""
+        return flat_roots(self.line, self.low, self.high)
+
     def states_at(self, s: float) -> list[tuple[int, Equilibrium]]:
         """Return the states of all arcs at s, with the positions of the arcs."""
         found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
@@ -202,6 +211,16 @@ class Web:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
         return bool(inside)
 
+    def add_flat(self) -> None:
+        """Follow the minima that are born where curves pass the flat state."""
+        for s, direction in self.flat:
+            for frame in beside_flat(self.line, s, direction, self.tally):
+                if frame is None or frame.index or not self.low <= frame.s <= self.high:
+                    continue
+                known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
+                if min(known, default=1.0) > SETTLED:
+                    self.add(frame.state, frame.s, "minimum")
+
     def _follow(self, start: int, half: Half) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
         curve = EquilibriumCurve(self.line, half.frame.hold, self.tally)
@@ -210,7 +229,8 @@ class Web:
         begun, here = [half.frame], start
         todo: list[tuple[int, int]] = []
         for frame in frames:
-            for event in self._between(curve, begun[-1], frame, here):
+            at_flat = frame is stop.frame and stop.why == AT_FLAT  # nothing is said of its index
+            for event in [] if at_flat else self._between(curve, begun[-1], frame, here):
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
@@ -260,7 +280,7 @@ class Web:
 
     def _trace(self, curve: EquilibriumCurve, half: Half) -> tuple[list[Equilibrium], Found]:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
-        stop: list[Found] = []
+        stop, between = list[Found](), list[Equilibrium]()
         verdict = "" if half.signed else judged(half.frame)
 
         def before(frames: Sequence[Equilibrium]) -> int:
@@ -278,8 +298,24 @@ class Web:
 
         # where no multiplier judges, each step is classified: such states mostly stand still
         steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
-        frames, _, why = trace_ahead(curve, half.frame, steps, [End(before, EVENT, meet)])
+
+        def before_flat(frames: Sequence[Equilibrium]) -> int:
+            flat = (
+                passes(lambda: self.flat, *c) for c in itertools.pairwise((half.frame, *frames))
+            )
+            return next((k for k, root in enumerate(flat) if root), len(frames))
+
+        def meet_flat(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            root = passes(lambda: self.flat, a, b)
+            assert root is not None
+            between[:], event = flat_crossed(curve, root, a)
+            stop.append(event)
+            return event.frame
+
+        ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
+        frames, _, why = trace_ahead(curve, half.frame, steps, ends)
         if stop:
+            frames[-1:-1] = between
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
         if why == CLOSED_CURVE:
@@ -293,7 +329,8 @@ class Web:
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
             share = (end - a.s) / (b.s - a.s)
-            beyond = curve.at(a.x + share * (b.x - a.x), end, a.tangent)
+            guess = a.x + share * (b.x - a.x)
+            beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
                 return a, Found("singular", a, None, np.nan, False, "no state at the end")
             b = beyond

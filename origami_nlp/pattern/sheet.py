@@ -227,7 +227,8 @@ class Pattern:
         return 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
 
     def __repr__(self) -> str:
-        holes = f", {len(self.holes)} holes" if self.holes else ""
+        many = len(self.holes)
+        holes = f", {many} hole{'s' * (many > 1)}" if many else ""
         return (
             f"Pattern({self.name!r}: {self.facets} facets, {self.creases} creases, "
             f"{len(self.vertices)} interior vertices{holes})"

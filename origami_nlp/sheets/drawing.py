@@ -17,7 +17,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.facets import Crossings
+from origami_nlp.facets import Crossings, Sheet, order_layers
+from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
 from origami_nlp.sheets.marks import mark_touches, touch_legend, touch_places, touching_facets
@@ -54,6 +55,8 @@ LAYER = 1e-5
 """Of layers that lie on each other within this share of the picture, the first is shown."""
 TINT = 0.3
 """Share of the colour of contacts in that of facets that touch."""
+MOST_ORDERED = 400
+"""Polygons up to which layers are ordered for a picture."""
 CELL = 4 / 3
 """Width over height of the pictures of states side by side: all alike, so that their titles are in line."""
 BEFORE = 4e-3
@@ -96,10 +99,13 @@ def draw_sheet(
     shape = np.maximum(1, np.ceil((high - low + 0.03 * size) / size * PIXELS)).astype(int)
     step = size / PIXELS
     tinted = np.isin(crossings.facet, touching)
+    # drawn apart, so that of layers in one plane the nearest is seen, with its own creases
+    lifts = 1.5 * BEFORE * size * _layers(pattern, phi, [c @ view.T for c in corners])
+    seen[..., 2] += lifts[crossings.polygon][:, None]
     picture, nearest = _paint(seen, tinted, low, step, shape)
     right, top = low + step * shape
     axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
-    lines, looks = _lines(pattern, [c @ view.T for c in corners], phi, size)
+    lines, looks = _lines(pattern, [c @ view.T for c in corners], phi, lifts)
     for line, (colour, width, dashed) in zip(lines, looks, strict=True):
         for part in _visible(line, nearest, low, step, size, dashed):
             axes.plot(*part.T, color=colour, lw=width, solid_capstyle="butt", zorder=3)
@@ -167,10 +173,30 @@ def _paint(
     return picture, nearest
 
 
+def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
+    """Count the layers behind each polygon [q, 3], as seen, [P]; none where no order of layers is known."""
+    behind = np.zeros(len(corners))
+    if not (math.pi - np.abs(phi) <= CLOSES).any() or len(corners) > MOST_ORDERED:
+        return behind
+    towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
+    orders = order_layers(Sheet(pattern), phi).orders
+    pairs = [(f, g) if s * towards[g] > 0 else (g, f) for f, g, s in orders]
+    for _ in corners:
+        before = behind.copy()
+        for near, far in pairs:
+            behind[near] = max(behind[near], behind[far] + 1)
+        if (behind == before).all():
+            return behind
+    return np.zeros(len(corners))  # each on the next, round in a ring
+
+
 def _lines(
-    pattern: Pattern, corners: list[np.ndarray], phi: np.ndarray, size: float
+    pattern: Pattern, corners: list[np.ndarray], phi: np.ndarray, lifts: np.ndarray
 ) -> tuple[list[np.ndarray], list[tuple[Any, float, bool]]]:
-    """Return borders and creases [2, 3], each with its colour, its width and whether it is dashed."""
+    """Return borders and creases [2, 3], each with its colour, its width and whether it is dashed.
+
+    A crease is as high as the higher of its polygons is lifted, [P].
+    """
     crease = {tuple(e): k for k, e in enumerate(pattern.ends.tolist())}
     number = dict.fromkeys(range(len(pattern.polygons)), 0)
     count: dict[tuple[int, int], int] = {}
@@ -180,13 +206,19 @@ def _lines(
             count[s] = count.get(s, 0) + 1
     lines, looks, done = [], [], set()
     scale = min(1.0, 12 / math.sqrt(max(len(number), 1)))
+    highest: dict[tuple[int, int], float] = {}
+    for p, lift in zip(pattern.polygons, lifts.tolist(), strict=True):
+        for i, v in enumerate(p):
+            s = (min(p[i - 1], v), max(p[i - 1], v))
+            highest[s] = max(lift, highest.get(s, lift))
     for p, x in zip(pattern.polygons, corners, strict=True):
         for i, v in enumerate(p):
             s = (min(p[i - 1], v), max(p[i - 1], v))
             if s in done or (s not in crease and count[s] > 1):
                 continue
             done.add(s)
-            lines.append(np.array([x[i - 1], x[i]]))
+            up = np.array([0.0, 0.0, highest[s]])
+            lines.append(np.array([x[i - 1] + up, x[i] + up]))
             if s not in crease:
                 looks.append((BORDER, 1.3 * scale, False))
                 continue
@@ -376,7 +408,8 @@ def draw_motion(motion: Motion, path: Any = None) -> Figure:
         The figure.
     """
     states = []
-    for k in motion.shown(6):
+    # where nothing moves beginning and end are one state
+    for k in motion.shown(6) if motion.arc[-1] > 0 else [0]:
         phi = motion.phi[k]
         largest = math.degrees(float(np.abs(phi).max()))
         states.append((f"{motion.arc[k]:.2f} rad along, largest fold {largest:.0f} deg", phi))

@@ -17,7 +17,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings, Poses, Sheet, order_layers
 from origami_nlp.files import write_whole
-from origami_nlp.minima import check_mesh
+from origami_nlp.minima import check_mesh, join_meshes
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
 from origami_nlp.version import __version__
 
@@ -148,8 +148,7 @@ def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str
         parts.append(mesh)
     if not parts:
         raise OptionError(f"--mesh = {str(target)!r}: no state was found to write")
-    content = trimesh.util.concatenate(parts).export(None, file_type=suffix[1:])
-    write_whole(target, content.encode() if isinstance(content, str) else content)
+    write_whole(target, join_meshes(parts, suffix))
 
 
 def _letters(p: Pattern) -> list[str]:

@@ -56,7 +56,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     sheet
         The programme.
     phi
-        Fold angles [rad], [n].
+        Fold angles [rad], [n]; those beyond pi by less than closure can tell are at pi.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -66,6 +66,9 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
         With the verdict and what it rests on.
     """
     phi = np.asarray(phi, float)
+    shut = np.clip(phi, -math.pi, math.pi)
+    if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close
+        phi = shut
     residual = sheet.residual(phi)
     energy = float(sheet.pattern.energy(phi))
     blank = SheetState(

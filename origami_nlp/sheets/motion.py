@@ -195,6 +195,8 @@ def find_motion(
     'creases 1, 2, 3, 4, 5, 6, 7 are shut, at their fold limits'
     """
     pattern = as_pattern(pattern)
+    if not pattern.creases:
+        raise OptionError("the pattern has no crease: there is nothing to fold")
     if pattern.creases > MOST_TRACED:
         raise OptionError(
             f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"

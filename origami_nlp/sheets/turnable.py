@@ -35,7 +35,7 @@ def sheet_poser(
     parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
     left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
     creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
-    scale = LONG / float(pattern.lengths.mean())
+    scale = LONG / float(pattern.lengths.mean() if pattern.creases else crossings.size)
 
     def folded(phi: np.ndarray) -> Folded:
         phi = np.asarray(phi, float)

@@ -28,8 +28,6 @@ MOST = 0.5
 """Largest tolerance that is looked at."""
 DRAWS = 8
 """Random directions that the descent over signs begins with."""
-BISECTIONS = 45
-"""Of a step, down to rounding."""
 FOLLOWS = 120
 """Curves that are followed for one state."""
 HALVINGS = 4
@@ -175,17 +173,8 @@ def _on(arc: Arc, s: float, tally: Tally) -> np.ndarray | None:
     """Return the state [n] of an arc at s, found along its length: next to a fold Newton at s may take another."""
     for a, b in itertools.pairwise(arc.frames):
         if min(a.s, b.s) <= s <= max(a.s, b.s):
-            curve = EquilibriumCurve(a.system.line, a.hold, tally)
-            low, high = 0.0, float(a.tangent @ (curve.root * (b.x - a.x)))
-            state: np.ndarray | None = None
-            for _ in range(BISECTIONS):
-                middle = 0.5 * (low + high)
-                frame = curve.beside(a, middle)
-                if frame is None:
-                    return None
-                low, high = (middle, high) if (frame.s < s) == (a.s < b.s) else (low, middle)
-                state = frame.state
-            return state
+            frame = EquilibriumCurve(a.system.line, a.hold, tally).between(a, b, s)
+            return None if frame is None else frame.state
     return None
 
 

@@ -15,13 +15,23 @@ from pathlib import Path
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
+from scipy.ndimage import distance_transform_edt
 
 import origami_nlp as o
-from origami_nlp.atlas import Boundaries, Region, find_boundaries, find_regions, region_cells
+from origami_nlp.atlas import (
+    Boundaries,
+    EventCurve,
+    Region,
+    find_boundaries,
+    find_regions,
+    region_cells,
+    smooth,
+)
 
 FIGURES = Path(__file__).parents[2] / "docs" / "figures"
 RATIO = "ratio=0.01:100"
@@ -41,15 +51,19 @@ MIRRORED = {("degree8", True)}
 """Where 90 deg - alpha_1 is the same vertex with other labels, and drawn from what is known of alpha_1."""
 UNDECIDED = (42.4, 47.6), (0.01, 0.07)
 """Of alpha_1 [deg] and r_k, where curves of degenerate states of degree 8 have loose ends."""
+SNAPS = {44.9: 45.0, 59.9: 60.0, 60.1: 60.0}
+"""Where ranges end [deg] beside an angle at which something is special, and up to where they are coloured."""
 COLOURS = {1: "#f7f7f7", 2: "#dcebf7", 3: "#fbd9a0", 4: "#a9d8ab", 5: "#dd96b0", 6: "#9a86c4"}
 """By the number of states; darker the more there are, in grey as well."""
 SPACES = {"in the symmetric space": False, "in the full space": True}
 UNSURE = {"facecolor": "white", "edgecolor": "#777777", "hatch": "////", "linewidth": 0.0}
+"""What is not decided; all of the plane that is no region of known states."""
 LINES = {
-    True: ({"color": "#b2182b", "lw": 1.4}, "states meet (fold)"),
-    False: ({"color": "#222", "lw": 0.9}, "a contact closes or leaves"),
+    "fold": ({"color": "#b2182b", "lw": 1.4}, "states meet (fold)"),
+    "flat": ({"color": "#2166ac", "lw": 1.4}, "states pass the flat one"),
+    "": ({"color": "#222", "lw": 0.9}, "a contact closes or leaves"),
 }
-"""Curves that are folds, and others."""
+"""Curves by what their type ends in."""
 SHORT = {"interior": "i", "contact-pinned": "p", "contact-touching": "t", "degenerate": "d"}
 Map = tuple[Boundaries, Sequence[Region]]
 
@@ -79,33 +93,39 @@ def draw_map(
         return 90 - math.degrees(alpha) if mirrored else math.degrees(alpha)
 
     up, across = found.overs
-    numbers = region_cells(found)
+    cells = region_cells(found)
     sides = [
-        np.linspace(over.s_of(over.low), over.s_of(over.high), len(numbers) + 1)
+        np.linspace(over.s_of(over.low), over.s_of(over.high), len(cells) + 1)
         for over in (up, across)
     ]
-    for region in regions:
-        at = [
+    regions_at = {
+        tuple(
             int(np.searchsorted(side, over.s_of(t))) - 1
             for side, over, t in zip(sides, (up, across), region.t, strict=True)
-        ]
-        look = {"colors": [COLOURS[min(region.minima, 6)]]}
+        ): region
+        for region in regions
+    }
+    # cells that curves pass belong to what is nearest, so that no seam is left under a line
+    nearest = distance_transform_edt(cells == 0, return_distances=False, return_indices=True)
+    cells = cells[tuple(nearest)]
+    right = [place(v) for v in sides[1]]
+    for k, edge in ((0, across.low), (-1, across.high)):
+        right[k] = place(math.radians(SNAPS.get(round(math.degrees(edge), 6), math.degrees(edge))))
+    for at, region in regions_at.items():
         if not region.agrees:
-            look = {"colors": "white", "hatches": [UNSURE["hatch"]]}
-        axes.contourf(
-            [place(v) for v in 0.5 * (sides[1][1:] + sides[1][:-1])],
-            np.exp(0.5 * (sides[0][1:] + sides[0][:-1])),
-            numbers == numbers[tuple(at)],
-            levels=[0.5, 1.5],
-            antialiased=False,
-            **look,
+            continue
+        axes.pcolormesh(
+            right,
+            np.exp(sides[0]),
+            np.ma.masked_where(cells != cells[at], np.zeros(cells.shape)),
+            cmap=ListedColormap([COLOURS[min(region.minima, 6)]]),
+            rasterized=True,
         )
         if region.share >= 0.02:
-            text = f"{region.minima}\n{words(region.kinds)}" if region.agrees else "?"
             axes.text(
                 place(region.t[1]),
                 region.t[0],
-                text,
+                f"{region.minima}\n{words(region.kinds)}",
                 ha="center",
                 va="center",
                 fontsize=7,
@@ -113,8 +133,13 @@ def draw_map(
                 path_effects=[withStroke(linewidth=2.2, foreground="white")],
             )
     for curve in found.curves:
-        x, y = [place(p.t[1]) for p in curve.points], [p.t[0] for p in curve.points]
-        axes.plot(x, y, **LINES["fold" in curve.type][0])
+        y, x = smooth(curve, found.overs).T
+        axes.plot([place(v) for v in x], np.exp(y), **LINES[look_of(curve)][0])
+
+
+def look_of(curve: EventCurve) -> str:
+    """Return the key of `LINES` for a curve."""
+    return next(key for key in LINES if curve.type.endswith(key))
 
 
 def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
@@ -125,6 +150,8 @@ def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
         columns.items(),
         strict=True,
     ):
+        axes.set_facecolor("white")
+        axes.add_patch(Rectangle((0, 0), 1, 1, transform=axes.transAxes, **UNSURE, zorder=0))
         for found, regions in parts:
             draw_map(axes, found, regions)
             if (family, SPACES[title]) in MIRRORED:
@@ -160,10 +187,9 @@ def legend(parts: Sequence[Map]) -> list[Artist]:
     entries: list[Artist] = [
         Patch(color=COLOURS[k], label=f"{k}{' or more' * (k == most)} states") for k in seen
     ]
-    if not all(region.agrees for region in regions):
-        entries.append(Patch(**UNSURE, label="not decided"))
-    for fold in sorted({"fold" in curve.type for found, _ in parts for curve in found.curves}):
-        look, label = LINES[fold]
+    entries.append(Patch(**UNSURE, label="not decided"))
+    looks = {look_of(curve) for found, _ in parts for curve in found.curves}
+    for look, label in (LINES[key] for key in LINES if key in looks):
         entries.append(Line2D([], [], **look, label=label))
     return entries
 

@@ -8,8 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.facets import Poses, Sheet
-from origami_nlp.pattern import make_pattern
-from origami_nlp.sheets import jacobian_rank
+from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
+from origami_nlp.sheets import jacobian_rank, list_branches
 from origami_nlp.sheets.angle_sums import angle_sums
 from tests.command_line import run
 from tests.fold_files import others
@@ -176,6 +176,58 @@ def test_no_freedom_to_first_order_is_none_at_all():
     assert "no freedom is left" in str(seen) and "not flat" not in str(seen)
     alone = o.overview(make_pattern(square[:4], [(0, 1, 2, 3)]))
     assert alone.freedoms == 0 and "no freedom" not in str(alone)
+
+
+def kresling(plates, sides=6, twist=0.7):
+    """A tower of triangles between two polygons, which are facets or holes."""
+    turns = 2 * math.pi * np.arange(sides) / sides
+    rings = [(np.cos(turns + t), np.sin(turns + t), 0 * turns + z) for t, z in ((0, 0), (twist, 1))]
+    corners = np.concatenate([np.stack(ring, axis=1) for ring in rings])
+    k = np.arange(sides)
+    after = (k + 1) % sides
+    faces = [*np.stack([k, after, k + sides], 1), *np.stack([after, after + sides, k + sides], 1)]
+    faces += [k[::-1], k + sides] if plates else []
+    (frame,) = parse_fold(
+        json.dumps(
+            {
+                "vertices_coords": corners.tolist(),
+                "faces_vertices": [face.tolist() for face in faces],
+                "frame_classes": ["foldedForm"],
+            }
+        )
+    )
+    return frame_pattern(frame)
+
+
+def test_a_tower_between_plates_has_no_freedom():
+    seen = o.overview(kresling(plates=True))
+    assert seen.freedoms == hinge_freedoms(seen.pattern, seen.pattern.reference) == 0
+    assert "no freedom is left" in str(seen)
+    tube = o.overview(kresling(plates=False))
+    assert tube.freedoms == hinge_freedoms(tube.pattern, tube.pattern.reference) == 6
+
+
+def test_concentric_squares_fold_along_a_diagonal_only():
+    """Enumerated: of all ways out of the flat state two are left, each a straight line through the middle."""
+    rings = 3
+    corners = np.array([(0.0, 0.0)] + [
+        (r * x, r * y) for r in range(1, rings + 1) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    ])  # fmt: skip
+    polygons = [(0, 1 + k, 1 + (k + 1) % 4) for k in range(4)]
+    for r in range(1, rings):
+        for k in range(4):
+            a, b = 4 * r - 3 + k, 4 * r - 3 + (k + 1) % 4
+            polygons.append((a, a + 4, b + 4, b))
+    pattern = make_pattern(corners, polygons)
+    ways = list_branches(pattern)
+    assert not ways.families and len(ways.lines) == 2
+    slant = pattern.directions[:, 0] * pattern.directions[:, 1]
+    for line, sign in zip(
+        sorted(ways.lines, key=lambda d: np.abs(d[slant > 0.1]).max()), (-1, 1), strict=True
+    ):
+        folded = np.abs(line) > 1e-9 * np.abs(line).max()
+        assert (folded == (sign * slant > 0.1)).all()
+        assert Sheet(pattern).residual(np.where(folded, 1.0, 0.0)) < 1e-14
 
 
 def test_the_command_writes_its_keys(tmp_path):

@@ -2,15 +2,27 @@
 
 import json
 import math
+import struct
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
-from origami_nlp.sheets import find_motion, overview, sheet_content, sheet_frame, sheet_to_fold
+from origami_nlp.sheets import (
+    draw_sheet,
+    find_motion,
+    overview,
+    sheet_content,
+    sheet_frame,
+    sheet_to_fold,
+    write_sheet_mesh,
+)
+from origami_nlp.show import BORDER, MOUNTAIN
 from tests.command_line import run
+from tests.sheets.patterns import miura, miura_angles
 
 
 def read(data):
@@ -128,6 +140,54 @@ def test_a_page_has_every_facet_and_both_sides_of_each_crease():
         along = x[crease.end] - x[crease.start]
         turn = np.cross(*normals) @ along / np.linalg.norm(along)
         assert math.atan2(turn, normals[0] @ normals[1]) == pytest.approx(angle, abs=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
+    """A pleat of three: its outer facets are longer, so that one of its two creases is out of sight."""
+    x = np.array([0.0, 1.2, 2.2, 3.4])
+    corners = np.array([(a, b) for a in x for b in (0.0, 1.0)])
+    polygons = [(2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1) for k in range(3)]
+    pattern = make_pattern(corners, polygons)
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_sheet(axes, pattern, sign * np.array([math.pi, -math.pi]))
+    drawn = {line.get_color() for line in axes.lines}
+    assert drawn == {BORDER, MOUNTAIN}
+    shades = axes.images[0].get_array()
+    red, _, blue, _ = shades[shades[..., 3] > 0].T
+    assert (red > blue).mean() > 0.999  # the upper side
+
+
+def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
+    """As glTF says: header, lengths, bounds; areas are those of the flat sheet."""
+    pytest.importorskip("trimesh", reason="trimesh is not installed: extra mesh")
+    pattern = miura(2, 3)
+    phi = miura_angles(pattern, 3, 1.0)
+    write_sheet_mesh(pattern, [0 * phi, phi], tmp_path / "a.glb")
+    data = (tmp_path / "a.glb").read_bytes()
+    magic, version, total, length, kind = struct.unpack("<4sII I4s", data[:20])
+    assert (magic, version, total, kind) == (b"glTF", 2, len(data), b"JSON") and not length % 4
+    scene, rest = json.loads(data[20 : 20 + length]), data[28 + length :]
+    assert struct.unpack("<I4s", data[20 + length : 28 + length]) == (len(rest), b"BIN\0")
+    (mesh,) = scene["meshes"]
+    (part,) = mesh["primitives"]
+    assert scene["materials"][part["material"]]["doubleSided"]
+    read = {}
+    for name, number in (("corners", part["attributes"]["POSITION"]), ("sides", part["indices"])):
+        of = scene["accessors"][number]
+        view = scene["bufferViews"][of["bufferView"]]
+        type_ = {5126: "<f4", 5125: "<u4", 5123: "<u2"}[of["componentType"]]
+        width = {"VEC3": 3, "SCALAR": 1}[of["type"]]
+        start = view["byteOffset"] + of.get("byteOffset", 0)
+        x = np.frombuffer(rest, type_, of["count"] * width, start).reshape(-1, width)
+        assert (x.min(axis=0) == of["min"]).all() and (x.max(axis=0) == of["max"]).all()
+        read[name] = x
+    triangles = read["corners"][read["sides"].reshape(-1, 3)].astype(float)
+    a, b, c = triangles.transpose(1, 0, 2)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    assert len(area) == 2 * 6 * 2  # states, facets, triangles
+    assert area == pytest.approx(np.full(24, 0.5 * math.sin(math.pi / 3)), abs=1e-6)
 
 
 def test_the_command_writes_states_and_motions(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 
 from origami_nlp import Vertex, find_minima
 from origami_nlp.facets import Sheet
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, make_pattern
 from origami_nlp.sheets import descend, find_states, follow_curve, judge, list_branches, tangents
 from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
 from tests.sheets.trigonometry import scan
@@ -236,3 +236,12 @@ def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
     for m, s in zip(vertex.minima, sheet.minima, strict=True):
         assert s.energy == pytest.approx(m.energy, rel=1e-9)
         assert s.fold_angles == pytest.approx(m.fold_angles, abs=1e-7)
+
+
+def test_beyond_shut_by_rounding_is_shut():
+    """States of a vertex close to rounding, which may take a shut crease beyond pi by as much."""
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+    sheet = Sheet(make_pattern(square, [(0, 1, 2), (0, 2, 3)], rest={(0, 2): math.pi}))
+    state = judge(sheet, np.array([math.pi + 1e-13]))
+    assert state.verdict == "minimum" and state.fold_angles[0] == math.pi
+    assert judge(sheet, np.array([math.pi + 1e-11])).verdict == "no state"

@@ -3,7 +3,9 @@
 import math
 from collections import Counter
 from dataclasses import dataclass, field
+from itertools import combinations
 
+import numpy as np
 import pytest
 
 from origami_nlp.errors import OrigamiError
@@ -27,6 +29,12 @@ class Drawn:
     refused: int = 0
 
 
+def one_twice(targets):
+    """Whether two targets were drawn that close to one state: `design` refuses them by name."""
+    states = [p.state.x for p in targets.placed]
+    return any(np.abs(a - b).max() < 1e-6 for a, b in combinations(states, 2))
+
+
 def drawn(first, feasible):
     """Questions from a seed on, until so many have springs."""
     out = Drawn()
@@ -34,7 +42,7 @@ def drawn(first, feasible):
     while len(out.feasible) < feasible:
         asked = mixed(seed)
         seed += 1
-        if asked is None:
+        if asked is None or one_twice(asked):
             continue
         try:
             posed = solve(asked)

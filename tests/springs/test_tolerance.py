@@ -87,6 +87,19 @@ def test_a_tolerance_is_where_a_state_is_lost():
     assert check_lost(4, 0, 0, draws=2)
 
 
+@pytest.mark.parametrize("share", [0.94, 0.96, 0.99, 1 - 1e-6])
+def test_a_range_that_ends_beside_a_fold_is_followed_to_its_end(share):
+    """The last step goes round the fold, and Newton at the end of the range need not find the way back."""
+    scene, states = made(7, 100, 0)
+    stiffness, rest = np.array([-1, 1, 1, 1, -1, 1, -1.0]), np.array([-1, -1, 1, 1, -1, 1, -1.0])
+    line = line_of(scene, stiffness, rest)
+    lost = lost_at(line, states["s1"], 0.01)
+    assert lost.event == "fold"
+    end = lost_at(line, states["s1"], share * lost.s)
+    assert (end.event, end.s) == ("kept", share * lost.s)
+    assert classify(State(line.at(end.s), end.state)).verdict == "minimum"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("n", range(4, 9))
 def test_twenty_tolerances_are_where_a_state_is_lost(n):

@@ -1,0 +1,65 @@
+"""Curves of events between the points that were computed: as they are drawn, and as they divide a plane."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from origami_nlp.atlas.boundary import EventCurve
+from origami_nlp.atlas.family import Over
+
+CORNER = 0.4
+"""Turns between points [rad] beyond which a curve has a cusp or a corner there: its own steps turn by less."""
+BETWEEN = 12
+"""Places between two points."""
+
+
+def smooth(curve: EventCurve, overs: tuple[Over, Over]) -> np.ndarray:
+    """Return a curve of events with places between its points, where cubics join them.
+
+    Parameters
+    ----------
+    curve
+        Of `find_boundaries`.
+    overs
+        Both parameters with their ranges.
+
+    Returns
+    -------
+    numpy.ndarray
+        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; all points of the curve among them.
+
+    Examples
+    --------
+    >>> from origami_nlp.atlas import CurvePoint, EventCurve, parse_over, smooth
+    >>> arc = [(0.0, 1.0), (0.3, 0.95), (0.6, 0.8), (0.8, 0.6)]
+    >>> points = tuple(CurvePoint(t, (), 0.0, 0.0) for t in arc)
+    >>> curve = EventCurve(1, "fold", "", points, ("range", "range"))
+    >>> smooth(curve, (parse_over("torque[1]=0:1"), parse_over("torque[2]=0:1"))).shape
+    (37, 2)
+    """
+    from scipy.interpolate import Akima1DInterpolator
+
+    s = np.array([[o.s_of(t) for o, t in zip(overs, p.t, strict=True)] for p in curve.points])
+    s = s[np.append(True, (np.diff(s, axis=0) != 0).any(axis=1))]
+    if len(s) < 3:
+        return s
+    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in overs])
+    chords = np.diff(s / size, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    along = chords / lengths[:, None]
+    turns = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1.0, 1.0))
+    cuts = [0, *(np.flatnonzero(turns > CORNER) + 1), len(s) - 1]
+    at = np.append(0.0, np.cumsum(lengths))
+    out = [s[:1]]
+    for a, b in itertools.pairwise(cuts):
+        if b - a < 2:
+            out.append(s[b : b + 1])
+            continue
+        places = np.concatenate(
+            [np.linspace(at[k], at[k + 1], BETWEEN + 1)[1:] for k in range(a, b)]
+        )
+        joined = Akima1DInterpolator(at[a : b + 1], s[a : b + 1], method="makima")
+        out.append(joined(places))
+    return np.concatenate(out)
