@@ -234,19 +234,14 @@ class Faces:
             if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
                 kept.append((x, feature))
         turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
-        middle = _point((np.mean([x for x, _ in kept], axis=0) - shift) @ turn)
+        # points of the first piece, also where the other one is not quite in its plane
+        on = [x - ((x - one.x[0]) @ one.way) * one.way for x, _ in kept]
+        middle = _point((np.mean(on, axis=0) - shift) @ turn)
         corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
+        facets = other.facet, one.facet
         return [
-            feature
-            or Lying(
-                "face-face",
-                (other.facet, one.facet),
-                corners,
-                sign,
-                _point((x - shift) @ turn),
-                middle,
-            )
-            for x, feature in kept
+            feature or Lying("face-face", facets, corners, sign, _point((x - shift) @ turn), middle)
+            for x, (_, feature) in zip(on, kept, strict=True)
         ]
 
 
