@@ -235,13 +235,13 @@ class Faces:
                 kept.append((x, feature))
         turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
         # points of the first piece, also where the other one is not quite in its plane
-        on = [x - ((x - one.x[0]) @ one.way) * one.way for x, _ in kept]
-        middle = _point((np.mean(on, axis=0) - shift) @ turn)
+        points = [x - ((x - one.x[0]) @ one.way) * one.way for x, _ in kept]
+        middle = _point((np.mean(points, axis=0) - shift) @ turn)
         corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
         facets = other.facet, one.facet
         return [
             feature or Lying("face-face", facets, corners, sign, _point((x - shift) @ turn), middle)
-            for x, (_, feature) in zip(on, kept, strict=True)
+            for x, (_, feature) in zip(points, kept, strict=True)
         ]
 
 
