@@ -14,7 +14,7 @@ from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
-from origami_nlp.show import Piece, Table, Told, from_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain
 
 if TYPE_CHECKING:
     from typing import Self
@@ -151,7 +151,7 @@ class SheetSearch:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SheetResult(Told):
+class SheetResult(Told, Turnable):
     """States of a sheet.
 
     Attributes
@@ -175,7 +175,12 @@ class SheetResult(Told):
     states: tuple[SheetState, ...] = field(repr=False)
     search: SheetSearch
 
-    READ = SCHEMA
+    PICTURE, READ = "draw_found", SCHEMA
+
+    def turned(self) -> Content:
+        """Return its stable states as plain data, see `view`."""
+        content: Content = self._from_room("turn_found")(self)  # slow to import
+        return content
 
     @property
     def minima(self) -> tuple[SheetState, ...]:
