@@ -44,7 +44,8 @@ def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, hi
     touched = touching(curve, a, b if first is None else first.state)
     if touched is not None:
         return touched
-    return first or Found("lost", a, math.nan, why="what ends the curve was not found")
+    why = leaning(curve, a) or "what ends the curve was not found"
+    return first or Found("lost", a, math.nan, why=why)
 
 
 def _leavings(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:

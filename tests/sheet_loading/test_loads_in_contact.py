@@ -397,7 +397,8 @@ def test_facets_that_touch_keep_a_crease_shut():
     (leaves,) = [e for e in path.events if e.type == "leaves"]
     assert leaves.contact == "crease 14 at its fold limit" and leaves.located and not path.alarms
     beyond = [p for p in path.legs[-1].points if p.t > leaves.t]
-    assert len(beyond) > 5 and all(abs(p.fold_angles[13]) == math.pi for p in beyond)
+    opened = [math.pi - abs(p.fold_angles[13]) for p in beyond]
+    assert len(beyond) > 5 and min(opened) >= 0.0 and max(opened) < 1e-13
     assert by_small_steps(41, 8.0) == pytest.approx(np.array(beyond[-1].fold_angles), abs=1e-9)
 
 
