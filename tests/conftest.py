@@ -27,7 +27,11 @@ def _long(config):
     return config.option.markexpr == "slow"
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_configure(config):
+    # what a file has computed serves its other tests; long studies are shared out one by one
+    if getattr(config.option, "dist", "no") == "load" and not _long(config):
+        config.option.dist = "loadfile"
     if not config.option.hypothesis_profile:
         settings.load_profile("random" if _long(config) else "fixed")
 

@@ -16,6 +16,7 @@ from .hard import run_hard as run_hard
 from .judging import Judge as Judge
 from .methods_casadi import ipopt_alone as ipopt_alone
 from .methods_ours import ours as ours
+from .pattern_contacts import PatternContact as PatternContact, measure_contact as measure_contact
 from .pattern_problems import (
     PatternProblem as PatternProblem,
     pattern_problems as pattern_problems,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from origami_nlp.facets import Sheet
+from origami_nlp.numerics import EPS
 from origami_nlp.pattern import Pattern, examples
 from origami_nlp.sheets import SheetState, curvature, descend, judge
 
@@ -131,10 +133,10 @@ def measure_scale(name: str) -> PatternScale:
     polish, _ = _timed(lambda: descend(sheet, off), REPEATS)
     lam, _, _ = sheet.multipliers(state.fold_angles)
     hessian = sheet.hessian(state.fold_angles, lam)
-    stability, _ = _timed(
-        lambda: curvature(sheet, state.fold_angles, hessian, np.zeros(0, int)), REPEATS
-    )
-    crossings, _ = _timed(lambda: sheet.crossings.find(state.fold_angles), REPEATS)
+    # states that differ by rounding: what is kept of the last one is not to be timed
+    near = (state.fold_angles * (1.0 + k * EPS) for k in itertools.count(1))
+    stability, _ = _timed(lambda: curvature(sheet, next(near), hessian, np.zeros(0, int)), REPEATS)
+    crossings, _ = _timed(lambda: sheet.crossings.find(next(near)), REPEATS)
     pairs = sheet.crossings.candidates(sheet.crossings.placed(state.fold_angles))
     return PatternScale(
         name,

@@ -15,6 +15,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from origami_nlp.bench.pattern_contacts import PatternContact, measure_contacts
 from origami_nlp.bench.pattern_methods import PatternMethod, Solve, pattern_methods
 from origami_nlp.bench.pattern_problems import QUICK, PatternProblem, pattern_problems
 from origami_nlp.bench.pattern_scaling import PatternScale, measure_scales
@@ -101,6 +102,8 @@ class PatternBench(Told):
         Answers, in the order of the methods.
     scales
         Times of the parts of this package's work.
+    contacts
+        Times of patterns that are pressed together.
     rounds, budget
         How often, and seconds after which a run was cut off.
     machine
@@ -112,6 +115,7 @@ class PatternBench(Told):
     cases: tuple[PatternCase, ...]
     points: tuple[PatternPoint, ...]
     scales: tuple[PatternScale, ...]
+    contacts: tuple[PatternContact, ...]
     rounds: int
     budget: float
     machine: dict[str, Any]
@@ -131,9 +135,10 @@ class PatternBench(Told):
         return min(good, default=math.inf)
 
     def told(self) -> Iterator[Piece]:
-        """Return the tables: of methods, of parts of the work."""
+        """Return the tables: of methods, of parts of the work, of contact."""
         yield self.methods_table()
         yield self.scales_table()
+        yield self.contacts_table()
 
     def methods_table(self) -> Table:
         """Return a row a pattern and method."""
@@ -183,9 +188,18 @@ class PatternBench(Told):
         title = "Parts of this package's work, processor seconds"
         return Table(heads, rows, title, "L" + "r" * 13, framed=False, narrow=True)
 
+    def contacts_table(self) -> Table:
+        """Return a row a pattern that was pressed together."""
+        heads = ["pattern", "rest", "facets", "creases", "close pairs", "touching", "seconds"]
+        heads += ["closure", "torque left", "state"]
+        rows = [c.cells() for c in self.contacts]
+        title = "Patterns pressed together, processor seconds to the judged state"
+        return Table(heads, rows, title, "L" + "r" * 8 + "L", framed=False, narrow=True)
+
     def to_markdown(self) -> str:
-        """Return both tables in Markdown."""
-        return f"{self.methods_table().markdown()}\n{self.scales_table().markdown()}"
+        """Return the tables in Markdown."""
+        tables = self.methods_table(), self.scales_table(), self.contacts_table()
+        return "\n".join(table.markdown() for table in tables)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; what is nan is None."""
@@ -197,6 +211,7 @@ class PatternBench(Told):
             tuple(from_plain(PatternCase, c) for c in data["cases"]),
             tuple(from_plain(PatternPoint, p) for p in data["points"]),
             tuple(from_plain(PatternScale, s) for s in data["scales"]),
+            tuple(from_plain(PatternContact, c) for c in data.get("contacts", ())),
             int(data["rounds"]),
             float(data["budget"]),
             dict(data["machine"]),
@@ -207,7 +222,7 @@ class PatternBench(Told):
             yield {k: getattr(point, k) for k in PatternPoint.__dataclass_fields__}
 
 
-_FIELDS = ("cases", "points", "scales", "rounds", "budget", "machine")
+_FIELDS = ("cases", "points", "scales", "contacts", "rounds", "budget", "machine")
 
 
 def _number(value: float, form: str) -> str:
@@ -249,8 +264,8 @@ def run_patterns(
         case, found = _solved(problem, pattern_methods(), rounds, budget)
         cases.append(case)
         points += found
-    scales = measure_scales(quick, tell)
-    return PatternBench(tuple(cases), tuple(points), tuple(scales), rounds, budget, machine())
+    scales, contacts = tuple(measure_scales(quick, tell)), tuple(measure_contacts(quick, tell))
+    return PatternBench(tuple(cases), tuple(points), scales, contacts, rounds, budget, machine())
 
 
 def _solved(

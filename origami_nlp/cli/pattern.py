@@ -86,8 +86,8 @@ def pattern(
     ] = False,
     seconds: Annotated[
         float,
-        typer.Option("--seconds", metavar="S", help="Processor time for contact, in --minima."),
-    ] = 120.0,
+        typer.Option("--seconds", metavar="S", help="Processor time for --minima."),
+    ] = 300.0,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
@@ -234,9 +234,7 @@ class _Files:
         self.states: list[tuple[str, Any, tuple[str, ...], dict[str, Any]]] = []
         for k, s in enumerate(found.minima if found else (), start=1):
             more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
-            title = f"state {k}: {s.kind}, {s.energy:.6g} J"
-            words = [c.words() for c in s.contacts if c.type != "fold-limit"]
-            self.states.append((title, s.fold_angles, (s.certificate, *words), more))
+            self.states.append((s.title(k), s.fold_angles, s.lines(), more))
         if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
             title = f"folded: {seen.start}" if seen.start else "as in the file"
@@ -262,15 +260,9 @@ class _Files:
         return data
 
     def _figure(self) -> Any:
-        from origami_nlp.sheets import draw_motion, draw_overview, draw_states
-
-        if self.loaded is not None:
-            return self.loaded.draw()
-        if self.found is not None and self.states:
-            shown = [(title, phi) for title, phi, _, _ in self.states]
-            contacts = [s.contacts for s in self.found.minima]
-            return draw_states(self.pattern, shown, self.pattern.name, contacts=contacts)
-        return draw_motion(self.motion) if self.motion is not None else draw_overview(self.seen)
+        found = self.found if self.states else None
+        shown = next(x for x in (self.loaded, found, self.motion, self.seen) if x is not None)
+        return shown.draw()
 
     def _fold(self) -> str:
         from origami_nlp.sheet_loading import path_states

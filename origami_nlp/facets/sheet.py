@@ -13,6 +13,7 @@ which is enough whether or not rows are dependent.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterable
 from functools import cached_property
 
@@ -37,6 +38,10 @@ LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
 
 
+class OutOfTime(Exception):
+    """The processor time that a search was given is over."""
+
+
 class Sheet:
     """The programme of a pattern.
 
@@ -53,6 +58,8 @@ class Sheet:
         Its test of facets that cross.
     scale
         Mean stiffness [N m/rad]: residuals of torques are over it.
+    until
+        Time of `time.process_time` after which projections and factorisations raise `OutOfTime`; never by default.
     """
 
     def __init__(self, pattern: Pattern) -> None:
@@ -60,6 +67,7 @@ class Sheet:
         self.closure = Closure(pattern)
         self.crossings = Crossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        self.until = math.inf
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._decomposed: tuple[bytes, np.ndarray, np.ndarray] | None = None
 
@@ -67,6 +75,13 @@ class Sheet:
     def size(self) -> int:
         """Number of creases n."""
         return self.pattern.creases
+
+    def check_time(self) -> None:
+        """Raise `OutOfTime` where the time is over: all that takes long goes through here every few milliseconds."""
+        if (
+            self.until < math.inf and time.process_time() > self.until
+        ):  # which takes microseconds to ask
+            raise OutOfTime
 
     @cached_property
     def features(self) -> Features:
@@ -119,6 +134,7 @@ class Sheet:
         residual : float
             Largest entry of closure there: whether that is close enough is for the caller to say.
         """
+        self.check_time()
         phi = phi.copy()
         free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
         before = math.inf
@@ -182,6 +198,7 @@ class Sheet:
 
     def normal(self, phi: np.ndarray, held: Iterable[int] = ()) -> Normal:
         """Factorise J J' at a state, of the creases that are not held; the last factors are kept."""
+        self.check_time()
         held = list(held)
         key = phi.tobytes()
         if self._last is None or self._last[1] != held or self._last[0] != key:
@@ -193,6 +210,7 @@ class Sheet:
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
         """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
+        self.check_time()
         held = list(held)
         if not held:
             values, vt = self._singular(phi)

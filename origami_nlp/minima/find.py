@@ -14,6 +14,7 @@ from origami_nlp.arguments import (
     check_angles,
     check_callback,
     check_flag,
+    check_number,
     check_type,
     check_whole,
     shown,
@@ -79,6 +80,7 @@ def find_minima(
     guesses: Sequence[np.ndarray] = (),
     full: bool = False,
     prove: bool | float | None = None,
+    seconds: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
@@ -106,6 +108,9 @@ def find_minima(
     prove
         Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
+    seconds
+        Processor time of this process after which the search judges no further end of a descent (a proof has its own):
+        the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -136,10 +141,13 @@ def find_minima(
     wanted = effort_of(effort)
     check_flag("full", full)
     check_prove("prove", prove)
+    until = math.inf
+    if seconds is not None:
+        until = time.process_time() + check_number("seconds", seconds, 0.0)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
-    job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress)
+    job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress, until)
     finish([job.work(guesses, workers)])
     return _result(job, effort, prove, full)
 

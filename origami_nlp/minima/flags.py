@@ -31,8 +31,8 @@ class ResultFlags(Flags):
         The list is proved complete but for regions around singular states, where creases lose rank
         (`completeness.singular`). Cure: Judge these states by other means, such as starts near them (`guesses`).
     search_stopped_early
-        The search came to its cap on starts before every minimum was reached often enough. Cure: More `max_starts`,
-        or effort="thorough".
+        The search came to its cap on starts, or its time was over, before every minimum was reached often enough. Cure:
+        More `max_starts` or `seconds`, or effort="thorough".
     starts_ended_nowhere
         More descents ended nowhere than at a minimum: near singular states steps become short, and very different
         stiffnesses make narrow valleys. Cure: effort="thorough"; `guesses` near the states that you expect.

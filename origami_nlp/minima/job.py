@@ -44,10 +44,11 @@ class Job:
         effort: Effort,
         starts: tuple[int, int],
         progress: Progress | None,
+        until: float = math.inf,
     ) -> None:
         self.model, self.seed, self.effort = model, seed, effort
         self.fewest, self.most = starts
-        self.progress = progress
+        self.progress, self.until = progress, until
         self.record = Record()
         self.stopped_by = "rule"
         self.complete = ""
@@ -60,7 +61,7 @@ class Job:
         """List states, and search; guesses: states [N] to start from first."""
         self.list_states()
         # where nothing can move within the symmetry, the listed states are all there is
-        if self.model.freedom > 0:
+        if self.model.freedom > 0 and not self._late():
             yield from self.search([self.model.reduce(g) for g in guesses], workers)
 
     def list_states(self) -> None:
@@ -71,6 +72,8 @@ class Job:
         if model.freedom <= 0:
             states = itertools.chain(states, rigid_states(model, self.seed))
         for x in states:
+            if self._late():
+                return
             if self.record.known(x) is None:
                 self.record.answers.append(listed(model, x))
 
@@ -84,7 +87,7 @@ class Job:
             self._one_by_one()
             return
         under = self._under()
-        with Search(self.model, self.record, under, workers, self._tell) as search:
+        with Search(self.model, self.record, under, workers, self._tell, self.until) as search:
             search.also_from(flat_minima(self.model))
             search.also_from(folded_minima(self.model, self.foldings))
             if guesses:
@@ -101,20 +104,32 @@ class Job:
             yield from search.run(samples[some])
             quiet = quiet + 1 if len(self.record.minima) == found else 0
             self._tell()
+            if self._late():
+                return
             if self.record.starts >= self.most:
                 break
             if self.record.starts >= self.fewest and self._enough(quiet):
                 found = len(self.record.minima)
                 yield from search.run()
+                if self._late():
+                    return
                 if len(self.record.minima) == found:
                     self.stopped_by = "rule"
                     break
                 quiet = 0
         yield from search.run()
+        if self._late():
+            return
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
         if rounds.touches is not None:
             self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
+
+    def _late(self) -> bool:
+        """Tell whether the time is over, and remember it."""
+        if time.process_time() > self.until:
+            self.stopped_by = "time"
+        return self.stopped_by == "time"
 
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
@@ -159,6 +174,8 @@ class Job:
                 judge(self.model, new)
             quiet = 0 if new is not None and new.is_minimum else quiet + 1
             self._tell()
+            if self._late():
+                break
             if self.record.starts >= fewest and self._enough(quiet // fewest):
                 self.stopped_by = "rule"
                 break
@@ -194,7 +211,7 @@ class Job:
             by_source={name: count for name, count in r.by_source.items() if count},
             stalled=r.stalled,
             seen_once=r.seen_once,
-            quiet=r.quiet,
+            quiet=0 if self.stopped_by == "time" else r.quiet,
             corners=self.corners[0],
             every_corner=self.corners[1],
             complete=self.complete,

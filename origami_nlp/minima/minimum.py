@@ -144,7 +144,7 @@ class SearchReport(Brief):
     expected_undiscovered
         Chao's estimate of the number of minima that no drawn start reached: a lower bound in expectation, no guarantee.
     stopped_by
-        ``"rule"``, ``"cap"``, or ``"complete"``: nothing was left to sample.
+        ``"rule"``, ``"cap"``, ``"time"``, or ``"complete"``: nothing was left to sample.
     seconds
         Of wall time.
     seed

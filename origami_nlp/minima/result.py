@@ -95,7 +95,7 @@ class MinimaResult(Told, Turnable):
             nothing_found=not self.minima,
             may_miss_minima=not settled and proved != "proved-except-singular",
             singular_states_open=proved == "proved-except-singular",
-            search_stopped_early=not settled and search.stopped_by == "cap",
+            search_stopped_early=not settled and search.stopped_by in ("cap", "time"),
             starts_ended_nowhere=not settled and search.stalled > search.outcomes.get("minimum", 0),
             reached_once=not settled and search.seen_once > 0,
             still_finding=not settled and search.starts > 0 and search.quiet == 0,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -43,6 +44,8 @@ class Search:
         Processes that descents are shared out to.
     found
         Called after each new minimum.
+    until
+        Time of `time.process_time` after which no further end is judged.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class Search:
         under: tuple[Model, Labels] | None,
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
+        until: float = math.inf,
     ) -> None:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
@@ -59,7 +63,7 @@ class Search:
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
-        self._workers, self._found = workers, found
+        self._workers, self._found, self._until = workers, found, until
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
 
@@ -93,6 +97,8 @@ class Search:
             parts = self._parts(some[feasible])
             made = self._made_by_workers(parts)
             for part in parts:
+                if time.process_time() > self._until:
+                    return
                 ends = next(made) if made else (yield self._descents, part)
                 good = ends.converged | ends.settled
                 record.stalled += int((~good & (ends.samples.source != GIVEN)).sum())
@@ -150,7 +156,7 @@ class Search:
         x, source = ends.samples.x, ends.samples.source
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
-        while len(which):
+        while len(which) and time.process_time() <= self._until:
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))

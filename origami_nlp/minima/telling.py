@@ -155,6 +155,10 @@ def completeness_lines(s: SearchReport) -> list[str]:
     """Say what is known of minima that the search did not find: as much as the numbers carry, and no more."""
     if s.stopped_by == "complete":
         return [f"complete: {s.complete}"]
+    if s.stopped_by == "time":
+        return [
+            "ended for time: not all of these starts were followed down, nor all of their ends judged"
+        ]
     lines = []
     if s.every_corner:
         lines.append(

@@ -19,6 +19,7 @@ from .curve import (
 )
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
+    draw_found as draw_found,
     draw_motion as draw_motion,
     draw_overview as draw_overview,
     draw_sheet as draw_sheet,
@@ -48,4 +49,9 @@ from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows
 from .state import SheetContact as SheetContact, SheetState as SheetState
 from .stress import Stress as Stress, find_stress as find_stress
-from .turnable import sheet_content as sheet_content, sheet_poser as sheet_poser
+from .turnable import (
+    sheet_content as sheet_content,
+    sheet_poser as sheet_poser,
+    turn_found as turn_found,
+    turn_motion as turn_motion,
+)

@@ -10,7 +10,7 @@ chosen: all choices are gone through, and those with nothing left, or that lie i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
@@ -53,7 +53,9 @@ class Branches:
                     yield d
 
 
-def list_branches(pattern: Pattern, phi: np.ndarray | None = None) -> Branches:
+def list_branches(
+    pattern: Pattern, phi: np.ndarray | None = None, check: Callable[[], None] = lambda: None
+) -> Branches:
     """Enumerate the ways out of a closed state.
 
     Parameters
@@ -62,6 +64,8 @@ def list_branches(pattern: Pattern, phi: np.ndarray | None = None) -> Branches:
         The pattern.
     phi
         The state [n] [rad]; the reference state without.
+    check
+        Called every now and then: may raise to end it.
 
     Returns
     -------
@@ -80,7 +84,7 @@ def list_branches(pattern: Pattern, phi: np.ndarray | None = None) -> Branches:
     if any(m is None for m in modes):
         degree = max(len(loop.creases) for loop in pattern.vertices)
         return Branches(nothing, (), f"vertices of degree {degree} have no modes to be enumerated")
-    return combine(pattern, [m or [] for m in modes])
+    return combine(pattern, [m or [] for m in modes], check)
 
 
 def list_modes(pattern: Pattern, phi: np.ndarray) -> list[list[np.ndarray] | None]:
@@ -88,7 +92,11 @@ def list_modes(pattern: Pattern, phi: np.ndarray) -> list[list[np.ndarray] | Non
     return [vertex_modes(axes) for axes in Closure(pattern).axes(phi)]
 
 
-def combine(pattern: Pattern, modes: Sequence[Sequence[np.ndarray]]) -> Branches:
+def combine(
+    pattern: Pattern,
+    modes: Sequence[Sequence[np.ndarray]],
+    check: Callable[[], None] = lambda: None,
+) -> Branches:
     """Choose a mode at each vertex in all ways that agree on the creases between vertices.
 
     Parameters
@@ -97,6 +105,8 @@ def combine(pattern: Pattern, modes: Sequence[Sequence[np.ndarray]]) -> Branches
         The pattern.
     modes
         Of each of its vertices, orthonormal bases [d, k] in the order of its loop's creases.
+    check
+        Called for each choice: may raise to end it.
 
     Returns
     -------
@@ -109,6 +119,7 @@ def combine(pattern: Pattern, modes: Sequence[Sequence[np.ndarray]]) -> Branches
         creases = list(pattern.vertices[v].creases)
         after = []
         for basis in level:
+            check()
             here = basis[creases]
             for mode in modes[v]:
                 outside = here - mode @ (mode.T @ here)

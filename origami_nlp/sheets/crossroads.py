@@ -107,7 +107,7 @@ def ways_from(sheet: Sheet, phi: np.ndarray) -> Branches:
     Branches
         Candidates: whether states follow is seen when they are walked.
     """
-    return split(sheet, phi, list_branches(sheet.pattern, phi))
+    return split(sheet, phi, list_branches(sheet.pattern, phi, sheet.check_time))
 
 
 def split(sheet: Sheet, phi: np.ndarray, ways: Branches) -> Branches:

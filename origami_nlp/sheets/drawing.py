@@ -17,6 +17,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings, Sheet, order_layers
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Pattern
@@ -38,6 +39,8 @@ from origami_nlp.show import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from origami_nlp.sheets.result import SheetResult
 
 MOST_DRAWN = 12
 """States of one picture."""
@@ -390,6 +393,33 @@ def _widen(axes: Axes, shape: float) -> None:
     across = max(0.0, shape * (high - low) - (right - left)) / 2
     up = max(0.0, (right - left) / shape - (high - low)) / 2
     axes.set(xlim=(left - across, right + across), ylim=(low - up, high + up))
+
+
+def draw_found(found: SheetResult, path: Any = None) -> Figure:
+    """Draw the stable states that a search has found, with what touches in them.
+
+    Parameters
+    ----------
+    found
+        Of `find_states`.
+    path
+        Where to save the picture, if anywhere.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+
+    Raises
+    ------
+    OptionError
+        If there is no stable state.
+    """
+    if not found.minima:
+        raise OptionError("no stable state was found: there is nothing to draw")
+    states = [(s.title(k), s.fold_angles) for k, s in enumerate(found.minima, start=1)]
+    contacts = [s.contacts for s in found.minima]
+    return draw_states(found.pattern, states, found.pattern.name, path, contacts=contacts)
 
 
 def draw_motion(motion: Motion, path: Any = None) -> Figure:

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet, round_vertex
+from origami_nlp.facets import OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
@@ -32,9 +33,10 @@ from origami_nlp.sheets.judgement import judge
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD
-from origami_nlp.sheets.result import SheetResult, SheetSearch
+from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, WAYS_OUT, SheetResult
 from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetState
+from origami_nlp.sheets.tally import Tally
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -46,8 +48,8 @@ MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
 MOST_CURVES = 64
 """That are traced, beside images of them."""
-SECONDS = 120.0
-"""Processor time for descents into contact."""
+SECONDS = 300.0
+"""Processor time for a search."""
 
 
 def find_states(
@@ -72,7 +74,8 @@ def find_states(
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Processor time for descents into contact: what it does not suffice for is named.
+        Processor time for the search, give or take a second or two: what was found by then is kept, what was left out
+        is named.
 
     Returns
     -------
@@ -98,59 +101,44 @@ def find_states(
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
-        search.from_crossroads()
+        search.part("ways out of the flat state", search.from_crossroads)
     for start in search.given():
-        search.explore(start)
+        search.part("starts that the pattern gives", search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
-        search.round_the_vertex(seed)
+        search.part(OF_VERTEX, search.round_the_vertex, seed)
     rng = np.random.default_rng(seed)
     for k in range(MOST_DRAWN * starts):
-        search.draw(rng, k)
-        if search.tally.since == starts:
+        if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
-    search.add_images()
-    return SheetResult(pattern, search.states(), search.summary())
-
-
-@dataclass(eq=False)
-class _Tally:
-    """What a search has met so far."""
-
-    starts: int = 0
-    open: int = 0
-    flat: int = 0
-    unfinished: int = 0
-    flat_folded: int = 0
-    lines: int = 0
-    planes: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
-    families: int = 0
-    reasons: list[str] = field(default_factory=list)
-    traced: int = 0
-    not_traced: int = 0
-    crossroads: int = 0
-    outside: int = 0
-    drawn: int = 0
-    since: int = 0
-    judged: list[SheetState] = field(default_factory=list)
-    pressed: int = 0
-    refused: list[str] = field(default_factory=list)
-    of_vertex: int = 0
+    search.part("images of minima under symmetries", search.add_images)
+    return SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
 
 
 class _Search:
     """A search on its way."""
 
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
-        self.until = time.process_time() + seconds
+        until = time.process_time() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet, self._middle = (
             Sheet(self.labels.arranged(pattern)),
             pattern.corners.mean(axis=0),
         )
+        self.sheet.until = until
         self.curves = Curves(self.sheet, self.labels, contact)
-        self.tally = _Tally()
+        self.tally = Tally()
         rng = np.random.default_rng(0)
         self._side = self.labels.drawn(rng.normal(size=pattern.creases))
+
+    def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
+        """Do a part of the search; False, and noted as left out, where its time is over before it is through."""
+        try:
+            self.sheet.check_time()
+            work(*given)
+        except OutOfTime:
+            self.tally.left_out[what] = None
+            return False
+        return True
 
     # ------------------------------------------------------------ states
 
@@ -177,7 +165,7 @@ class _Search:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
                 self.add(self._judged(end.phi))
-            held = press_off(self.sheet, end.path, self.until) if self.contact else None
+            held = press_off(self.sheet, end.path) if self.contact else None
             if held is not None:
                 self.press(held)
             if not end.saddles:
@@ -228,7 +216,7 @@ class _Search:
         """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
         pattern, tally = self.sheet.pattern, self.tally
         self.add(judge(self.sheet, np.zeros(pattern.creases), self.contact))
-        flat = list_branches(pattern)
+        flat = list_branches(pattern, None, self.sheet.check_time)
         if flat.reason:
             tally.reasons.append(
                 f"ways out of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
@@ -246,15 +234,25 @@ class _Search:
         order = sorted(
             range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
         )
-        for phi, ways in ways_out(pattern, states[order]):
-            self._leave(phi, split(self.sheet, phi, ways))
+        if not self.part(WAYS_OUT, self._leave_flat_folded, states[order]):
+            return
+        self.part(MEETINGS, self._leave_meetings)
+
+    def _leave_meetings(self) -> None:
+        """Go all ways out of states at which curves meet."""
         met: list[np.ndarray] = []
         for traced in self.curves.found:  # which grows
             for phi in traced.crossroads:
                 if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
                     met.append(phi)
+                    self.tally.crossroads += 1
                     self._leave(phi, ways_from(self.sheet, phi))
-        tally.crossroads = len(met)
+
+    def _leave_flat_folded(self, states: np.ndarray) -> None:
+        """Go all ways out of flat-folded states [S, n]."""
+        sheet = self.sheet
+        for phi, ways in ways_out(sheet.pattern, states, sheet.check_time):
+            self._leave(phi, split(sheet, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: Branches) -> None:
         """Go all ways out of a state."""
@@ -318,7 +316,12 @@ class _Search:
         contact: Contact = "full" if self.contact else "fold-limits"
         stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
         scene = Scene(vertex, stiffness, rest, "none", contact)
-        for found in find_minima(scene, seed=seed, prove=False).minima:
+        # half of the time that is left: what is found is to be judged, and there are other starts
+        seconds = 0.5 * (self.sheet.until - time.process_time())
+        result = find_minima(scene, seed=seed, prove=False, seconds=max(seconds, 0.0))
+        if result.search.stopped_by == "time":
+            self.tally.left_out[OF_VERTEX] = None
+        for found in result.minima:
             phi = np.zeros(pattern.creases)
             phi[creases] = found.fold_angles
             self.tally.of_vertex += 1
@@ -415,32 +418,5 @@ class _Search:
             self.settle(well)
         if traced.stretches is None:
             return
-        for end in press_along(self.sheet, traced.stretches, self.until):
+        for end in press_along(self.sheet, traced.stretches):
             self.press(end)
-
-    # ------------------------------------------------------------ what was done
-
-    def summary(self) -> SheetSearch:
-        """Sum up what was done."""
-        t, found = self.tally, self.curves.found
-        return SheetSearch(
-            starts=t.starts,
-            open=t.open,
-            flat=t.flat,
-            unfinished=t.unfinished,
-            lines=t.lines,
-            families=t.families,
-            flat_folded=t.flat_folded,
-            crossroads=t.crossroads,
-            not_enumerated="; ".join(dict.fromkeys(t.reasons)),
-            curves=len(found),
-            complete=sum(c.complete for c in found),
-            not_traced=t.not_traced,
-            outside=t.outside,
-            unclear=sum(c.stretches.unclear for c in found if c.stretches is not None),
-            drawn=t.drawn,
-            since=t.since,
-            pressed=t.pressed,
-            refused=tuple(t.refused),
-            of_vertex=t.of_vertex,
-        )

@@ -7,7 +7,7 @@ row of creases is shut folds on across the shut row, along curves that the flat 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -106,7 +106,9 @@ def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
         return foldings
 
 
-def ways_out(pattern: Pattern, states: np.ndarray) -> Iterator[tuple[np.ndarray, Branches]]:
+def ways_out(
+    pattern: Pattern, states: np.ndarray, check: Callable[[], None] = lambda: None
+) -> Iterator[tuple[np.ndarray, Branches]]:
     """Go through flat-folded states [S, n] with the ways out of each.
 
     Parameters
@@ -115,6 +117,8 @@ def ways_out(pattern: Pattern, states: np.ndarray) -> Iterator[tuple[np.ndarray,
         The pattern, of vertices of degree four or less: others have no modes.
     states
         Of `list_flat_folded`.
+    check
+        Called every now and then: may raise to end it.
 
     Yields
     ------
@@ -133,4 +137,4 @@ def ways_out(pattern: Pattern, states: np.ndarray) -> Iterator[tuple[np.ndarray,
                     return
                 known[key] = found
             modes.append(known[key])
-        yield phi, combine(pattern, modes)
+        yield phi, combine(pattern, modes, check)

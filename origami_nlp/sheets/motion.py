@@ -20,7 +20,7 @@ from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.counts import Overview, overview
 from origami_nlp.sheets.curve import Curve, follow_curve
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.show import Content, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
     from typing import Self
@@ -37,7 +37,7 @@ TOLD = 9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Told):
+class Motion(Told, Turnable):
     """States along a folding motion.
 
     Attributes
@@ -77,6 +77,11 @@ class Motion(Told):
     end: str
     touching: tuple[int, int] | None
     layers: str = ""
+
+    def turned(self) -> Content:
+        """Return the motion as plain data, see `view`."""
+        content: Content = self._from_room("turn_motion")(self)  # slow to import
+        return content
 
     def told(self) -> Iterator[Piece]:
         """Return a table of some of its states, and how it ends."""

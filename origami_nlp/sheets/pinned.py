@@ -17,7 +17,7 @@ SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
 
-def press_along(sheet: Sheet, stretches: Stretches, until: float = math.inf) -> Iterator[Descended]:
+def press_along(sheet: Sheet, stretches: Stretches) -> Iterator[Descended]:
     """Go down from every state of a curve whose neighbour crosses and is lower.
 
     Parameters
@@ -26,8 +26,6 @@ def press_along(sheet: Sheet, stretches: Stretches, until: float = math.inf) -> 
         The programme.
     stretches
         Of `Clearance.along`.
-    until
-        Time of `time.process_time` at which it is given up.
 
     Yields
     ------
@@ -39,12 +37,10 @@ def press_along(sheet: Sheet, stretches: Stretches, until: float = math.inf) -> 
         free, crossed = (i + 1, i) if crosses[i] else (i, i + 1)
         way = sheet.along(states[free], states[crossed] - states[free])
         if sheet.torque(states[free]) @ way < 0:
-            yield press(sheet, states[free], until=until)
+            yield press(sheet, states[free])
 
 
-def press_off(
-    sheet: Sheet, path: Sequence[np.ndarray], until: float = math.inf
-) -> Descended | None:
+def press_off(sheet: Sheet, path: Sequence[np.ndarray]) -> Descended | None:
     """Go down where a descent that let facets cross would have had to stop.
 
     Parameters
@@ -53,8 +49,6 @@ def press_off(
         The programme.
     path
         Closed states of the descent, [n] [rad] each.
-    until
-        Time of `time.process_time` at which it is given up.
 
     Returns
     -------
@@ -65,17 +59,17 @@ def press_off(
     if (
         sheet.size > MOST_DENSE
     ):  # to be refused: it is enough to know whether there was something to do
-        return press(sheet, path[-1], until=until) if sheet.crossings.find(path[-1]) else None
+        return press(sheet, path[-1]) if sheet.crossings.find(path[-1]) else None
     crossed = next((k for k, phi in enumerate(path) if sheet.crossings.find(phi)), None)
     if crossed is None:
         return None
     if crossed:
-        return press(sheet, path[crossed - 1], until=until)
+        return press(sheet, path[crossed - 1])
     reference = sheet.pattern.reference
     for share in SMALLER:
         start, residual = sheet.project(reference + share * (path[0] - reference))
         if residual > CLOSES or not sheet.closure.on_sheet(start) or np.abs(start).max() > math.pi:
             continue
         if not sheet.crossings.find(start):
-            return press(sheet, start, until=until)
+            return press(sheet, start)
     return Descended(path[0], False, 0, "no start was found at which facets do not cross")

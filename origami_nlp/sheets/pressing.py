@@ -13,7 +13,6 @@ gap that is open furthest.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable
 from typing import Literal, TypeAlias
 
@@ -57,7 +56,7 @@ UNTOLD = "facets meet at borders or face to face, where no single gap tells them
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 
 
-def press(sheet: Sheet, phi: np.ndarray, most: int = 300, until: float = math.inf) -> Descended:
+def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -68,8 +67,6 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300, until: float = math.in
         The start, within the fold limits, [n] [rad].
     most
         Steps.
-    until
-        Time of `time.process_time` at which it is given up.
 
     Returns
     -------
@@ -79,7 +76,7 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300, until: float = math.in
     if sheet.size > MOST_DENSE:
         many = f"the pattern has {sheet.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
-    return _Press(sheet, phi).run(most, until)
+    return _Press(sheet, phi).run(most)
 
 
 class _Press:
@@ -110,13 +107,11 @@ class _Press:
         limits = np.flatnonzero(math.pi - np.abs(self.phi) < 2 * self.radius)
         return Rows.at(self.sheet, self.phi, limits, [*{**self.known, **self.near}.values()])
 
-    def run(self, most: int, until: float) -> Descended:
+    def run(self, most: int) -> Descended:
         """Go down."""
         sheet = self.sheet
         slips = 0
         for step in range(most):
-            if time.process_time() > until:
-                return Descended(self.phi, False, step, "the processor time allowed was over")
             rows = self._rows()
             if len({frozenset(t.facets) for t in rows.touches}) > MOST_PAIRS:
                 many = f"more than {MOST_PAIRS} pairs of facets come close to each other"

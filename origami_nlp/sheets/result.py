@@ -14,12 +14,16 @@ from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
-from origami_nlp.show import Piece, Table, Told, from_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain
 
 if TYPE_CHECKING:
     from typing import Self
 
 SCHEMA = "origami_nlp.sheet_states/1"
+WAYS_OUT = "ways out of flat-folded states"
+MEETINGS = "ways out of states where curves meet"
+OF_VERTEX = "the search for single vertices"
+"""Parts of a search that its time may end."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,8 @@ class SheetSearch:
         Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
+    left_out
+        Parts of the search that its time ended: what they had found before is listed.
     """
 
     starts: int
@@ -81,17 +87,22 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
+    left_out: tuple[str, ...] = ()
 
     def words(self) -> Iterator[str]:
         """Say it."""
+        if self.left_out:
+            yield f"ended for time, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
             more = f" and {self.families} {what} with more freedoms" if self.families else ""
             yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
         if self.flat_folded > 1:
-            yield f"flat-folded states: {self.flat_folded} enumerated, and the ways out of each"
+            ways = "" if WAYS_OUT in self.left_out else ", and the ways out of each"
+            yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
         if self.crossroads:
-            yield f"states where curves meet others: {self.crossroads} found along curves, and the ways out of each"
+            ways = "" if MEETINGS in self.left_out else ", and the ways out of each"
+            yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
         if self.not_enumerated:
             yield self.not_enumerated
         if self.curves:
@@ -110,7 +121,7 @@ class SheetSearch:
             yield f"contact: {self.pressed} {what} along states that do not cross"
             for why, many in Counter(self.refused).items():
                 yield f"not decided: {many} of them gave up, {why}"
-        if self.curves and self.complete == self.curves and not self.not_traced:
+        if self.curves == self.complete > 0 and not (self.not_traced or self.left_out):
             yield "every well on these curves is listed; other curves are sampled only"
         else:
             yield "sampled, not exhausted: there may be further states"
@@ -140,7 +151,7 @@ class SheetSearch:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SheetResult(Told):
+class SheetResult(Told, Turnable):
     """States of a sheet.
 
     Attributes
@@ -164,7 +175,12 @@ class SheetResult(Told):
     states: tuple[SheetState, ...] = field(repr=False)
     search: SheetSearch
 
-    READ = SCHEMA
+    PICTURE, READ = "draw_found", SCHEMA
+
+    def turned(self) -> Content:
+        """Return its stable states as plain data, see `view`."""
+        content: Content = self._from_room("turn_found")(self)  # slow to import
+        return content
 
     @property
     def minima(self) -> tuple[SheetState, ...]:

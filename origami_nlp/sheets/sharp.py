@@ -82,9 +82,8 @@ def list_ways(sheet: Sheet, phi: np.ndarray) -> Branches:
     """
     axes = sheet.closure.axes(phi)
     known = zip(list_modes(sheet.pattern, phi), axes, strict=True)
-    return combine(
-        sheet.pattern, [[null_space(a.T, SAME_WAY)] if m is None else m for m, a in known]
-    )
+    modes = [[null_space(a.T, SAME_WAY)] if m is None else m for m, a in known]
+    return combine(sheet.pattern, modes, sheet.check_time)
 
 
 def _rises_on(rows: np.ndarray, torque: np.ndarray, steep: float) -> bool:

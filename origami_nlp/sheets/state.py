@@ -141,6 +141,14 @@ class SheetState(Brief):
     crossings: tuple[tuple[int, int], ...]
     certificate: str
 
+    def title(self, number: int) -> str:
+        """Name the state, of some number, by its kind and energy."""
+        return f"state {number}: {self.kind or self.verdict}, {self.energy:.6g} J"
+
+    def lines(self) -> tuple[str, ...]:
+        """Say what is proved, and which facets touch."""
+        return self.certificate, *(c.words() for c in self.contacts if c.type != "fold-limit")
+
     def moved(self, by: np.ndarray) -> SheetState:
         """Return the state of a sheet that lies elsewhere in its reference state, moved by a vector [3]."""
         places = [

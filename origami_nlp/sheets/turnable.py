@@ -6,10 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.drawing import sheet_view
 from origami_nlp.sheets.motion import Motion
+from origami_nlp.sheets.result import SheetResult
 from origami_nlp.show import Body, Content, Crease, Folded, Piece, Station, Track
 
 LONG = 0.8
@@ -90,3 +92,44 @@ def sheet_content(
             ),
         )
     return Content(pattern.name or "pattern", body, stations, tracks, pieces=tuple(pieces))
+
+
+def turn_found(found: SheetResult) -> Content:
+    """Return the stable states that a search has found, for a page that can be turned.
+
+    Parameters
+    ----------
+    found
+        Of `find_states`.
+
+    Returns
+    -------
+    Content
+        The page's content.
+
+    Raises
+    ------
+    OptionError
+        If there is no stable state.
+    """
+    if not found.minima:
+        raise OptionError("no stable state was found: there is nothing to turn")
+    states = [(s.title(k), s.fold_angles, s.lines()) for k, s in enumerate(found.minima, start=1)]
+    return sheet_content(found.pattern, states, None, tuple(found.told()))
+
+
+def turn_motion(motion: Motion) -> Content:
+    """Return a folding motion, for a page that can be turned.
+
+    Parameters
+    ----------
+    motion
+        Of `find_motion`.
+
+    Returns
+    -------
+    Content
+        The page's content.
+    """
+    end = (f"end: {motion.end}", motion.phi[-1], ())
+    return sheet_content(motion.pattern, [end], motion, tuple(motion.told()))

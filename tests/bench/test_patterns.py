@@ -8,8 +8,15 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.bench import PatternBench, draw_patterns, measure_scale, run_patterns
+from origami_nlp.bench import (
+    PatternBench,
+    draw_patterns,
+    measure_contact,
+    measure_scale,
+    run_patterns,
+)
 from origami_nlp.bench.pattern_bars import STIFF, Bars
+from origami_nlp.bench.pattern_contacts import CASES
 from origami_nlp.bench.pattern_methods import pattern_methods
 from origami_nlp.bench.pattern_problems import miura_state, pattern_problems, wide_closure
 from origami_nlp.bench.pattern_scaling import RESTS
@@ -121,3 +128,25 @@ def test_large_sheets_are_solved_in_time(name):
     first, another, crossings = SECONDS[size]
     assert scale.first < 4 * first and scale.another < 4 * another
     assert scale.crossings < 4 * crossings
+
+
+def _pressed(case):
+    """Closed, and without crossings, whatever it is; a minimum only to rounding."""
+    assert case.closure <= 1e-12 and case.verdict in ("minimum", "not decided")
+    assert case.torque <= 1e-11 or case.verdict == "not decided"
+    # 5 s for 100 pairs is promised of a quiet machine
+    assert case.seconds < 4 * 5 * max(1.0, case.pairs / 100)
+
+
+def test_a_pattern_is_pressed_together_in_time():
+    (case,) = found().contacts
+    _pressed(case)
+    assert case.verdict == "minimum" and case.pairs > 80 and case.touching > 5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "seed"), CASES)
+def test_patterns_are_pressed_together_in_time(name, seed):
+    case = measure_contact(name, seed)
+    _pressed(case)
+    assert case.pairs > 40

@@ -56,17 +56,31 @@ def test_bash_completes_by_the_function_that_it_is_given(program):
     assert found == list(ASKED.values())
 
 
-@pytest.mark.parametrize(
-    ("line", "shown"),
-    [("cone ph", '"phase":"Map the number'), ("transitions ", '"degree6"'), ("minima ", "_files")],
-)
-def test_zsh_is_told_words_with_what_they_mean_or_files(program, line, shown):
-    asked = {"_ORIGAMI_NLP_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": f"origami-nlp {line}"}
+EACH = """
+import contextlib, os, sys
+from origami_nlp.cli import main
+lines, sys.argv = sys.argv[1:], ["origami-nlp"]
+for line in lines:
+    os.environ["_TYPER_COMPLETE_ARGS"] = f"origami-nlp {line}"
+    with contextlib.suppress(SystemExit):
+        main()
+    print("next")
+"""
+"""Starting the program takes longer than completing a line."""
+
+
+def test_zsh_is_told_words_with_what_they_mean_or_files(program):
+    asked = {"cone ph": '"phase":"Map the number', "transitions ": '"degree6"', "minima ": "_files"}
     done = subprocess.run(
-        ["origami-nlp"], env={**program, **asked}, capture_output=True, text=True, check=False
-    )
+        [sys.executable, "-c", EACH, *asked],
+        env={**program, "_ORIGAMI_NLP_COMPLETE": "complete_zsh"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert done.returncode == 0 and not done.stderr
-    assert shown in done.stdout and (shown == "_files") == ("_arguments" not in done.stdout)
+    *told, rest = done.stdout.split("next\n")
+    assert not rest
+    for shown, out in zip(asked.values(), told, strict=True):
+        assert shown in out and (shown == "_files") == ("_arguments" not in out)
 
 
 def test_completion_is_installed_for_bash_where_it_reads_it(program, tmp_path):

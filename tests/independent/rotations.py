@@ -29,6 +29,13 @@ def fold(sectors: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return creases, np.stack([x, y, z], axis=-1)
 
 
+def about(axis: np.ndarray, angle: float) -> np.ndarray:
+    """Return the rotation by an angle about a unit vector, [3, 3]."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
 def rotation_vector(m: np.ndarray) -> np.ndarray:
     """Return axis times angle of rotations [B, 3, 3] (angles below pi)."""
     axial = 0.5 * np.stack(

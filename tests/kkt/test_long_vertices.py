@@ -9,6 +9,7 @@ from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
 from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
 from origami_nlp.programme import fold_limit
 from tests.computed_once import panel_result
+from tests.independent.rotations import about
 
 
 def draw(n, seed=0, contact="fold-limits"):
@@ -62,19 +63,13 @@ def test_independent_contacts_all_open_at_once(monkeypatch):
     assert certificates.cone(rows, names)[2] == (names[0], names[-1])
 
 
-def turned(axis, angle):
-    x, y, z = axis
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * k @ k
-
-
 def folded(scene, phi):
     """Frames of the facets after each crease, and the deformed creases, by matrices alone."""
     frame, frames, creases = np.eye(3), [], []
     for a, p in zip(scene.vertex.azimuths, phi, strict=True):
         b = np.array([math.cos(a), math.sin(a), 0.0])
         creases.append(frame @ b)
-        frame = frame @ turned(b, p)
+        frame = frame @ about(b, p)
         frames.append(frame)
     return frames, np.array(creases)
 
@@ -101,7 +96,7 @@ def test_one_moment_in_the_frame_of_every_facet(n):
             v = Vertex(tuple(np.array(scene.vertex.sector_angles)[k].tolist()))
             springs = (tuple(np.array(s)[k].tolist()) for s in (scene.stiffness, scene.rest_angles))
             other = passing_moment(Scene(v, *springs, "none", "fold-limits"), phi[k])
-            in_facet = turned((0, 0, 1), -scene.vertex.azimuths[start]) @ frames[start - 1].T @ m
+            in_facet = about((0, 0, 1), -scene.vertex.azimuths[start]) @ frames[start - 1].T @ m
             assert np.abs(np.array(other.vector) - in_facet).max() < 1e-9 * size
         multipliers = (
             State(found.model, phi)

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
 QUICK = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
-LOOP = load_path(SCENE, 1, to=-0.2, back=True)
 SNAP, AGAIN = -0.138149523101, -0.123882378029
 """Found by another program, with other steps: N m on crease 1."""
 PUSHED = Scene(
@@ -25,14 +25,19 @@ PUSHED = Scene(
 )  # fmt: skip
 
 
+@cache
+def loop():
+    return load_path(SCENE, 1, to=-0.2, back=True)
+
+
 def test_the_snap_and_where_it_becomes_stable_again():
-    there, back = LOOP.snaps
+    there, back = loop().snaps
     assert there.type == "fold" and there.t == pytest.approx(SNAP, abs=1e-10)
     assert back.type == "nonsmooth-fold" and back.t == pytest.approx(AGAIN, abs=1e-10)
     assert there.restabilises == pytest.approx(AGAIN, abs=1e-10)
-    assert [leg.why for leg in LOOP.legs] == ["snap", "range", "snap", "range"]
-    assert all(leg.full_space == "stable" for leg in LOOP.legs) and not LOOP.alarms
-    for event in LOOP.events:
+    assert [leg.why for leg in loop().legs] == ["snap", "range", "snap", "range"]
+    assert all(leg.full_space == "stable" for leg in loop().legs) and not loop().alarms
+    for event in loop().events:
         assert (
             event.located
             and abs(event.residuals.kkt) < 1e-11
@@ -41,20 +46,20 @@ def test_the_snap_and_where_it_becomes_stable_again():
 
 
 def test_searches_on_both_sides_confirm_it():
-    for snap in LOOP.snaps:
+    for snap in loop().snaps:
         assert snap.confirmed.minima == (3, 2) and snap.confirmed.found == (True, True)
-    for t, count in zip(LOOP.snaps[0].confirmed.t, (3, 2), strict=True):
+    for t, count in zip(loop().snaps[0].confirmed.t, (3, 2), strict=True):
         assert (
             abs(t - SNAP) < 5e-4
         )  # as near as 4.4108 and 4.4308 times the mean stiffness's power of two
-        assert count in LOOP.snaps[0].confirmed.minima
+        assert count in loop().snaps[0].confirmed.minima
 
 
 @pytest.mark.parametrize("longest", [pytest.param(0.02, marks=pytest.mark.slow), 0.05, 0.11])
 def test_the_snap_does_not_depend_on_the_steps(longest):
     steps = Steps(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
     path = load_path(SCENE, 1, to=-0.139, steps=steps, **QUICK)
-    assert path.snaps[0].t == pytest.approx(LOOP.snaps[0].t, abs=1e-13)
+    assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
 
 
 @pytest.mark.slow
@@ -63,7 +68,7 @@ def test_the_path_from_behind_finds_the_same_events():
     behind = replace(SCENE, preload=(-0.13, 0, 0, 0, 0, 0))
     found = find_minima(behind, effort="quick", max_starts=24, prove=False).minima
     angles = np.array([m.fold_angles[0] for m in found])
-    for leg, to, event in ((LOOP.legs[0], -0.009, SNAP), (LOOP.legs[2], 0.007, AGAIN)):
+    for leg, to, event in ((loop().legs[0], -0.009, SNAP), (loop().legs[2], 0.007, AGAIN)):
         near = min(leg.points, key=lambda p: abs(p.t + 0.13)).angle
         path = load_path(behind, 1, to=to, state=1 + int(np.abs(angles - near).argmin()), **QUICK)
         assert path.snaps[0].t - 0.13 == pytest.approx(event, abs=1e-12)
@@ -81,13 +86,13 @@ def work_of(leg):
 
 
 def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
-    for leg in LOOP.legs:
+    for leg in loop().legs:
         gained = leg.points[-1].energy - leg.points[0].energy
         assert work_of(leg) == pytest.approx(gained, rel=1e-3)
-    lost = sum(work_of(leg) for leg in LOOP.legs)
-    lost += sum(s.t * (s.angle[1] - s.angle[0]) for s in LOOP.snaps)
-    assert lost == pytest.approx(LOOP.dissipated, rel=1e-3)
-    for snap in LOOP.snaps:  # by the energy of springs alone
+    lost = sum(work_of(leg) for leg in loop().legs)
+    lost += sum(s.t * (s.angle[1] - s.angle[0]) for s in loop().snaps)
+    assert lost == pytest.approx(loop().dissipated, rel=1e-3)
+    for snap in loop().snaps:  # by the energy of springs alone
         springs = SCENE.energy(snap.before) - SCENE.energy(snap.after)
         way = snap.before[0] - snap.after[0]
         assert snap.released == pytest.approx(springs - snap.t * way, abs=1e-14)
@@ -95,7 +100,7 @@ def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
 
 def test_states_on_the_path_close_and_balance_by_finite_differences():
     sectors = np.array(SCENE.vertex.sector_angles)
-    for leg in LOOP.legs:
+    for leg in loop().legs:
         for p in leg.points[:: max(1, len(leg.points) // 6)]:
             phi = np.array(p.fold_angles)
             assert np.abs(fold(sectors, phi)[1] - np.eye(3)).max() < 1e-12
@@ -114,9 +119,9 @@ def test_states_on_the_path_close_and_balance_by_finite_differences():
 
 
 def test_legs_are_turned_with_a_slider_over_the_load():
-    content = LOOP.turned()
-    assert len(content.stations) == 1 + 2 * len(LOOP.snaps)
-    for leg, track in zip(LOOP.legs, content.tracks, strict=True):
+    content = loop().turned()
+    assert len(content.stations) == 1 + 2 * len(loop().snaps)
+    for leg, track in zip(loop().legs, content.tracks, strict=True):
         assert track.parameter.tolist() == [p.t for p in leg.points]
         apex, *ends = track.states[-1].corners  # each facet keeps its angle as it turns
         sectors = np.array(SCENE.vertex.sector_angles)
@@ -171,9 +176,9 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
     frames = json.loads((tmp_path / "path.fold").read_text())["file_frames"]
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
-    assert len(LOOP.to_fold()["file_frames"]) == sum(len(leg.points) for leg in LOOP.legs)
-    assert len(draw(LOOP, tmp_path / "load.png").axes) == 2
-    assert "lands on contact-pinned" in str(LOOP)
+    assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)
+    assert len(draw(loop(), tmp_path / "load.png").axes) == 2
+    assert "lands on contact-pinned" in str(loop())
 
 
 @pytest.mark.parametrize(
@@ -192,7 +197,7 @@ def test_bad_arguments_are_refused_by_name(arguments, word):
 
 
 def test_a_path_without_events_shows_no_empty_table():
-    quiet = replace(LOOP, events=(), snaps=(), legs=LOOP.legs[:1])
+    quiet = replace(loop(), events=(), snaps=(), legs=loop().legs[:1])
     first = next(iter(quiet.told()))
     assert isinstance(first, str) and "under" in first
-    assert "" not in LOOP.table().heads  # of the column for events that are not located
+    assert "" not in loop().table().heads  # of the column for events that are not located

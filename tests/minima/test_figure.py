@@ -41,9 +41,17 @@ def searched(name):
     return o.find_minima(SCENES[name], max_starts=64)
 
 
+class Results:
+    """Of the scenes, each searched when it is asked for."""
+
+    def __getitem__(self, name):
+        scene = SCENES[name]
+        return panel_result(scene) if scene in PANELS else searched(name)
+
+
 @pytest.fixture(scope="module")
 def results():
-    return {name: panel_result(s) if s in PANELS else searched(name) for name, s in SCENES.items()}
+    return Results()
 
 
 def texts(figure):

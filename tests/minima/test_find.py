@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 
 import numpy as np
 import pytest
@@ -179,3 +180,17 @@ def test_a_search_stopped_by_its_cap_says_so():
     result = find_minima(examples.degree6("pi/3", 1), max_starts=5, prove=False)
     assert result.search.stopped_by == "cap" and result.search.starts == 5
     assert "cap" in str(result)
+
+
+def test_a_search_ended_by_time_says_so():
+    """A vertex of degree eight in contact takes ten seconds and more."""
+    scene = Scene(Vertex.from_degrees([45.0] * 8), [1.0] * 8, [-3.0] * 8, "none", "full")
+    begin = time.process_time()
+    result = find_minima(scene, prove=False, seconds=0.3)
+    assert time.process_time() - begin < 3
+    assert result.search.stopped_by == "time" and result.flags.search_stopped_early
+    assert "ended for time" in str(result) and "drawn starts found no other" not in str(result)
+    assert (
+        find_minima(examples.degree6("pi/3", 1), seconds=60.0, prove=False).search.stopped_by
+        == "rule"
+    )

@@ -15,6 +15,7 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.minima.find import Rejected
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.programme import Model
+from tests.independent.rotations import about
 
 
 def sectors_of(parts: list[int]) -> tuple[float, ...]:
@@ -30,12 +31,6 @@ def test_a_report_says_what_was_made_exact() -> None:
     data = result.to_dict()
     assert data["model"]["geometry"]["made_exact"] and data["search"]["undecided"] == []
     assert MinimaResult.from_dict(data).to_dict() == data
-
-
-def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
 @pytest.mark.parametrize(
@@ -59,7 +54,7 @@ def test_hinge_sets_hold_the_lowest_states_along_them(parts: tuple[int, ...]) ->
     def misses(phi: np.ndarray) -> float:
         product = np.eye(3)
         for b, angle in zip(vertex.creases, phi, strict=True):
-            product = product @ rotation(b, angle)
+            product = product @ about(b, angle)
         return float(np.abs(product - np.eye(3)).max())
 
     moved = 0

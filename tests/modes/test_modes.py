@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,13 +15,21 @@ from tests.command_line import run
 from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
-RESULT = find_minima(SCENE, max_starts=32, prove=False)
-MODES = find_modes(RESULT)
+
+
+@cache
+def minima():
+    return find_minima(SCENE, max_starts=32, prove=False)
+
+
+@cache
+def modes():
+    return find_modes(minima())
 
 
 def test_blocks_are_those_of_the_full_spectrum_and_do_not_couple():
     model = Model(full_scene(SCENE))
-    for state in MODES.states:
+    for state in modes().states:
         full, breaking = hessian_spectra(State(model, state.minimum.fold_angles), SCENE)
         assert state.eigenvalues() == pytest.approx(full, rel=1e-12)
         assert state.eigenvalues("breaking") == pytest.approx(breaking, rel=1e-12)
@@ -34,7 +43,7 @@ def test_blocks_are_those_of_the_full_spectrum_and_do_not_couple():
 
 
 def test_the_energy_starts_as_the_eigenvalue_says_and_every_point_closes():
-    for mode in (m for s in MODES.states for m in s.modes):
+    for mode in (m for s in modes().states for m in s.modes):
         g, at = mode.along, int(np.flatnonzero(mode.along.s == 0)[0])
         h = g.s[at + 1]
         second = (g.rise[at + 1] + g.rise[at - 1] - 2 * g.rise[at]) / h**2
@@ -47,7 +56,7 @@ def test_the_energy_starts_as_the_eigenvalue_says_and_every_point_closes():
 
 def test_ends_touch_and_go_no_further():
     model = Model(full_scene(SCENE))
-    for mode in (m for s in MODES.states for m in s.modes):
+    for mode in (m for s in modes().states for m in s.modes):
         for k, end in ((0, mode.along.ends[0]), (-1, mode.along.ends[1])):
             assert end.contacts and end.opening <= 1e-8
             beyond = mode.along.states[k] + 1e-6 * np.sign(mode.along.states[k])
@@ -56,7 +65,7 @@ def test_ends_touch_and_go_no_further():
 
 
 def test_a_mode_that_breaks_the_mirror_is_the_same_both_ways():
-    for mode in (m for s in MODES.states for m in s.modes if m.block == "breaking"):
+    for mode in (m for s in modes().states for m in s.modes if m.block == "breaking"):
         low, high = mode.along.ends
         assert -low.s == pytest.approx(high.s, rel=1e-10)
         assert low.rise == pytest.approx(high.rise, rel=1e-10)
@@ -64,8 +73,8 @@ def test_a_mode_that_breaks_the_mirror_is_the_same_both_ways():
 
 def test_distances_converge_with_the_square_of_the_step():
     model = Model(full_scene(SCENE))
-    held = State(model, RESULT.minima[1].fold_angles).on()
-    direction = MODES.states[1].modes[-1].direction
+    held = State(model, minima().minima[1].fold_angles).on()
+    direction = modes().states[1].modes[-1].direction
     s = [geodesic(held, direction, 0.02 * q).ends[1].s for q in (4, 2, 1)]
     assert (s[0] - s[1]) / (s[1] - s[2]) == pytest.approx(4, rel=0.2)
     assert abs(s[1] - s[2]) < 2e-5
@@ -96,6 +105,6 @@ def test_the_command_writes_numbers_and_a_figure(tmp_path):
     (state,) = data["states"]
     assert data["schema"] == "origami-nlp/modes/1" and state["state"] == 2
     values = [m["eigenvalue"] for m in state["modes"] if m["block"] == "symmetric"]
-    assert values == pytest.approx(MODES.states[1].eigenvalues("symmetric"), rel=1e-9)
-    assert len(draw(MODES, figure).axes) == 4 and figure.stat().st_size > 10_000
-    assert "held closed" not in str(MODES) and "#2.3" in str(MODES)
+    assert values == pytest.approx(modes().states[1].eigenvalues("symmetric"), rel=1e-9)
+    assert len(draw(modes(), figure).axes) == 4 and figure.stat().st_size > 10_000
+    assert "held closed" not in str(modes()) and "#2.3" in str(modes())

@@ -1,6 +1,7 @@
 """The paper's appendix-A test against the exact verdicts: equal where the state is regular and free of contact."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from origami_nlp.kkt import State as StateOf, classify, distance_from_stationary
 from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.paper import STEPS, appendix_a
-from origami_nlp.paper.baseline import EPS_GRADIENT, crease_matrix
+from origami_nlp.paper.baseline import EPS_GRADIENT, Baseline, crease_matrix
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
 from tests.computed_once import panel_result
@@ -33,10 +34,15 @@ class State:
         """Whether some contact carries a moment, in any of its multiplier vectors."""
         return any(c.multiplier_range[1] > 1e-12 for c in self.minimum.contacts)
 
-    @property
+    @cached_property
     def regular(self) -> bool:
         creases, _ = fold_vertex(self.scene.vertex, self.phi)
         return bool(np.linalg.svd(creases)[1][2] > 1e-6)
+
+    @cached_property
+    def paper(self) -> Baseline:
+        """What the paper's test says, with its own settings."""
+        return appendix_a(self.scene, self.phi)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +58,7 @@ def test_agrees_where_contact_is_inactive_and_the_state_regular(states: list[Sta
     free = [s for s in states if not s.minimum.contacts and s.regular]
     assert len(free) >= 18  # at least one a panel on average: the comparison is no empty statement
     for s in free:
-        paper = appendix_a(s.scene, s.phi)
+        paper = s.paper
         assert paper.robust
         assert (paper.verdict == "strict minimum") == (s.full.verdict == "stable"), s.scene.name
 
@@ -62,7 +68,7 @@ def test_every_disagreement_is_a_loaded_contact_or_a_rank_deficient_state(
 ) -> None:
     disagree = []
     for s in states:
-        paper = appendix_a(s.scene, s.phi)
+        paper = s.paper
         if (paper.verdict == "strict minimum") != (s.full.verdict == "stable"):
             disagree.append(s)
             assert s.loaded or not s.regular, s.scene.name
@@ -76,7 +82,7 @@ def test_gradient_is_the_torque_that_contacts_balance(states: list[State]) -> No
         if not (s.loaded and s.regular):
             continue
         seen += 1
-        paper = appendix_a(s.scene, s.phi)
+        paper = s.paper
         without_contact = distance_from_stationary(StateOf(Model(full_scene(s.scene)), s.phi, -1.0))
         assert paper.steps[0].gradient == pytest.approx(without_contact, rel=1e-5)
         # with the contact moments the very same state is stationary to rounding
@@ -86,11 +92,7 @@ def test_gradient_is_the_torque_that_contacts_balance(states: list[State]) -> No
 
 
 def test_loose_tolerance_accepts_states_that_only_contact_holds(states: list[State]) -> None:
-    accepted = [
-        s
-        for s in states
-        if s.loaded and s.regular and appendix_a(s.scene, s.phi).verdict == "strict minimum"
-    ]
+    accepted = [s for s in states if s.loaded and s.regular and s.paper.verdict == "strict minimum"]
     for s in accepted:  # the torque is real: a tighter eps_g rejects them
         tight = appendix_a(s.scene, s.phi, eps_gradient=1e-5)
         assert tight.verdict == "not stationary"
@@ -104,7 +106,7 @@ def test_eigenvalues_match_the_exact_hessian(states: list[State]) -> None:
         if s.minimum.contacts or not s.regular:
             continue
         exact = np.array(s.full.hessian_eigenvalues)
-        for step in appendix_a(s.scene, s.phi).steps:
+        for step in s.paper.steps:
             error = np.abs(np.array(step.eigenvalues) - exact).max() / np.abs(exact).max()
             worst = max(worst, float(error))
     assert 0 < worst < EXACT_TO

@@ -43,10 +43,7 @@ def assert_holds(form, value, xi):
     assert (abs(miss) <= np.vectorize(mpf)(form.error)).all()
 
 
-@pytest.fixture(autouse=True)
-def fifty_digits():
-    with mp.workdps(50):
-        yield
+pytestmark = pytest.mark.usefixtures("fifty_digits")
 
 
 def draws(rng, d):

@@ -25,10 +25,7 @@ def quaternion(axis, angle):
     return [c, s * axis[0], s * axis[1], mpf(0)]
 
 
-@pytest.fixture(autouse=True)
-def fifty_digits():
-    with mp.workdps(50):
-        yield
+pytestmark = pytest.mark.usefixtures("fifty_digits")
 
 
 @pytest.mark.parametrize("n", thinned([5, 4, 6, 7], 2))

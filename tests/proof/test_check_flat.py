@@ -14,11 +14,7 @@ from tests.independent.rotations import project
 from tests.proof.balls import at, exactly, scene, sheet_of
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
 
-
-@pytest.fixture(autouse=True)
-def _bits():
-    with ctx.workprec(64):
-        yield
+pytestmark = pytest.mark.usefixtures("bits_64")
 
 
 @pytest.mark.parametrize("degree", [4, 5, 6])

@@ -16,10 +16,7 @@ from tests.proof.chains_mp import axes, mp, mpf, quaternion
 UP = math.nextafter(math.pi, 4)
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    with ctx.workprec(64):
-        yield
+pytestmark = pytest.mark.usefixtures("bits_64")
 
 
 def random_box(rng, degree):

@@ -33,10 +33,7 @@ WIDE = math.pi / 2 - 0.1  # 0.5 - 0.4 + WIDE is a quarter turn
 ACROSS = (1.0, 0.4, WIDE, 2 * math.pi - 1.8 - 2 * WIDE, WIDE, 0.4)
 
 
-@pytest.fixture(autouse=True)
-def _bits():
-    with ctx.workprec(64):
-        yield
+pytestmark = pytest.mark.usefixtures("bits_64")
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -35,10 +35,7 @@ from tests.proof.fifty_digits import (
 NOTHING = Proof((), (), (), 0, 0.0, True, "", 0.0, None, None)
 
 
-@pytest.fixture(autouse=True)
-def fifty_digits():
-    with mp.workdps(50):
-        yield
+pytestmark = pytest.mark.usefixtures("fifty_digits")
 
 
 def uneven(number: int) -> Scene:

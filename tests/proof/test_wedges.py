@@ -34,10 +34,7 @@ SCENES = {
 }
 
 
-@pytest.fixture(autouse=True)
-def fifty_digits():
-    with mp.workdps(50):
-        yield
+pytestmark = pytest.mark.usefixtures("fifty_digits")
 
 
 def exact_piece(posed, angles):

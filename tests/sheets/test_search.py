@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +15,11 @@ from origami_nlp.facets import Sheet
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import (
     Clearance,
+    SheetResult,
     find_states,
     follow_curve,
     interpolate,
+    judge,
     list_branches,
     list_flat_folded,
     tangents,
@@ -150,3 +153,35 @@ def test_one_facet_has_nothing_to_fold():
     alone = make_pattern(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), [(0, 1, 2)])
     with pytest.raises(o.OrigamiError, match="no crease"):
         find_states(alone, starts=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "part"),
+    [
+        ("resch", (), "random starts"),
+        ("degree8", (), "the search for single vertices"),
+        ("miura", (3, 3), "ways out of flat-folded states"),
+        ("miura", (8, 8), "ways out of the flat state"),
+    ],
+)
+def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
+    """Each of them takes several seconds to its end, most of them tens."""
+    pattern = examples.pattern(name, *size).with_springs(1.0, 1.0)
+    seconds, begin = 0.4, time.process_time()
+    found = find_states(pattern, seconds=seconds)
+    assert time.process_time() - begin < 2 * seconds + 2
+    assert part in found.search.left_out
+    said = str(found)
+    assert "ended for time, not through with" in said and "sampled, not exhausted" in said
+    assert "every well" not in said and "and the ways out of each" not in said
+    for state in found.states:  # what was found is whole
+        again = judge(Sheet(pattern), state.fold_angles)
+        assert (again.verdict, again.kind) == (state.verdict, state.kind)
+    assert SheetResult.from_dict(found.to_dict()).search == found.search
+
+
+def test_a_search_that_has_time_leaves_nothing_out():
+    found = find_states(strip(3), starts=1, contact=False, seconds=60.0)
+    assert not found.search.left_out and "ended for time" not in str(found)
+    nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
+    assert not nothing.states and "starts that the pattern gives" in nothing.search.left_out

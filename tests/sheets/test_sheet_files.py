@@ -3,6 +3,7 @@
 import json
 import math
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -140,6 +141,22 @@ def test_a_page_has_every_facet_and_both_sides_of_each_crease():
         along = x[crease.end] - x[crease.start]
         turn = np.cross(*normals) @ along / np.linalg.norm(along)
         assert math.atan2(turn, normals[0] @ normals[1]) == pytest.approx(angle, abs=1e-12)
+
+
+def test_states_and_motions_are_drawn_and_turned(tmp_path):
+    found, motion = o.find_states("metasheet:2x2", starts=0), o.find_motion("metasheet:2x2")
+    assert len(found.draw().axes) == len(found.minima) > 1
+    shown, moving = found.turned(), motion.turned()
+    assert [s.title for s in shown.stations] == [
+        f"state {k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
+    ]
+    assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.phi)
+    found.view().save(tmp_path / "a.html")
+    assert (tmp_path / "a.html").stat().st_size > 1e6
+    nothing = replace(found, states=())
+    for show in (nothing.draw, nothing.view):
+        with pytest.raises(o.OrigamiError, match="no stable state was found"):
+            show()
 
 
 @pytest.mark.parametrize("sign", [1, -1])

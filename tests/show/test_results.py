@@ -51,7 +51,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "Modes": (None, True, True, True),
-    "SheetResult": (lambda r: len(r.minima), False, True, True),
+    "SheetResult": (lambda r: len(r.minima), True, True, True),
     "Overview": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.phi), True, True, True),
     "SheetLoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
@@ -140,14 +140,29 @@ def test_saved_and_read_back(kind, tmp_path):
         return
     for again in (o.load(path), type(found).load(path)):
         assert type(again) is type(found) and again.to_dict() == found.to_dict()
-        if KINDS[kind][1]:
-            assert again.draw().axes
+    if KINDS[kind][1]:
+        assert again.draw().axes
     other = "CriticalPoints" if kind == "MinimaResult" else "MinimaResult"
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)
     path.write_text("{")
     with pytest.raises(o.OrigamiError, match="no JSON"):
         type(found).load(path)
+
+
+@pytest.mark.parametrize("kind", [kind for kind, (*_, is_read) in KINDS.items() if is_read])
+def test_what_is_not_whole_is_refused_in_one_line(kind):
+    found = results()[kind]
+    data, refused = found.to_dict(), set()
+    for key in data:
+        try:
+            type(found).from_dict({k: v for k, v in data.items() if k != key})
+        except o.OrigamiError as error:
+            assert "\n" not in str(error)
+            refused.add(key)
+    assert len(refused) > 2  # some may be missing
+    with pytest.raises(o.OrigamiError, match="schema"):
+        type(found).from_dict([])
 
 
 def test_functions_take_results_only(tmp_path):
