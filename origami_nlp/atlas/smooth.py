@@ -8,6 +8,7 @@ import numpy as np
 
 from origami_nlp.atlas.boundary import EventCurve
 from origami_nlp.atlas.family import Over
+from origami_nlp.numerics import ROUNDED
 
 CORNER = 0.4
 """Turns between points [rad] beyond which a curve has a cusp or a corner there: its own steps turn by less."""
@@ -28,7 +29,7 @@ def smooth(curve: EventCurve, overs: tuple[Over, Over]) -> np.ndarray:
     Returns
     -------
     numpy.ndarray
-        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; all points of the curve among them.
+        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; its points are among them.
 
     Examples
     --------
@@ -39,13 +40,14 @@ def smooth(curve: EventCurve, overs: tuple[Over, Over]) -> np.ndarray:
     >>> smooth(curve, (parse_over("torque[1]=0:1"), parse_over("torque[2]=0:1"))).shape
     (37, 2)
     """
-    from scipy.interpolate import Akima1DInterpolator
+    from scipy.interpolate import CubicSpline
 
     s = np.array([[o.s_of(t) for o, t in zip(overs, p.t, strict=True)] for p in curve.points])
-    s = s[np.append(True, (np.diff(s, axis=0) != 0).any(axis=1))]
+    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in overs])
+    apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
+    s = s[np.append(True, apart > ROUNDED)]
     if len(s) < 3:
         return s
-    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in overs])
     chords = np.diff(s / size, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
     along = chords / lengths[:, None]
@@ -60,6 +62,6 @@ def smooth(curve: EventCurve, overs: tuple[Over, Over]) -> np.ndarray:
         places = np.concatenate(
             [np.linspace(at[k], at[k + 1], BETWEEN + 1)[1:] for k in range(a, b)]
         )
-        joined = Akima1DInterpolator(at[a : b + 1], s[a : b + 1], method="makima")
+        joined = CubicSpline(at[a : b + 1], s[a : b + 1])
         out.append(joined(places))
     return np.concatenate(out)

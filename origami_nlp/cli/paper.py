@@ -103,7 +103,8 @@ def reproduce(
         drawn = FIGURES[name](name, seed, report)
     drawn.tell(output.console)
     for target in targets:
-        save_figure(drawn.figure, target, 200)
+        # what is an image in a vector file is smooth: the figure's own dots are enough
+        save_figure(drawn.figure, target, "figure" if str(target).endswith(".pdf") else 200)
     output.written(*targets)
 
 

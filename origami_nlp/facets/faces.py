@@ -113,6 +113,7 @@ class Faces:
     def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._sheet, self._phi = sheet, phi
+        self._told: dict[int, list[Touch]] = {}
         self._stack, self._orders = Stack(sheet.crossings, phi), Orders(0, ())
         if not len(self._stack.pairs):
             return
@@ -169,6 +170,23 @@ class Faces:
     def _at(self) -> Placed:
         return Placed(self._sheet.crossings.poses, self._phi)
 
+    def reach(self) -> float:
+        """Return how far facets reach into each other, over the sheet's size: the rest of a state that is not exact.
+
+        Returns
+        -------
+        float
+            Of gaps at corners of overlaps the least, to the side that suits a pair best where it may lie either way;
+            not negative where nothing does.
+        """
+        size = self._sheet.crossings.size
+
+        def least(pair: int, above: bool) -> float:
+            return min(t.gap(self._at) for t in self.touches(pair, above)) / size
+
+        known = [least(k, above) for k, above in self.known]
+        return min([*known, *(max(least(k, False), least(k, True)) for k in self.open), 0.0])
+
     def touches(self, pair: int, above: bool) -> tuple[Touch, ...]:
         """Return the gaps of a pair that stay open where its first piece is above, or below.
 
@@ -185,7 +203,9 @@ class Faces:
             One at each corner of the overlap: a corner inside the other facet, two sides that cross inside each other,
             and else `Lying`.
         """
-        return tuple(t if above else replace(t, sign=-t.sign) for t in self._above(pair))
+        if pair not in self._told:
+            self._told[pair] = self._above(pair)
+        return tuple(t if above else replace(t, sign=-t.sign) for t in self._told[pair])
 
     def _above(self, pair: int) -> list[Touch]:
         """Return the gaps of a pair whose first piece is above."""
@@ -214,19 +234,14 @@ class Faces:
             if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
                 kept.append((x, feature))
         turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
-        middle = _point((np.mean([x for x, _ in kept], axis=0) - shift) @ turn)
+        # points of the first piece, also where the other one is not quite in its plane
+        points = [x - ((x - one.x[0]) @ one.way) * one.way for x, _ in kept]
+        middle = _point((np.mean(points, axis=0) - shift) @ turn)
         corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
+        facets = other.facet, one.facet
         return [
-            feature
-            or Lying(
-                "face-face",
-                (other.facet, one.facet),
-                corners,
-                sign,
-                _point((x - shift) @ turn),
-                middle,
-            )
-            for x, feature in kept
+            feature or Lying("face-face", facets, corners, sign, _point((x - shift) @ turn), middle)
+            for x, (_, feature) in zip(points, kept, strict=True)
         ]
 
 

@@ -131,8 +131,8 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)
     width, height = 7.2, 7.6
-    side, bar, left, top = 1.78, 0.07, 0.7, 0.52
-    step_x, step_y = 2.18, 2.15
+    side, bar, left, top = 1.74, 0.07, 0.68, 0.58
+    step_x, step_y = 2.15, 2.13
     figure = Figure(figsize=(width, height), dpi=150, facecolor="white")
 
     def box(x: float, y: float, w: float, h: float) -> Any:
@@ -152,7 +152,7 @@ def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
         if row == 0:
             title = r"$\alpha_1 = " + _formula(sheet.alphas[column]) + "$"
             axes.text(
-                0.5, 1.1, title, transform=axes.transAxes, fontsize=10, ha="center", va="bottom"
+                0.5, 1.16, title, transform=axes.transAxes, fontsize=10, ha="center", va="bottom"
             )
         if column == 0:
             power = f"{sheet.ratios[row]:g}"

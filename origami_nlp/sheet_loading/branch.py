@@ -25,7 +25,7 @@ from origami_nlp.sheet_loading.held import (
 )
 from origami_nlp.sheet_loading.touching import leaning, slid
 from origami_nlp.sheet_loading.work import Work
-from origami_nlp.sheets import closed_contacts
+from origami_nlp.sheets import closed_choices, closed_contacts
 
 STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3, most=2_000)
 """Such that curves look smooth; lengths are root mean squares over creases."""
@@ -38,6 +38,7 @@ AHEAD = 1e-2
 TRIAL = 1e-5
 """Step after which a direction must still be one of equilibria."""
 EVENT, STABLE = "event", "stable again"
+AT_BORDERS = "facets meet at borders there, where no single gap keeps them apart: such states are not followed"
 
 
 @dataclass(eq=False)
@@ -110,7 +111,8 @@ class Follower:
             point, along = np.append(phi, load), np.append(np.zeros(len(phi)), toward)
             curve = self.curve(self.closed(phi))
             state = LoadedState(point, along, curve.system(point), np.zeros(len(curve.held)))
-            why = "no equilibria go on from there over the load"
+            meets = self.sheet.size <= MOST_DENSE and closed_choices(self.sheet, phi)
+            why = AT_BORDERS if meets else "no equilibria go on from there over the load"
             branch.add(Found("singular", state, math.nan, why=why))
             return branch
         branch.states.append(first)
@@ -142,7 +144,8 @@ class Follower:
 
     def _again(self, branch: Branch, state: LoadedState) -> bool:
         """Tell whether a branch that was unstable is stable here."""
-        return state.index == 0 and any(s.index for s in branch.states)
+        at = {k for k, _ in branch.events}  # closure may lose rank there
+        return state.index == 0 and any(s.index for k, s in enumerate(branch.states) if k not in at)
 
     def _piece(self, branch: Branch) -> Found | None:
         """Follow the last state until what is held changes: the event there; None where the branch ends."""

@@ -26,7 +26,17 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.facets import Factor, Matrix, Normal, Sheet
-from origami_nlp.numerics import CLOSES, EPS, OUTSIDE, ROUNDED, SAME, STATIONARY, null_space
+from origami_nlp.numerics import (
+    CLOSES,
+    EPS,
+    INDEPENDENT,
+    OUTSIDE,
+    ROUNDED,
+    SAME,
+    STATIONARY,
+    null_space,
+    unbounded,
+)
 from origami_nlp.path import Tally
 from origami_nlp.sheet_loading.held import Contact, creases_of, touches_of, touching_rows
 from origami_nlp.sheet_loading.loaded import LoadedSheet
@@ -174,12 +184,23 @@ class System:
         whole[f], whole[-1] = d[:-1], d[-1]
         return whole, size * change
 
-    @cached_property
-    def eigenvalues(self) -> np.ndarray:
-        """Of the Hessian on what closure and contacts leave free, over the mean stiffness, ascending."""
-        z = self.sheet.kernel(self.phi, self.creases)
-        if self._rows.touches:
-            z = z @ null_space(self._rows.slopes @ z)
+    def eigenvalues(self, idle: np.ndarray) -> np.ndarray:
+        """Of the Hessian on what closure and contacts leave free, over the mean stiffness, ascending.
+
+        idle: contacts that carry nothing, of bool [r].  They hold nothing, unless forces on them can cancel each other:
+        such forces can be added, however small.
+        """
+        many, holding = len(self.creases), ~idle
+        if idle.any():
+            sides = np.zeros((many, len(self.phi)))
+            sides[np.arange(many), self.creases] = -np.sign(self.phi[self.creases])
+            columns = (np.vstack([sides, self._rows.slopes]) @ self.sheet.kernel(self.phi)).T
+            lengths = np.linalg.norm(columns, axis=0)
+            felt = lengths > INDEPENDENT
+            holding[felt] |= unbounded(columns[:, felt] / lengths[felt])
+        z = self.sheet.kernel(self.phi, np.array(self.creases, int)[holding[:many]])
+        if holding[many:].any():
+            z = z @ null_space(self._rows.slopes[holding[many:]] @ z)
         return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
 
 
@@ -236,16 +257,26 @@ class LoadedState:
         """Change of the load along the tangent."""
         return float(self.tangent[-1])
 
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Of the Hessian on what is left free, over the mean stiffness, ascending.
+
+        Contacts that carry nothing, and will not, hold nothing.
+        """
+        least = INDEPENDENT * self.system.size
+        idle = (np.abs(self.system.forces) <= least) & (np.abs(self.rates) <= least)
+        return self.system.eigenvalues(idle)
+
     @property
     def lowest(self) -> float:
         """Smallest eigenvalue over the mean stiffness; inf where nothing is left free."""
-        values = self.system.eigenvalues
+        values = self.eigenvalues
         return float(values[0]) if len(values) else math.inf
 
     @property
     def index(self) -> int:
         """Number of directions in which the energy falls."""
-        return int((self.system.eigenvalues < 0).sum())
+        return int((self.eigenvalues < 0).sum())
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.numerics import INDEPENDENT, OUTSIDE, TOUCHES
+from origami_nlp.numerics import INDEPENDENT, OUTSIDE, STATIONARY, TOUCHES
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState
 from origami_nlp.sheet_loading.events import (
     BISECTIONS,
@@ -29,6 +29,12 @@ def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, hi
     if end is not None:
         share = (end - a.x[-1]) / (b.x[-1] - a.x[-1])
         state = curve.where(a.x + share * (b.x - a.x), -1, end, a.tangent)
+        if (
+            state is None
+        ):  # where closure loses rank the load does not tell where, but the length does
+            near = root_between(curve, a, b, lambda f: float(f.x[-1]) - end)
+            good = near is not None and abs(near.x[-1] - end) <= STATIONARY * (1 + abs(end))
+            state = near if good else None
         found += [] if state is None else [Found("range", state)]
     found += _closings(curve, a, b)
     found += [*_leavings(curve, a, b), *sliding(curve, a, b)]
@@ -38,8 +44,7 @@ def first_event(curve: LoadCurve, a: LoadedState, b: LoadedState, low: float, hi
     touched = touching(curve, a, b if first is None else first.state)
     if touched is not None:
         return touched
-    assert first is not None
-    return first
+    return first or Found("lost", a, math.nan, why="what ends the curve was not found")
 
 
 def _leavings(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found]:

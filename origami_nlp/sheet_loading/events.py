@@ -25,6 +25,8 @@ from origami_nlp.sheet_loading.held import Contact
 
 BISECTIONS = 24
 """Of a step at whose end no single event could be located."""
+BEFORE = 0.999
+"""Share of a step at which is looked at what its end does not tell."""
 NEARLY = 1e-2
 """Creases this close to their limit are named where many shut at once [rad]."""
 
@@ -111,12 +113,16 @@ def inner_events(curve: LoadCurve, a: LoadedState, b: LoadedState) -> list[Found
             if state is None
             else Found("fold", state, state.ahead)
         )
+    if len(a.eigenvalues) != len(
+        b.eigenvalues
+    ):  # closure loses rank at the end: what is free is not
+        b = curve.beside(a, BEFORE * length(curve, a, b)) or a
     # where the load turns, one eigenvalue passes zero that is the fold's own
     crossing = range(min(a.index, b.index), max(a.index, b.index))
     for k in crossing[1:] if turns else crossing:
 
         def eigenvalue(f: LoadedState, k: int = k) -> float:
-            return float(f.system.eigenvalues[k])
+            return float(f.eigenvalues[k])
 
         state = root_between(curve, a, b, eigenvalue)
         if state is None:

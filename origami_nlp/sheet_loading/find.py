@@ -12,9 +12,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.loading import Confirmed, Leg, LoadPoint, Snap
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import SAME, SETTLED
 from origami_nlp.path import Steps
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheet_loading.branch import STEPS, Branch, Follower
@@ -121,6 +121,12 @@ def find_load_path(
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
     number, begun = _state(pattern, state, search)
+    if isinstance(work, Pull) and work.conjugate(begun.fold_angles) <= SAME * work.arm:
+        a, b = work.corners
+        raise OptionError(
+            f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from one to "
+            "the other"
+        )
     job = _Job(pattern, work, min(0.0, *ends), max(0.0, *ends), steps or STEPS)
     for end in ends:
         arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")
@@ -241,11 +247,10 @@ class _Job:
         """Descend from the end of a way, a little beyond its load."""
         at = float(event.state.x[-1])
         why = "no lower state was reached"
-        begun: np.ndarray | None = event.state.phi
-        if (
-            event.type == "slides"
-        ):  # where the facet ends there are lower states beside it, unless others hold it
-            begun = pieces_at(event.state.system.sheet, event.state.phi).lower
+        phi, touching = event.state.phi, bool(touches_of(event.state.held))
+        begun: np.ndarray | None = phi
+        if event.type == "slides":  # lower states are beside where a facet ends, unless others hold
+            begun = pieces_at(event.state.system.sheet, phi).lower
         if begun is None:
             return None
         for share in OVER:
@@ -253,9 +258,13 @@ class _Job:
                 abs(at), 1e-3 * (self.follower.high - self.follower.low)
             )
             loaded = LoadedSheet(self.sheet, self.work, load * self.sheet.scale)
-            end = self._down(loaded, begun, bool(touches_of(event.state.held)))
-            if np.abs(end.phi - event.state.phi).max() <= 10 * share:
-                continue
+            end = self._down(loaded, begun, touching)
+            if np.abs(end.phi - phi).max() <= 10 * share:
+                # of equilibria that stay ones no torque leads away
+                lower = pieces_at(loaded, phi).lower if self.sheet.size <= MOST_DENSE else None
+                end = end if lower is None else press(loaded, lower)
+                if np.abs(end.phi - phi).max() <= 10 * share:
+                    continue
             if not end.arrived:
                 flat = "beside the flat state" if np.abs(end.phi).max() < FLAT else end.why
                 why = f"the descent does not come to rest, {flat}"
@@ -318,6 +327,8 @@ class _Job:
         after = self._at(landed, fall.load, float(at.x[-1]))
         phi = landed.fold_angles if after is None else after.phi
         loaded = at.system.sheet
+        if after is None:  # it begins there: both are compared at the load at which it was let go
+            loaded = LoadedSheet(self.sheet, self.work, fall.load * self.sheet.scale)
         return Snap(
             packed.number[id(event)],
             at.t,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.loading import LoadedPath, read_path
+from origami_nlp.numerics import TYPED
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheet_loading.work import DeadForce, Pull, Torque, Work
 
@@ -61,6 +62,15 @@ class SheetLoadPath(LoadedPath):
     def label(self) -> str:
         """What is loaded."""
         return self.pattern.name or "pattern"
+
+    def _more(self) -> Iterator[str]:
+        for number, leg in enumerate(self.legs, start=1):
+            at = [p.angle for p in leg.points]
+            if len(at) > 1 and max(at) - min(at) <= TYPED * self.driver.arm:
+                yield (
+                    f"leg {number}: the load does no work, what it works on stays as it is ({self.driver.coordinate}: "
+                    f"{at[0]:.6g}); no motion that is free there changes it to first order"
+                )
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Touch
-from origami_nlp.numerics import BESIDE, SETTLED, STATIONARY
+from origami_nlp.numerics import BESIDE, ROUNDED, SETTLED, STATIONARY
 from origami_nlp.sheet_loading.curve import LoadCurve, LoadedState, System
 from origami_nlp.sheet_loading.events import Found, admissible, length, root_between
 from origami_nlp.sheet_loading.held import margin, ordered, touches_of, without, words
@@ -136,7 +136,7 @@ def _closed(
     def gap(state: LoadedState) -> float:
         return touch.gap(Placed(crossings.poses, state.phi)) / crossings.size
 
-    if not gap(last) < 0 < gap(first):
+    if not gap(last) < -ROUNDED < ROUNDED < gap(first):  # gaps that others keep closed are rounding
         return None
     near = root_between(curve, first, last, gap)
     if near is None:

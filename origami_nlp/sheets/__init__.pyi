@@ -38,7 +38,7 @@ from .interpolant import (
     interpolate as interpolate,
     wells as wells,
 )
-from .judgement import judge as judge
+from .judgement import judge as judge, singular_beside as singular_beside
 from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion

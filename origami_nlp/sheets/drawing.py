@@ -102,19 +102,18 @@ def draw_sheet(
     shape = np.maximum(1, np.ceil((high - low + 0.03 * size) / size * PIXELS)).astype(int)
     step = size / PIXELS
     tinted = np.isin(crossings.facet, touching)
-    # drawn apart, so that of layers in one plane the nearest is seen, with its own creases
-    lifts = 1.5 * BEFORE * size * _layers(pattern, phi, [c @ view.T for c in corners])
-    seen[..., 2] += lifts[crossings.polygon][:, None]
-    picture, nearest = _paint(seen, tinted, low, step, shape)
+    above = _layers(pattern, phi, [c @ view.T for c in corners])
+    picture, nearest, first = _paint(seen, crossings.polygon, above, tinted, low, step, shape)
     right, top = low + step * shape
     axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
-    lines, looks = _lines(pattern, [c @ view.T for c in corners], phi, lifts)
-    for line, (colour, width, dashed) in zip(lines, looks, strict=True):
-        for part in _visible(line, nearest, low, step, size, dashed):
+    lines, looks, owners = _lines(pattern, [c @ view.T for c in corners], phi)
+    for line, (colour, width, dashed), own in zip(lines, looks, owners, strict=True):
+        hidden = np.logical_and.reduce(above[:, own], axis=1)[first]
+        for part in _visible(line, np.where(hidden, np.inf, nearest), low, step, size, dashed):
             axes.plot(*part.T, color=colour, lw=width, solid_capstyle="butt", zorder=3)
     for f in named:
-        own = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
-        x, y, _ = view @ np.concatenate(own).mean(axis=0)
+        parts = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
+        x, y, _ = view @ np.concatenate(parts).mean(axis=0)
         around = [withStroke(linewidth=2.5, foreground="white")]
         axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
     mark_touches(axes, view, touch_places(pattern, phi, contacts), contacts)
@@ -145,12 +144,20 @@ def sheet_view(polygons: list[np.ndarray]) -> np.ndarray:
 
 
 def _paint(
-    pieces: np.ndarray, tinted: np.ndarray, low: np.ndarray, step: float, shape: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Paint convex pieces [P, q, 3], some tinted [P]: RGBA [y, x, 4], and the depth of what is nearest [y, x]."""
+    pieces: np.ndarray,
+    polygon: np.ndarray,
+    above: np.ndarray,
+    tinted: np.ndarray,
+    low: np.ndarray,
+    step: float,
+    shape: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Paint convex pieces [P, q, 3] of polygons [P], some tinted [P]: RGBA [y, x, 4], depth and polygon seen [y, x]."""
     picture = np.zeros((shape[1], shape[0], 4), np.float32)
     nearest = np.full((shape[1], shape[0]), -np.inf, np.float32)
-    for x, tint in zip(pieces, tinted, strict=True):
+    top = np.full((shape[1], shape[0]), -1)
+    near = LAYER * step * PIXELS
+    for x, own, tint in zip(pieces, polygon, tinted, strict=True):
         normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
         normal /= np.linalg.norm(normal)
         if abs(normal[2]) < 1e-3:
@@ -165,41 +172,33 @@ def _paint(
             inside &= turn * ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) >= 0
         depth = x[0, 2] - (normal[0] * (px - x[0, 0]) + normal[1] * (py - x[0, 1])) / normal[2]
         part = slice(first[1], last[1]), slice(first[0], last[0])
-        front = inside & (depth > nearest[part] + LAYER * step * PIXELS)
-        nearest[part][front] = depth[front]
+        on = above[own, top[part]] & (depth > nearest[part] - near)
+        front = inside & (on | (depth > nearest[part] + near))
+        nearest[part][front], top[part][front] = depth[front], own
         towards = normal if normal[2] > 0 else -normal
         shade = 0.62 + 0.38 * max(0.0, float(towards @ LIGHT))
         paper = np.array(to_rgb(UPPER if normal[2] > 0 else LOWER))
         paper = (1 - TINT * tint) * paper + TINT * tint * np.array(to_rgb(PUSHES))
         colour = np.minimum(1.0, shade * paper)
         picture[part][front] = (*colour, 1.0)
-    return picture, nearest
+    return picture, nearest, top
 
 
 def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
-    """Count the layers behind each polygon [q, 3], as seen, [P]; none where no order of layers is known."""
-    behind = np.zeros(len(corners))
+    """Tell which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
+    above = np.zeros((len(corners) + 1, len(corners)), bool)
     if not (math.pi - np.abs(phi) <= CLOSES).any() or len(corners) > MOST_ORDERED:
-        return behind
+        return above
     towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
-    orders = order_layers(Sheet(pattern), phi).orders
-    pairs = [(f, g) if s * towards[g] > 0 else (g, f) for f, g, s in orders]
-    for _ in corners:
-        before = behind.copy()
-        for near, far in pairs:
-            behind[near] = max(behind[near], behind[far] + 1)
-        if (behind == before).all():
-            return behind
-    return np.zeros(len(corners))  # each on the next, round in a ring
+    for f, g, s in order_layers(Sheet(pattern), phi).orders:
+        above[(f, g) if s * towards[g] > 0 else (g, f)] = True
+    return above
 
 
 def _lines(
-    pattern: Pattern, corners: list[np.ndarray], phi: np.ndarray, lifts: np.ndarray
-) -> tuple[list[np.ndarray], list[tuple[Any, float, bool]]]:
-    """Return borders and creases [2, 3], each with its colour, its width and whether it is dashed.
-
-    A crease is as high as the higher of its polygons is lifted, [P].
-    """
+    pattern: Pattern, corners: list[np.ndarray], phi: np.ndarray
+) -> tuple[list[np.ndarray], list[tuple[Any, float, bool]], list[list[int]]]:
+    """Return borders and creases [2, 3], each with its colour, its width, whether it is dashed, and its polygons."""
     crease = {tuple(e): k for k, e in enumerate(pattern.ends.tolist())}
     number = dict.fromkeys(range(len(pattern.polygons)), 0)
     count: dict[tuple[int, int], int] = {}
@@ -209,19 +208,19 @@ def _lines(
             count[s] = count.get(s, 0) + 1
     lines, looks, done = [], [], set()
     scale = min(1.0, 12 / math.sqrt(max(len(number), 1)))
-    highest: dict[tuple[int, int], float] = {}
-    for p, lift in zip(pattern.polygons, lifts.tolist(), strict=True):
+    owners: dict[tuple[int, int], list[int]] = {}
+    for k, p in enumerate(pattern.polygons):
         for i, v in enumerate(p):
-            s = (min(p[i - 1], v), max(p[i - 1], v))
-            highest[s] = max(lift, highest.get(s, lift))
+            owners.setdefault((min(p[i - 1], v), max(p[i - 1], v)), []).append(k)
+    shown = []
     for p, x in zip(pattern.polygons, corners, strict=True):
         for i, v in enumerate(p):
             s = (min(p[i - 1], v), max(p[i - 1], v))
             if s in done or (s not in crease and count[s] > 1):
                 continue
             done.add(s)
-            up = np.array([0.0, 0.0, highest[s]])
-            lines.append(np.array([x[i - 1] + up, x[i] + up]))
+            lines.append(np.array([x[i - 1], x[i]]))
+            shown.append(owners[s])
             if s not in crease:
                 looks.append((BORDER, 1.3 * scale, False))
                 continue
@@ -231,7 +230,7 @@ def _lines(
                 continue
             width = (1.2 + 1.4 * abs(angle) / math.pi) * scale
             looks.append((MOUNTAIN if angle < 0 else VALLEY, width, angle > 0))
-    return lines, looks
+    return lines, looks, shown
 
 
 def _visible(

@@ -29,7 +29,7 @@ from origami_nlp.sheets.curves import Curves, Traced
 from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import judge
+from origami_nlp.sheets.judgement import judge, singular_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD
@@ -190,7 +190,8 @@ class _Search:
             self.tally.refused.append(end.why)
         else:
             why = f"not decided: pressed down to where {end.why}"
-            state = judge(self.sheet, end.phi)
+            beside = singular_beside(self.sheet, end.phi)
+            state = judge(self.sheet, end.phi if beside is None else beside)
             if state.verdict == "minimum":
                 self.add(state)
                 return

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Faces, Lying, Sheet, order_layers
-from origami_nlp.numerics import CLOSES, STATIONARY, nonnegative_least_squares
+from origami_nlp.facets import DEEP, MOST_DENSE, Faces, Lying, Sheet, order_layers
+from origami_nlp.numerics import BESIDE, CLOSES, STATIONARY, nonnegative_least_squares
 from origami_nlp.sheets.contacts import (
     Balance,
     balance,
@@ -32,7 +32,8 @@ from origami_nlp.sheets.contacts import (
     told_contacts,
 )
 from origami_nlp.sheets.curvature import lowest_curvature
-from origami_nlp.sheets.lower import lower_state
+from origami_nlp.sheets.descent import AT_LIMIT
+from origami_nlp.sheets.lower import NEAREST, lower_state
 from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
 from origami_nlp.sheets.rows import LOADED, Rows
 from origami_nlp.sheets.sharp import list_ways, slopes
@@ -87,13 +88,57 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
             blank, verdict="crosses", crossings=crossings, certificate=f"{many} through each other"
         )
     judged = _flat(sheet, blank, contact) if not phi.any() else _mechanics(sheet, blank, contact)
-    if judged.verdict != "minimum" or not contact:
+    if judged.verdict != "minimum":
+        return judged
+    if singular_beside(sheet, phi) is not None:
+        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
+        return replace(judged, verdict="undecided", kind=None, certificate=why)
+    if not contact:
         return judged
     layers = order_layers(sheet, phi)
     if layers.verdict == "ordered":
-        return judged
+        if layers.pairs <= int((np.abs(phi) > 0.5 * math.pi).sum()):  # at most those that are shut
+            return judged
+        reach = Faces(sheet, phi).reach()
+        if reach >= -DEEP:
+            return judged
+        why = f"not decided: facets face to face reach into each other by {-reach:.1e} of the sheet's size"
+        return replace(judged, verdict="undecided", kind=None, certificate=why)
     verdict: Verdict = "crosses" if layers.verdict == "crosses" else "undecided"
     return replace(judged, verdict=verdict, kind=None, certificate=layers.reason)
+
+
+def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
+    """Return the state at which creases are flat or shut that all but are, if closure loses rank there.
+
+    Beside such a state whatever obeys closure to first order closes to the square of the distance: to rounding.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        That state, [n]; None where there is none, or it is this one.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Sheet
+    >>> from origami_nlp.sheets import singular_beside
+    >>> sheet = Sheet(o.examples.pattern("miura", 2, 2))
+    >>> singular_beside(sheet, np.zeros(4)) is None, singular_beside(sheet, np.full(4, 1e-13)) is None
+    (True, True)
+    """
+    shut, flat = math.pi - np.abs(phi) < NEAREST, np.abs(phi) < NEAREST
+    near = np.where(shut, np.copysign(math.pi, phi), np.where(flat, 0.0, phi))
+    if np.abs(near - phi).max(initial=0.0) <= AT_LIMIT:
+        return None
+    near, residual = sheet.project(near, shut | flat)
+    lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
+    return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
 
 
 def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
@@ -161,6 +206,9 @@ def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
     if touching:
         assert z is not None
         faces, meeting = Faces(sheet, phi), closed_choices(sheet, phi)
+        if faces.reach() < -10 * CLOSES:
+            why = f"not decided: facets face to face reach into each other by {-faces.reach():.1e} of the sheet's size"
+            return replace(blank, verdict="undecided", certificate=why)
         pieces = judge_pieces(sheet, phi, rows, meeting, z, faces, ways)
         return _told(sheet, blank, pieces, faces.reason)
     rises, falling = (False, []) if ways is None else slopes(sheet, phi, ways)

@@ -18,8 +18,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets import Choice, Faces, Lying, Sheet, Touch, dense
-from origami_nlp.numerics import INDEPENDENT, STATIONARY, nearest_in_cone, unbounded
+from origami_nlp.facets import Choice, Faces, Lying, Placed, Sheet, Touch, dense
+from origami_nlp.numerics import CLOSES, INDEPENDENT, STATIONARY, nearest_in_cone, unbounded
 from origami_nlp.sheets.branches import Branches
 from origami_nlp.sheets.contacts import Balance, balance, closed_choices, closed_contacts
 from origami_nlp.sheets.curvature import curvature
@@ -285,21 +285,27 @@ class _Tree:
         self.known: list[Touch] = []
         either: dict[int, tuple[tuple[Touch, ...], tuple[Touch, ...]]] = {}
         if faces is not None:
-            either = {k: (faces.touches(k, False), faces.touches(k, True)) for k in faces.open}
-            self.known = [t for pair, above in faces.known for t in faces.touches(pair, above)]
+            place = Placed(sheet.crossings.poses, phi)
+
+            def closed(pair: int, above: bool) -> tuple[Touch, ...]:
+                every = faces.touches(pair, above)
+                return tuple(t for t in every if t.gap(place) <= CLOSES * sheet.crossings.size)
+
+            either = {k: (closed(k, False), closed(k, True)) for k in faces.open}
+            self.known = [t for pair, above in faces.known for t in closed(pair, above)]
         self.flat = {*self.known, *(t for both in either.values() for way in both for t in way)}
         every: list[Touch] = [t for choice in choices for t in choice]
         every += [t for both in either.values() for touches in both for t in touches]
         touches = list(dict.fromkeys(every))
-        place = {t: k for k, t in enumerate(touches)}
+        number = {t: k for k, t in enumerate(touches)}
         self.gaps = Rows.at(sheet, phi, np.zeros(0, int), touches)
         self.lengths = np.maximum(np.linalg.norm(self.gaps.slopes @ z, axis=1), INDEPENDENT)
         size = self.lengths.round(9)
         # in an order that numbers of corners do not change: choices passed alike differ in the lengths of slopes
-        self.columns = [sorted((place[t] for t in c), key=lambda k: size[k]) for c in choices]
+        self.columns = [sorted((number[t] for t in c), key=lambda k: size[k]) for c in choices]
         self.columns.sort(key=lambda c: [size[k] for k in c])
         self.either = {
-            k: tuple([place[t] for t in way] for way in both) for k, both in either.items()
+            k: tuple([number[t] for t in way] for way in both) for k, both in either.items()
         }
 
     def rows_of(self, gaps: tuple[int, ...], above: dict[int, bool]) -> list[int]:

@@ -128,6 +128,7 @@ class _Press:
                 continue
             slips += 1
             end = self._slip() if slips <= MOST_SLIPS else "held"
+            end = self._judged() if end == "held" else end
             if end != "lower":
                 return Descended(
                     self.phi, end == "still", step, "still" if end == "still" else UNTOLD

@@ -59,7 +59,7 @@ SPACES = {"in the symmetric space": False, "in the full space": True}
 UNSURE = {"facecolor": "white", "edgecolor": "#777777", "hatch": "////", "linewidth": 0.0}
 """What is not decided; all of the plane that is no region of known states."""
 LINES = {
-    "fold": ({"color": "#b2182b", "lw": 1.4}, "states meet (fold)"),
+    "fold": ({"color": "#b2182b", "lw": 1.4, "zorder": 2.5}, "states meet (fold)"),
     "flat": ({"color": "#2166ac", "lw": 1.4}, "states pass the flat one"),
     "": ({"color": "#222", "lw": 0.9}, "a contact closes or leaves"),
 }

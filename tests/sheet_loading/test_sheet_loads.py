@@ -191,8 +191,8 @@ def test_springs_take_up_the_work_of_the_load():
 
 
 def test_the_load_falls_back_to_zero_and_no_further():
-    pattern, start = folded_miura(3, 3)
-    path = o.find_load_path(pattern, Pull(pattern, (0, 15)), state=start, back=True)
+    pattern, start = folded_miura(2, 2)
+    path = o.find_load_path(pattern, Pull(pattern, (0, 8)), state=start, back=True)
     assert [leg.toward for leg in path.legs] == [-1, 1, 1, -1]
     assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
     for leg in path.legs[1::2]:
@@ -201,6 +201,7 @@ def test_the_load_falls_back_to_zero_and_no_further():
         assert all(p.t * leg.points[0].t >= 0 for p in leg.points)
 
 
+@pytest.mark.slow
 def test_the_load_falls_back_from_a_snap():
     """Of a vertex, followed by another program from the state that the snap lands on."""
     scene = o.examples.degree6("5*pi/12", ratio=1)
@@ -243,6 +244,62 @@ def test_derivatives_against_differences(make):
     assert np.abs(np.array(bend) - (0.0 if exact is None else exact)).max() < 1e-8
     loaded = LoadedSheet(Sheet(pattern), work, -3.0)
     assert loaded.energy(phi) > 0
+
+
+def folded_cross():
+    """One vertex with creases 90 degrees apart but one pair 60 and 120, folded flat, its springs at rest there."""
+    angles = np.radians([0.0, 60.0, 180.0, 300.0])
+    pattern = wheel(np.diff(np.r_[angles, 2 * math.pi]))
+    flat = math.pi * np.array([-1.0, 1.0, -1.0, -1.0])
+    pattern = pattern.with_springs(1.0, list(flat))
+    return pattern, judge(Sheet(pattern), flat)
+
+
+@pytest.mark.slow
+def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable():
+    """A pull that does no work to first order: the state stays one, and is no minimum from the branching on."""
+    pattern, start = folded_cross()
+    assert start.verdict == "minimum"
+    pull = Pull(pattern, (1, 3))
+    path = o.find_load_path(pattern, pull, state=start, confirm=False)
+    (event,) = path.events
+    assert event.type == "branching" and event.located and not path.alarms
+    assert "the load does no work" in str(path) and len(path.snaps) == 1
+    for share, verdict in ((0.999, "minimum"), (1.001, "not a minimum")):
+        under = LoadedSheet(Sheet(pattern), pull, event.t * share)
+        assert judge(under, start.fold_angles).verdict == verdict
+    under = LoadedSheet(Sheet(pattern), pull, event.t * 1.001)
+    after = np.array(path.snaps[0].after)
+    assert np.abs(after - start.fold_angles).max() > 0.01
+    assert under.energy(after) < under.energy(start.fold_angles)
+
+
+def test_vertices_that_lie_on_each_other_have_no_pull():
+    pattern, start = folded_cross()
+    x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
+    one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
+    with pytest.raises(OptionError, match="lie on each other"):
+        o.find_load_path(pattern, Pull(pattern, (one, two)), state=start)
+
+
+def test_a_load_that_does_no_work_is_told():
+    """A force across the only way in which its corner can move, found by differences along the law of the sheet."""
+    pattern, start = folded_miura(3, 3)
+    z = abs(start.fold_angles[np.abs(pattern.directions[:, 1]) > 1e-9][0])
+    axes, sides = [], np.eye(3)
+    for side in sides:
+        seen = DeadForce(pattern, 15, tuple(side), 5)
+        ends = [seen.conjugate(miura_angles(pattern, 3, z + h, GAMMA)) for h in (1e-5, -1e-5)]
+        axes.append(float(ends[0] - ends[1]) / 2e-5)
+    across = np.cross(axes, [1.0, 2.0, 3.0])
+    words = "the load does no work"
+    path = o.find_load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
+    assert (
+        words in str(path)
+        and np.abs(path.legs[0].points[-1].fold_angles - start.fold_angles).max() < 1e-8
+    )
+    path = o.find_load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
+    assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
 
 
 def test_a_pull_knows_no_facet_that_is_held():

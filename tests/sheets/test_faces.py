@@ -12,7 +12,7 @@ import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
 from origami_nlp.programme import vertices
-from origami_nlp.sheets import SheetContact, closed_contacts, judge, touch_places
+from origami_nlp.sheets import SheetContact, closed_contacts, judge, singular_beside, touch_places
 from tests.sheets.patterns import grid, miura, miura_angles, wheel
 
 
@@ -294,6 +294,31 @@ def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
                 assert min(*shares, 1 - shares.sum()) > -1e-9
                 lying += 1
     assert lying >= 4
+
+
+def test_what_is_beside_a_flat_folded_state_is_not_told_from_it():
+    """Anything that obeys closure to first order closes there to the square of its distance: no state to speak of."""
+    phi = math.pi * np.array([1.0, -1.0, -1.0, -1.0])
+    pattern = wheel([1.0, 1.2, math.pi - 1.0, math.pi - 1.2])
+    sheet = Sheet(pattern)
+    assert sheet.residual(phi) < 1e-15
+    z = sheet.kernel(phi)
+    inward = -np.sign(phi)
+    way = z @ (z.T @ inward)
+    near = phi + 1e-8 * way / np.abs(way).max()
+    assert sheet.residual(near) < 1e-14 and np.abs(near).max() < math.pi
+    state = judge(Sheet(pattern.with_springs(1.0, list(near))), near)
+    assert state.verdict == "undecided" and "not told from it" in state.certificate
+    assert np.array_equal(singular_beside(sheet, near), phi)
+    assert singular_beside(sheet, phi) is None
+
+
+def test_facets_that_reach_into_each_other_in_a_stack_are_seen():
+    """A zigzag of three facets, the last one turned beyond the one in the middle: by how much, at its far corners."""
+    sheet = _rolled([0.0, 0.0])
+    assert Faces(sheet, np.array([math.pi, -math.pi])).reach() == pytest.approx(0.0, abs=1e-15)
+    beyond = Faces(sheet, np.array([math.pi, -math.pi - 1e-7])).reach()
+    assert beyond * sheet.crossings.size == pytest.approx(-0.6e-7, rel=1e-6)
 
 
 def test_contacts_face_to_face_are_told_and_read_again():
