@@ -109,11 +109,12 @@ def draw_sheet(
     lines, looks, owners = _lines(pattern, [c @ view.T for c in corners], phi)
     for line, (colour, width, dashed), own in zip(lines, looks, owners, strict=True):
         hidden = np.logical_and.reduce(above[:, own], axis=1)[first]
-        for part in _visible(line, np.where(hidden, np.inf, nearest), low, step, size, dashed):
-            axes.plot(*part.T, color=colour, lw=width, solid_capstyle="butt", zorder=3)
+        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, size, dashed)
+        look = {"colors": colour, "linewidths": width, "capstyle": "butt", "zorder": 3}
+        axes.add_collection(LineCollection(parts, **look), autolim=False)
     for f in named:
-        parts = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
-        x, y, _ = view @ np.concatenate(parts).mean(axis=0)
+        own_parts = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
+        x, y, _ = view @ np.concatenate(own_parts).mean(axis=0)
         around = [withStroke(linewidth=2.5, foreground="white")]
         axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
     mark_touches(axes, view, touch_places(pattern, phi, contacts), contacts)

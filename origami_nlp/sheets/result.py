@@ -14,7 +14,7 @@ from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain, inline_image
 
 if TYPE_CHECKING:
     from typing import Self
@@ -265,6 +265,13 @@ class SheetResult(Told, Turnable):
                 "are not (rigid facets leave them open)"
             )
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
+
+    def _repr_html_(self) -> str:
+        """Return what is told, and the minima drawn, for Jupyter."""
+        told = super()._repr_html_()
+        if not self.minima:
+            return told
+        return f"{told}\n{inline_image(self.draw(), 'stable states of the sheet', 75)}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data."""

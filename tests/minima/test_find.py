@@ -187,7 +187,7 @@ def test_a_search_ended_by_time_says_so():
     scene = Scene(Vertex.from_degrees([45.0] * 8), [1.0] * 8, [-3.0] * 8, "none", "full")
     begin = time.process_time()
     result = find_minima(scene, prove=False, seconds=0.3)
-    assert time.process_time() - begin < 3
+    assert time.process_time() - begin < 5
     assert result.search.stopped_by == "time" and result.flags.search_stopped_early
     assert "ended for time" in str(result) and "drawn starts found no other" not in str(result)
     assert (

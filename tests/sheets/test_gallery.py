@@ -15,6 +15,7 @@ QUICK = "metasheet:4x4", "squaretwist"
 def test_the_page_lists_the_states_that_are_found(name):
     result = gallery.solve(name)
     assert all(s.closure_residual < 1e-12 for s in result.minima)
+    assert result._repr_html_().count("<img") == 1
     page = gallery.PAGE.read_text()
     part = page[page.index(f"## {name}") :].split("\n## ")[0]
     table = re.findall(r"^\| \d.*$", part, re.M)
