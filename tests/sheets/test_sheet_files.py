@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import origami_nlp as o
@@ -169,7 +170,7 @@ def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
     figure = Figure()
     axes = figure.add_subplot()
     draw_sheet(axes, pattern, sign * np.array([math.pi, -math.pi]))
-    drawn = {line.get_color() for line in axes.lines}
+    drawn = {to_hex(c.get_color()[0]) for c in axes.collections if len(c.get_segments())}
     assert drawn == {BORDER, MOUNTAIN}
     shades = axes.images[0].get_array()
     red, _, blue, _ = shades[shades[..., 3] > 0].T
