@@ -5,6 +5,20 @@ an `OrigamiError` into that line and exit code 2; anything else is a bug of ours
 """
 
 
+class Interrupted(KeyboardInterrupt):
+    """A search that the user interrupted.
+
+    Parameters
+    ----------
+    result
+        What it had found, whole, as if it had ended for time.
+    """
+
+    def __init__(self, result: object) -> None:
+        super().__init__("interrupted: .result holds what was found")
+        self.result = result
+
+
 class OrigamiError(ValueError):
     """Base class of every complaint about input: catch this to catch them all.  Its text is one line.
 

@@ -13,7 +13,7 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.load import load_number
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import spring_options
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.sheet_loading import SheetLoadPath
@@ -131,11 +131,16 @@ def pattern(
     motion = find_motion(sheet, seen, seed) if path else None
     if motion is not None:
         motion.tell(out.console)
-    found = find_states(sheet, starts, seed, not no_contact, seconds) if minima else None
-    if found is not None:
+    found: Any = None
+    interrupted = False
+    if minima:
+        try:
+            found = find_states(sheet, starts, seed, not no_contact, seconds)
+        except Interrupted as stopped:  # what was found is told and written all the same
+            found, interrupted = stopped.result, True
         found.tell(out.console)
     loaded = None
-    if load:
+    if load and not interrupted:
         loaded = find_load_path(
             sheet,
             _work(sheet, crease, pull, force, held),
@@ -148,6 +153,8 @@ def pattern(
         )
         loaded.tell(out.console)
     _Files(seen, motion, found, loaded).write(out)
+    if interrupted:
+        raise KeyboardInterrupt
 
 
 def _read(

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
@@ -86,6 +86,8 @@ def find_states(
     ------
     OptionError
         If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
@@ -111,7 +113,10 @@ def find_states(
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
     search.part("images of minima under symmetries", search.add_images)
-    return SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
+    found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
+    if found.search.interrupted:
+        raise Interrupted(found)
+    return found
 
 
 class _Search:
@@ -131,11 +136,15 @@ class _Search:
         self._side = self.labels.drawn(rng.normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
-        """Do a part of the search; False, and noted as left out, where its time is over before it is through."""
+        """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
         try:
             self.sheet.check_time()
             work(*given)
         except OutOfTime:
+            self.tally.left_out[what] = None
+            return False
+        except KeyboardInterrupt:
+            self.sheet.until, self.tally.interrupted = -math.inf, True
             self.tally.left_out[what] = None
             return False
         return True

@@ -65,7 +65,9 @@ class SheetSearch:
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     left_out
-        Parts of the search that its time ended: what they had found before is listed.
+        Parts of the search that its time, or an interruption, ended: what they had found before is listed.
+    interrupted
+        Whether the user did.
     """
 
     starts: int
@@ -88,11 +90,13 @@ class SheetSearch:
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
     left_out: tuple[str, ...] = ()
+    interrupted: bool = False
 
     def words(self) -> Iterator[str]:
         """Say it."""
         if self.left_out:
-            yield f"ended for time, not through with: {', '.join(self.left_out)}"
+            why = "interrupted" if self.interrupted else "ended for time"
+            yield f"{why}, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
             more = f" and {self.families} {what} with more freedoms" if self.families else ""

@@ -14,7 +14,7 @@ from origami_nlp.sheets.state import SheetState
 
 @dataclass(eq=False)
 class Tally:
-    """Counts of what was met; `left_out` are parts of the search that time ended, in order."""
+    """Counts of what was met; `left_out` are parts of the search that time or an interruption ended, in order."""
 
     starts: int = 0
     open: int = 0
@@ -36,6 +36,7 @@ class Tally:
     refused: list[str] = field(default_factory=list)
     of_vertex: int = 0
     left_out: dict[str, None] = field(default_factory=dict)
+    interrupted: bool = False
 
     def summary(self, found: Sequence[Traced]) -> SheetSearch:
         """Sum up what was done, with the curves that are known."""
@@ -60,4 +61,5 @@ class Tally:
             refused=tuple(self.refused),
             of_vertex=self.of_vertex,
             left_out=tuple(self.left_out),
+            interrupted=self.interrupted,
         )

@@ -1,5 +1,6 @@
 """What a search of a sheet enumerates: flat-folded states, ways out of them, wells and touches between samples."""
 
+import importlib
 import itertools
 import math
 import time
@@ -25,6 +26,7 @@ from origami_nlp.sheets import (
     tangents,
     wells,
 )
+from tests.command_line import run
 from tests.sheets.patterns import metasheet, miura, strip, wheel
 
 
@@ -178,6 +180,35 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
         again = judge(Sheet(pattern), state.fold_angles)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
     assert SheetResult.from_dict(found.to_dict()).search == found.search
+
+
+def stopped(monkeypatch, after):
+    """The user interrupts the search at this random start."""
+    search = importlib.import_module("origami_nlp.sheets.find")._Search
+    draw = search.draw
+
+    def drawn(self, rng, k):
+        if k == after:
+            raise KeyboardInterrupt
+        draw(self, rng, k)
+
+    monkeypatch.setattr(search, "draw", drawn)
+
+
+def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
+    whole = find_states("metasheet:3x3", starts=2)
+    stopped(monkeypatch, 1)
+    with pytest.raises(KeyboardInterrupt) as end:  # as programs expect it
+        find_states("metasheet:3x3", starts=2)
+    found = end.value.result
+    assert found.search.interrupted and found.search.left_out[0] == "random starts"
+    assert "interrupted, not through with: random starts" in str(found)
+    assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
+    file = tmp_path / "found.json"
+    code, out, err = run("pattern", "metasheet:3x3", "--minima", "--json", file)
+    assert code == 130 and "interrupted" in err and f"written: {file}" in out
+    again = o.load(file)
+    assert again.search.interrupted and len(again.minima) == len(found.minima)
 
 
 def test_a_search_that_has_time_leaves_nothing_out():
