@@ -91,6 +91,9 @@ def scan(pattern, samples: int = 4001) -> list[tuple[float, np.ndarray]]:
         )
 
     grid = np.linspace(-math.pi, math.pi, 2 * (samples // 2))  # even: not through 0
+    # minima may lie next to the flat state; nearer than this cosines do not tell
+    beside = np.geomspace(2e-5, 2 * math.pi / samples, 30)
+    grid = np.unique(np.concatenate([grid, beside, -beside]))
     found = []
     for darts in product((False, True), repeat=2):
         e = np.array([energy(t, darts) for t in grid])
