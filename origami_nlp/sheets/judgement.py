@@ -10,7 +10,8 @@ H + rho J'J > 0 (Finsler), so that no rank is decided either.
 At a flat state the set of closed states is its own mirror image (turn the sheet over: phi becomes -phi), so that with
 every direction d it contains -d to first order: flat is a minimum only where the torque is orthogonal to all of them.
 Where the torque is balanced by closure to first order it always is one: axes of creases lie in the sheet, their
-products are normal to it, and the multipliers, which lie in it, add no curvature to that of the springs.
+products are normal to it, and the multipliers, which lie in it, add no curvature to that of the springs.  Where
+the torque is orthogonal to the cone alone, the ways out are looked at one by one (`level_curvature`).
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.lower import NEAREST, lower_state
 from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
 from origami_nlp.sheets.rows import LOADED, Rows
-from origami_nlp.sheets.sharp import list_ways, slopes
+from origami_nlp.sheets.sharp import level_curvature, list_ways, slopes
 from origami_nlp.sheets.state import SheetState, Verdict
 
 SHARP: dict[str, Any] = {
@@ -161,6 +162,12 @@ def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
         why = "flat and alone: no way leads out of it, strict minimum"
         return replace(
             blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
+        )
+    curved = level_curvature(sheet, out)
+    if curved is not None:
+        why = f"flat: the energy is level along each of {len(out.lines)} ways out and curves up: strict minimum"
+        return replace(
+            blank, verdict="minimum", kind="degenerate", eigenvalue=curved, certificate=why
         )
     drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
     ways = [

@@ -13,13 +13,25 @@ import math
 
 import numpy as np
 
-from origami_nlp.facets import Sheet
-from origami_nlp.numerics import nearest_in_cone, nonnegative_least_squares, null_space
+from origami_nlp.facets import Sheet, dense
+from origami_nlp.numerics import (
+    CLOSES,
+    RANK,
+    nearest_in_cone,
+    nonnegative_least_squares,
+    null_space,
+)
 from origami_nlp.sheets.branches import SAME_WAY, Branches, combine, list_modes
 
 STEEP = 1e-4
 """Slopes along unit directions below this share of the largest torque do not count as rising: ways are known to
 `SAME_WAY`."""
+
+
+LEVEL = 1e-9
+"""Slopes below this share of the largest torque are level: rounding of modes and their products."""
+BESIDE_FLAT = 1e-3
+"""Distance from the flat state at which its ways are looked at [rad]."""
 
 
 def slopes(
@@ -65,6 +77,50 @@ def slopes(
         if np.linalg.norm(down) > steep:
             falling.append(down)
     return rises, falling
+
+
+def level_curvature(sheet: Sheet, ways: Branches) -> float | None:
+    """Return the least curvature of the energy along the ways out of the flat state, where it is level along all.
+
+    A way that is met once (`_met_once`) is the tangent of one curve of closed states.  Turned over, a closed state
+    phi is -phi, so that the curve is its own mirror image, phi(-t) = -phi(t): it has no part in t^2, and the energy
+    changes by d'K d t^2 / 2 + O(t^3), whatever moments closure lacks.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    ways
+        Of the flat state.
+
+    Returns
+    -------
+    float or None
+        Over the mean stiffness; None where a family leads out, a way is not met once, or the energy is not level.
+    """
+    torque = sheet.torque(np.zeros(sheet.size))
+    level = LEVEL * float(np.abs(torque).max(initial=0.0))
+    if ways.reason or ways.families or not len(ways.lines):
+        return None
+    if any(abs(torque @ d) > level or not _met_once(sheet, d) for d in ways.lines):
+        return None
+    return min(float(sheet.stiffness @ d**2) for d in ways.lines)
+
+
+def _met_once(sheet: Sheet, d: np.ndarray) -> bool:
+    """Tell whether closed states leave the flat one along d with one freedom, and closure bends as it should there.
+
+    What holds them to the curve grows as the distance where the way is a single root of closure to second order, and
+    as its square where two curves are tangent.
+    """
+    held = []
+    for far in (BESIDE_FLAT, BESIDE_FLAT / 2):
+        phi, residual = sheet.project(far * d)
+        if residual > CLOSES or np.abs(phi / far - d).max() > 10 * BESIDE_FLAT:
+            return False
+        values = np.linalg.svd(dense(sheet.closure.jacobian(phi)), compute_uv=False)
+        held.append(float(values[sheet.size - 2]) if len(values) > sheet.size - 2 else 0.0)
+    return held[1] > RANK and held[0] < 3 * held[1]
 
 
 def list_ways(sheet: Sheet, phi: np.ndarray) -> Branches:

@@ -81,6 +81,7 @@ BESIDE_THE_TABLE = {
     "sheets/rows.NEAR": "gaps that carry forces on the way; those of the end are solved for",
     "sheets/rows.SOFTEST": "curvature of a step",
     "sheets/rows.STILL": "torque left in states that are judged afterwards",
+    "sheets/sharp.LEVEL": "rounding of slopes along modes and their products",
     "facets/linear.WEIGHT": "regularisation, which iterations take back",
     "facets/sheet.SQUARED": "rounding of squares of singular values",
     "facets/stacks.THIN": "overlap that is rounding between two borders, over a sheet's size",

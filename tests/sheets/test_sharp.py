@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from origami_nlp.facets import Sheet
-from origami_nlp.sheets import find_states, judge
-from tests.sheets.patterns import grid, wheel
+from origami_nlp.sheets import find_states, judge, list_branches
+from tests.sheets.patterns import grid, metasheet, wheel
+from tests.sheets.rigid import Rigid
 from tests.sheets.trigonometry import quadrilateral
 
 
@@ -73,3 +74,35 @@ def test_a_flat_sheet_that_no_way_leads_out_of_is_stable():
     (only,) = found.minima
     assert not only.fold_angles.any()
     assert only.kkt_residual > 1e-3 and "are unique" not in str(found)  # nothing balances it
+
+
+def level_sheet(seed):
+    """A metasheet, flat, with torques orthogonal to both of its ways out, though closure does not balance them."""
+    rng = np.random.default_rng(seed)
+    pattern, _ = metasheet(3)
+    k = rng.uniform(0.5, 2.0, pattern.creases)
+    lines = list_branches(pattern).lines
+    z = Sheet(pattern).kernel(np.zeros(pattern.creases))
+    torque = z @ (z.T @ rng.normal(size=pattern.creases))
+    torque -= lines.T @ np.linalg.lstsq(lines.T, torque, rcond=None)[0]
+    assert len(lines) == 2 and np.linalg.norm(torque) > 0.1
+    return pattern, k, torque / np.abs(torque).max(), lines
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_flat_is_a_minimum_where_the_energy_is_level_along_every_way_out(seed):
+    pattern, k, torque, lines = level_sheet(seed)
+    sprung = pattern.with_springs(list(k), list(-torque / k))
+    state = judge(Sheet(sprung), np.zeros(pattern.creases))
+    assert (state.verdict, state.kind) == ("minimum", "degenerate") and state.kkt_residual > 1e-3
+    body = Rigid(sprung)
+    flat = sprung.energy(np.zeros(pattern.creases))
+    for d in lines:
+        for h in (-0.1, -0.03, 0.03, 0.1):  # closed by code of its own, one crease driven
+            phi = body.closed(h * d, body.slopes(h * d), within=1e-12)
+            assert phi is not None and np.abs(phi - h * d).max() < 0.1 * abs(h)
+            rise = sprung.energy(phi) - flat
+            assert rise > 0 and rise == pytest.approx(0.5 * h**2 * (k @ d**2), rel=0.3)
+    # and none where it is not level, however little
+    tilted = pattern.with_springs(list(k), list(-(torque + 1e-4 * lines[0]) / k))
+    assert judge(Sheet(tilted), np.zeros(pattern.creases)).verdict != "minimum"
