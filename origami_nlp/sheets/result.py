@@ -90,7 +90,7 @@ class SheetSearch:
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
     left_out: tuple[str, ...] = ()
-    interrupted: bool = False
+    interrupted: bool = field(default=False, repr=False)
 
     def words(self) -> Iterator[str]:
         """Say it."""
