@@ -132,13 +132,13 @@ def pattern(
     if motion is not None:
         motion.tell(out.console)
     found: Any = None
-    interrupted = False
     if minima:
         try:
             found = find_states(sheet, starts, seed, not no_contact, seconds)
         except Interrupted as stopped:  # what was found is told and written all the same
-            found, interrupted = stopped.result, True
+            found = stopped.result
         found.tell(out.console)
+    interrupted = found is not None and found.search.interrupted
     loaded = None
     if load and not interrupted:
         loaded = find_load_path(

@@ -370,15 +370,14 @@ class EquilibriumCurve:
         Next to a fold Newton at s (`at`) may fail, or take the point on the other side of it.
         """
         low, high = 0.0, float(a.tangent @ (self.root * (b.x - a.x)))
-        frame: Equilibrium | None = None
+        frame = a
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            frame = self.beside(a, middle)
-            if frame is None:
+            found = self.beside(a, middle)
+            if found is None:
                 return None
+            frame = found
             low, high = (middle, high) if (frame.s < s) == (a.s < s) else (low, middle)
-        if frame is None:
-            return None
         at = frame.x.copy()
         at[-1] = s
         return replace(frame, x=at)

@@ -125,11 +125,9 @@ class _Search:
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
         until = time.process_time() + seconds
         self.labels, self.contact = find_labels(pattern), contact
-        self.sheet, self._middle = (
-            Sheet(self.labels.arranged(pattern)),
-            pattern.corners.mean(axis=0),
-        )
+        self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
+        self._middle = pattern.corners.mean(axis=0)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
         rng = np.random.default_rng(0)

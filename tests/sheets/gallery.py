@@ -21,11 +21,11 @@ STARTS, SHOWN = 10, 6
 SHEETS = {
     "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis; springs as in [metasheets](metasheet.md).",
     "miura:4x4": "Sixteen parallelograms. Beside the states of the Miura fold there are pleats, and mixtures of both.",
-    "squaretwist": "Four vertices round a square. No motion leads out of the states that are folded flat.",
+    "squaretwist": "Four vertices round a square, stable partly folded and folded flat.",
     "yoshimura:3x3": "Diamonds, each folded in two: several freedoms are left.",
     "waterbomb:2x2": "Two by two cells of the waterbomb tessellation.",
     "resch:1x2": "Two triangles of Resch's pattern, with the tucks around them.",
-    "birdbase": "The base of the crane. Its lowest states are far from flat-folded: springs are equal but for sign.",
+    "birdbase": "The base of the crane: four vertices of degree 4 and one of degree 6.",
 }
 HEAD = f"""# Sheets by name
 
@@ -37,8 +37,9 @@ drawn for each. Energies are in millijoules: stiffnesses have the geometric mean
 origami-nlp pattern metasheet:4x4 --minima --starts {STARTS} --figure metasheet.png
 ```
 
-Of sheets with one freedom every way out of the flat state is traced, of the others random starts are sampled: what is
-known of states that are not listed is said under each table ([limits](pattern_limits.md)). Written by
+Of sheets whose vertices have degree 4 the ways out of the flat state with one freedom are traced; of the others, and
+of what these ways do not lead to, starts are sampled: what is known of states that are not listed is said under each
+table ([limits](pattern_limits.md)). Written by
 `python -m tests.sheets.gallery`; seconds are processor time of one run.
 """
 
