@@ -23,7 +23,6 @@ _READ = {
     "origami-nlp/minima/1": ("minima", "MinimaResult"),
     "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
-    "origami-nlp/bench-patterns/1": ("bench", "PatternBench"),
     "origami-nlp/load/1": ("loading", "LoadPath"),
     "origami-nlp/modes/1": ("modes", "Modes"),
     "origami-nlp/atlas/1": ("atlas", "Atlas"),
