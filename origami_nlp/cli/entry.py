@@ -61,14 +61,17 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def main(commands: Group = app) -> None:
-    """Run a group of commands; bad input, and output that nobody takes, end with one line and exit code 2."""
+def main(commands: Group | None = None) -> None:
+    """Run `origami-nlp`, or another group of commands.
+
+    Bad input, and output that nobody takes, end with one line and exit code 2.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            commands()
+            (commands or app)()
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from origami_nlp.paper import cone
-from tests.cone.points import points
 from tests.independent import cone_branches as brute
+from tests.paper.cone.points import points
 
 
 def tighten(nlp):

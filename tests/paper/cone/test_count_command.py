@@ -42,7 +42,7 @@ def test_values_out_of_range_are_named(arguments):
 
 def test_count_writes_the_contract():
     runner = CliRunner()
-    command = "cone count --degree 10 --ratio 0.01 --elevation -0.8 --json -"
+    command = "paper cone count --degree 10 --ratio 0.01 --rest-elevation -0.8 --json -"
     out = runner.invoke(app, command.split())
     assert out.exit_code == 0
     data = json.loads(out.stdout)

@@ -8,8 +8,8 @@ from hypothesis import given, settings, strategies as st
 
 from origami_nlp.paper import cone
 from tests.computed_once import thinned
-from tests.cone.points import points
 from tests.independent import cone_branches as brute
+from tests.paper.cone.points import points
 
 
 def disagreements(degree, number, seed):
