@@ -126,12 +126,12 @@ def _projection(problem: PatternProblem) -> dict[str, Solve]:
 
     def run() -> Iterator[PatternAnswer]:
         phi, length, mark = problem.start, 0.5, 1
-        torque, last = free_torque(phi), [sheet.energy(phi)]
+        torque, last = free_torque(phi), [sheet.scaled_energy(phi)]
         for step in range(1, MOST_STEPS + 1):
             cut = min(length, FARTHEST / max(float(np.abs(torque).max()), 1e-300))
             while cut > 1e-9:
                 new, residual = project(phi - cut * torque)
-                if residual <= 10 * CLOSED and sheet.energy(new) <= max(last[-5:]) * (1 + 1e-13):
+                if residual <= 10 * CLOSED and sheet.scaled_energy(new) <= max(last[-5:]) * (1 + 1e-13):
                     break
                 cut *= 0.25
             else:
@@ -141,7 +141,7 @@ def _projection(problem: PatternProblem) -> dict[str, Solve]:
             bend = float(move @ (other - torque))
             length = float(np.clip(float(move @ move) / bend, 1e-3, 1e2)) if bend > 0 else 1.0
             phi, torque = new, other
-            last.append(sheet.energy(phi))
+            last.append(sheet.scaled_energy(phi))
             ends = float(np.abs(torque).max()) <= AT_REST
             if step >= mark or ends:
                 mark = math.ceil(1.4 * mark)

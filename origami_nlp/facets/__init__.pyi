@@ -17,6 +17,7 @@ from .layers import (
 from .linear import Factor as Factor, Normal as Normal, dense as dense
 from .orders import Orders as Orders
 from .poses import Poses as Poses
+from .problem import PatternProblem as PatternProblem, touches_at as touches_at
 from .sheet import MOST_DENSE as MOST_DENSE, OutOfTime as OutOfTime, Sheet as Sheet
 from .stacks import Stack as Stack
 from .touches import Placed as Placed, Touch as Touch

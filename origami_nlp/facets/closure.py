@@ -20,6 +20,7 @@ from scipy import sparse
 
 from origami_nlp.numerics import cross
 from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.programme import LoopClosure
 
 MOST_DENSE = 150
 """Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
@@ -179,6 +180,26 @@ class Closure:
     def on_sheet(self, phi: np.ndarray) -> bool:
         """Tell whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
         return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
+
+    def __call__(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate the equations [m] and their Jacobian [m, n] at a state; dense."""
+        at = self.turned(phi)
+        j = self.jacobian(phi, at)
+        return self.values(phi, at), j if isinstance(j, np.ndarray) else j.toarray()
+
+    def loops(self, phi: np.ndarray) -> list[LoopClosure]:
+        """Return closure to second order at a closed state [n], of each vertex; of each hole to first order."""
+        found: dict[int, LoopClosure] = {}
+        for g, s in zip(self._groups, self.turned(phi), strict=True):
+            slopes = self._derivatives(s).swapaxes(1, 2)
+            bent = np.zeros((*slopes.shape, slopes.shape[2]))
+            if g.points is None:  # with q = 1: vec(c_i c_j) / 4 for i before j
+                bent = 0.25 * np.moveaxis(cross(s.c[:, :, None], s.c[:, None]), 3, 1)
+                bent = np.triu(bent, 1)
+                bent = bent + bent.swapaxes(2, 3)
+            for k, row in enumerate(g.rows.tolist()):
+                found[row] = LoopClosure(g.creases[k], slopes[k], bent[k])
+        return [found[row] for row in sorted(found)]
 
     def axes(self, phi: np.ndarray) -> list[np.ndarray]:
         """Return the axes of the creases round each interior vertex where a state [n] has brought them, [d, 3] each.

@@ -97,7 +97,7 @@ class Sheet:
         """Gradient of the energy over `scale`, [n]."""
         return self.stiffness * (phi - self.pattern.rest)
 
-    def energy(self, phi: np.ndarray) -> float:
+    def scaled_energy(self, phi: np.ndarray) -> float:
         """Elastic energy over `scale`."""
         return float(0.5 * self.stiffness @ (phi - self.pattern.rest) ** 2)
 

@@ -28,6 +28,12 @@ from .starts import (
 )
 from .state import State as State, Stratum as Stratum
 from .stationarity import distance_from_stationary as distance_from_stationary
+from .tangent_cone import (
+    TangentCone as TangentCone,
+    combine as combine,
+    loop_modes as loop_modes,
+    tangent_cone as tangent_cone,
+)
 from .thin import (
     states_on_limits as states_on_limits,
     thin_at as thin_at,

@@ -9,23 +9,27 @@ tangent cone, so that no
 4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient
 without constraint
    qualification as well;
-5. where closure loses rank: sharp in the directions that closure leaves to second order (`second_order`).
+5. where closure loses rank: sharp in the directions that closure leaves to second order (`second_order`,
+   `tangent_cone`), or level along each of them and curved (`level`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers
+from origami_nlp.kkt.level import curves_up
 from origami_nlp.kkt.second_order import has_no_level_direction
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import CURVED, INDEPENDENT, STATIONARY, nearest_in_cone, null_space
 from origami_nlp.programme import Contact
 
+BY_CURVES = "flat: the energy is level along every curve of states that leaves, and curves up"
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
+SLIDES = "facets face to face press at borders alone, where they may slide off"
 
 MANY_ROWS = 12
 """Contacts above which a direction that opens all at once is looked for first."""
@@ -47,6 +51,7 @@ class BranchJudgement:
     cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its
     relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
+    more: further directions [n] along which the energy falls, or curves down.
     """
 
     verdict: Verdict
@@ -60,10 +65,27 @@ class BranchJudgement:
     cone_dimension: int
     tangent: np.ndarray | None
     held: tuple[Contact, ...]
+    more: tuple[np.ndarray, ...] = ()
 
 
 def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgement:
     """Judge a state on the piece of the feasible set where the contacts of `piece` (all closed) are the contacts."""
+    found = _judge(piece, stationary)
+    if found.verdict != "minimum" or found.level in (3, 5):
+        return found
+    # of some contacts only others that stay open to second order may press in a proof by curvature
+    programme = piece.state.programme
+    inner = programme.to_second_order(piece.contacts)
+    if inner == piece.contacts:
+        return found
+    again = _judge(piece.state.on(inner), stationary)
+    if again.verdict == "minimum":
+        return found
+    return replace(found, verdict="undecided", level=0, certificate=SLIDES)
+
+
+def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
+    """Judge a state on a piece whose contacts stay open to second order."""
     state, rows, a = piece.state, piece.contacts, piece.slopes
     root, z, regular = state.programme.root, state.kernel, state.regular
     multipliers = piece.multiplier_set
@@ -71,7 +93,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()
 
-    def say(verdict: Verdict, why: str, level: int, eig=(), direction=None) -> BranchJudgement:  # type: ignore[no-untyped-def]
+    def say(verdict: Verdict, why: str, level: int, eig=(), direction=None, more=()) -> BranchJudgement:  # type: ignore[no-untyped-def]
         return BranchJudgement(
             verdict,
             why,
@@ -84,28 +106,32 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             dimension,
             tangent,
             held,
+            tuple(d / root for d in more),
         )
 
     if dimension == 0:
         return say("minimum", "isolated: the linearised feasible cone is a point", 3)
     if multipliers.residual > stationary * size:
-        if not regular and _rises(piece):
-            return say("minimum", BY_CLOSURE, 5)
+        why = "" if regular else _rises(piece)
+        if why:
+            return say("minimum", why, 5)
         d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
-        return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root)
+        more = [] if regular else state.tangent_cone.slopes(state.gradient, a)[1]
+        return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root, more)
     # one solution that presses on enough contacts does; all ranges are looked for only where none does
     loaded = multipliers.found > 10 * stationary * size
-    s = null_space(a[loaded] @ z)
-    if s.shape[1]:
+    y = null_space(a[loaded] @ z)
+    if y.shape[1]:
         loaded = multipliers.upper > 10 * stationary * size
-        s = z @ null_space(a[loaded] @ z)
+        y = null_space(a[loaded] @ z)
+    s = z @ y
     if s.shape[1] == 0:
         return say(
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
-    shifted = s.T @ _shifts(state) @ s
+    shifted = y.T @ _shifts(state) @ y
     for mu in multipliers.vertices:
         lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
         h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
@@ -139,16 +165,23 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
                 return say(
                     "saddle", "negative curvature along a feasible direction", 0, values, d / root
                 )
-    if not regular and _rises(piece):
-        return say("minimum", BY_CLOSURE, 5, values)
-    return say("undecided", "neither first nor second order decides", 0, values)
+    why = "" if regular else _rises(piece)
+    if why:
+        return say("minimum", why, 5, values)
+    down = [vectors[:, k] for k in range(len(values)) if values[k] < -CURVED * scale]
+    more = [s * d for d in down for s in (1.0, -1.0)]
+    return say("undecided", "neither first nor second order decides", 0, values, None, more)
 
 
-def _rises(piece: Stratum) -> bool:
-    """Tell whether the energy grows in every direction that closure leaves to second order (all in the metric)."""
+def _rises(piece: Stratum) -> str:
+    """Say why the energy grows in every direction that closure leaves to second order; "" where that is not shown."""
     state, z = piece.state, piece.state.kernel
     rows = np.vstack([piece.slopes @ z, -(state.gradient @ z)[None]])
-    return has_no_level_direction(state.second_order, rows)
+    if has_no_level_direction(state.second_order, rows):
+        return BY_CLOSURE
+    if state.tangent_cone.slopes(state.gradient, piece.slopes)[0]:
+        return BY_CLOSURE
+    return BY_CURVES if not piece.contacts and curves_up(state) else ""
 
 
 def cone(
@@ -195,14 +228,12 @@ def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
 
 
 def _shifts(state: State) -> np.ndarray:
-    """Return what other multipliers of closure add to a Hessian, in the metric, [k, n, n]; the first adds nothing.
+    """Return what other multipliers of closure add to a Hessian on its kernel, [k, t, t]; the first adds nothing.
 
     Where J loses rank they are tried along each direction of its left kernel.
     """
-    p, n = state.programme, len(state.x)
-    if state.regular:
-        return np.zeros((1, n, n))
-    left = null_space(state.jacobian.T).T
+    t = state.kernel.shape[1]
     sizes = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
-    each = [p.lagrangian_hessian(state.x, w, (), 0.0) / np.outer(p.root, p.root) for w in left]
-    return np.concatenate([np.zeros((1, n, n)), *(sizes[:, None, None] * h for h in each)])
+    return np.concatenate(
+        [np.zeros((1, t, t)), *(-sizes[:, None, None] * q for q in state.second_order)]
+    )

@@ -141,7 +141,8 @@ def _decide(state: State, accuracy: float) -> Classification:
 
     model = state.programme
     if state.refused:
-        return reject("not admissible", state.refused)
+        doubt = model.doubt(state.x)
+        return reject("undecided" if doubt else "not admissible", doubt or state.refused)
     lower = follow_level(state)
     if lower is not None:
         return _refuted(lower)
@@ -150,12 +151,19 @@ def _decide(state: State, accuracy: float) -> Classification:
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if choices is None or len(choices) > 1:
+    if choices is None or len(choices) > 1 or not contacts.complete:
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
             lower = follow_descent(state, whole)
             if lower is not None:
                 return _refuted(lower)
+        elif not contacts.complete:
+            return _of_larger(state, [whole])
+    if not contacts.complete:
+        judged, failed = _judge_by_splitting(state, accuracy)
+        if isinstance(judged, Lower):
+            return _refuted(judged)
+        return _by_search(state, failed) if failed else _of_larger(state, judged)
     if choices is None:
         judged, failed = _judge_by_splitting(state, accuracy)
         if isinstance(judged, Lower):
@@ -203,6 +211,23 @@ def _decide(state: State, accuracy: float) -> Classification:
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
         math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
+    )
+
+
+def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
+    """Return the classification of a minimum of sets that hold all states beside it, and more."""
+    doubt = state.programme.doubt(state.x)
+    if doubt:
+        return Classification("undecided", None, f"not decided: {doubt}", 0)
+    words = "; ".join(dict.fromkeys(b.certificate for b in judged))
+    return Classification(
+        "minimum",
+        _kind(judged),
+        words + (_of_branches(len(judged)) if len(judged) > 1 else ""),
+        max(b.cone_dimension for b in judged),
+        _forces(state, judged[0]),
+        tuple((state.programme.scale * judged[0].eigenvalues).tolist()),
+        math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )
 
 
@@ -345,7 +370,7 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
 def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     """Refute a singular state by a lower neighbour on small spheres around it; without one it is undecided."""
     model = state.programme
-    if model.parameters.excess(state.x) <= AT_REST:
+    if model.excess(state.x) <= AT_REST:
         return Classification(
             "minimum",
             "degenerate",

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
+from origami_nlp.kkt.tangent_cone import TangentCone, tangent_cone
 from origami_nlp.numerics import DEPENDENT, OUTSIDE, RANK, ROUNDED, TOUCHES, null_space
 from origami_nlp.programme import ClosedContacts, Contact, Local, Programme
 
@@ -81,8 +82,11 @@ class State:
 
     @cached_property
     def regular(self) -> bool:
-        """Whether closure has full rank."""
-        return bool((self._factors[1] > RANK).all())
+        """Whether closed states beside this one are a manifold to second order: closure loses no rank.
+
+        Rows that depend on each other all along the set say nothing more to second order either: their forms vanish.
+        """
+        return not self.second_order
 
     @cached_property
     def second_order(self) -> list[np.ndarray]:
@@ -92,7 +96,15 @@ class State:
         lost = u.T[int((values > RANK).sum()) :]
         unit = np.outer(p.root, p.root)
         z = self.kernel
-        return [z.T @ (p.lagrangian_hessian(self.x, -w, (), 0.0) / unit) @ z for w in lost]
+        forms = (z.T @ (p.lagrangian_hessian(self.x, -w, (), 0.0) / unit) @ z for w in lost)
+        return [q for q in forms if float(np.abs(q).max(initial=0.0)) > RANK]
+
+    @cached_property
+    def tangent_cone(self) -> TangentCone:
+        """Subspaces, in the metric, that contain the directions which states follow, where closure loses rank."""
+        p = self.programme
+        cone = tangent_cone(p.loops(self.x), len(self.x), p.check_time)
+        return cone.within(p.root)
 
     @cached_property
     def residual(self) -> float:

@@ -54,6 +54,12 @@ RESOLVED = 1e-7
 and events that are closer are one.  Ten times `TOUCHES`, so that none is taken for a contact."""
 SAME = 1e-8
 """Two polished states whose fold angles differ by no more are one."""
+SAME_DIRECTION = 1e-5
+"""Unit directions, bases and slopes that differ by less are one: subspaces are intersected to `RANK`, whose error grows
+with the number of loops that they pass, a hundred at most."""
+RISES = 1e-4
+"""Slope of the energy, or of a contact, along a unit direction, over the largest torque: less does not count as rising,
+nor as leading beyond a contact.  Ten times `SAME_DIRECTION`, to which directions are known."""
 SETTLED = 1e-6
 """Two ends of Newton, corners of curves, or roots on a circle are one: where a root is double, or curves touch, a
 residual of `CLOSES` is a distance of its square root."""

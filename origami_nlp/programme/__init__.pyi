@@ -10,6 +10,7 @@ from .completion import (
 from .contact import Contact as Contact, fold_limit as fold_limit, held as held
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics
+from .loops import LoopClosure as LoopClosure
 from .model import Local as Local, Model as Model
 from .moment_map import MomentMap as MomentMap, Shot as Shot
 from .nlp import (

@@ -16,6 +16,7 @@ from origami_nlp.numerics import OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
 from origami_nlp.programme.contact import Contact, fold_limit, openings
 from origami_nlp.programme.kinematics import Kinematics
+from origami_nlp.programme.loops import LoopClosure
 from origami_nlp.programme.posed import Posed
 from origami_nlp.programme.touching import (
     ClosedContacts,
@@ -288,6 +289,12 @@ class Model(Posed):
         m = self.equation_count
         mu = -self.weights(contacts, multipliers[..., m:])
         return self.hessian(x, -multipliers[..., :m], mu, weight)
+
+    def loops(self, x: np.ndarray) -> list[LoopClosure]:
+        """Return closure to second order at a state [n]: one loop."""
+        unit = np.eye(self.equation_count)
+        bent = np.array([self.lagrangian_hessian(x, -w, (), 0.0) for w in unit])
+        return [LoopClosure(np.arange(self.size), self.closure(x)[1], bent)]
 
     def rays(self, x: np.ndarray) -> np.ndarray:
         """Return the deformed rays of the piece, [..., rays, 3]."""

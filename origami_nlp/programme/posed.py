@@ -273,6 +273,21 @@ class Posed(Full):
         """
         return self.scale * float(self.parameters.energy_change(x, y))
 
+    def excess(self, x: np.ndarray) -> float:
+        """Energy of a state above that of springs at rest under the load, over `scale`; inf under forces in space."""
+        return float(self.parameters.excess(x))
+
+    def check_time(self) -> None:
+        """Do nothing: searches of one vertex look at the time themselves."""
+
+    def doubt(self, x: np.ndarray) -> str:
+        """Say why it is not known whether a state is admissible: it always is."""
+        return ""
+
+    def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        """Return contacts that stay open to second order as well: rays on facets do so."""
+        return contacts
+
     @cached_property
     def root(self) -> np.ndarray:
         """The metric of all N fold angles: y = root x, root = sqrt(multiplicity), [n]."""

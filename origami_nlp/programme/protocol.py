@@ -1,6 +1,6 @@
 """What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
 
-A programme of one vertex (`Model`) has all of this; one of several vertices that share creases can stand in its place.
+A programme of one vertex (`Model`) has all of this, and so has that of a pattern (`facets.PatternProblem`).
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from origami_nlp.programme.contact import Contact
+from origami_nlp.programme.loops import LoopClosure
 from origami_nlp.programme.model import Local
 from origami_nlp.programme.parameters import Parameters
 from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairForce
@@ -52,7 +53,10 @@ class Programme(Protocol):
     def energy(self, x: np.ndarray) -> float: ...  # noqa: D102
     def energies(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> float: ...  # noqa: D102
+    def excess(self, x: np.ndarray) -> float: ...  # noqa: D102
+    def check_time(self) -> None: ...  # noqa: D102
     def local(self, x: np.ndarray) -> Local: ...  # noqa: D102
+    def loops(self, x: np.ndarray) -> list[LoopClosure]: ...  # noqa: D102
     def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...  # noqa: D102
     def constraints(  # noqa: D102
         self, x: np.ndarray, contacts: Sequence[Contact] = ()
@@ -71,13 +75,17 @@ class Programme(Protocol):
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]: ...  # noqa: D102
     def beyond(self, x: np.ndarray, tolerance: float = ...) -> tuple[Contact, ...]: ...  # noqa: D102
     def refuses(self, x: np.ndarray, tolerance: float = ...) -> str: ...  # noqa: D102
+    def doubt(self, x: np.ndarray) -> str: ...  # noqa: D102
     def admissible(self, x: np.ndarray, tolerance: float = ...) -> np.ndarray: ...  # noqa: D102
+    def to_second_order(  # noqa: D102
+        self, contacts: tuple[Contact, ...]
+    ) -> tuple[Contact, ...]: ...
     def together(  # noqa: D102
         self, x: np.ndarray, contacts: Sequence[Contact]
     ) -> list[tuple[Contact, ...]]: ...
 
     def name(self, contact: Contact) -> str: ...  # noqa: D102
-    def weight(self, contact: Contact) -> int: ...  # noqa: D102
+    def weight(self, contact: Contact) -> float: ...  # noqa: D102
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
     def guess(  # noqa: D102
         self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce

@@ -34,11 +34,14 @@ class ClosedContacts:
     branches: for each touching facet pair its possible sets of rows.
     implied: rows that only describe a base row again (crease k lies on a facet because the crease
         between them is folded flat), with that base row.
+    complete: whether the pieces are the feasible set beside the state, to first order; else they hold more than it, so
+        that a minimum of them is one, and that a state is none is shown by a lower state alone.
     """
 
     base: tuple[Contact, ...]
     branches: tuple[tuple[tuple[Contact, ...], ...], ...]
     implied: tuple[tuple[Contact, Contact], ...]
+    complete: bool = True
 
     def combinations(self, most: int = 256) -> list[tuple[Contact, ...]] | None:
         """Return every choice of branches as one set of rows, or None if there are more than `most`.

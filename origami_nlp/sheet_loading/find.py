@@ -336,7 +336,7 @@ class _Job:
             tuple(at.phi.tolist()),
             tuple(phi.tolist()),
             (float(self.work.conjugate(at.phi)), float(self.work.conjugate(phi))),
-            (loaded.energy(at.phi) - loaded.energy(phi)) * self.sheet.scale,
+            (loaded.scaled_energy(at.phi) - loaded.scaled_energy(phi)) * self.sheet.scale,
             str(landed.kind),
             landed.certificate,
             fall.restabilises,

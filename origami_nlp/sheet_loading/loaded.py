@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from origami_nlp.facets import Matrix, Sheet
+from origami_nlp.facets import Matrix, PatternProblem
 from origami_nlp.sheet_loading.work import Work
 
 
-class LoadedSheet(Sheet):
+class LoadedSheet(PatternProblem):
     """The programme of a pattern under a load.
 
     Parameters
@@ -22,7 +22,7 @@ class LoadedSheet(Sheet):
         The load.
     """
 
-    def __init__(self, sheet: Sheet, work: Work, t: float) -> None:
+    def __init__(self, sheet: PatternProblem, work: Work, t: float) -> None:
         vars(self).update(vars(sheet))  # all that does not know of loads, what it has kept included
         self.work, self.t = work, t
 
@@ -30,10 +30,10 @@ class LoadedSheet(Sheet):
         """Gradient of the energy, load included, over `scale`, [n]."""
         return super().torque(phi) - self.t / self.scale * self.work.gradient(phi)
 
-    def energy(self, phi: np.ndarray) -> float:
+    def scaled_energy(self, phi: np.ndarray) -> float:
         """Energy, load included, over `scale`; with a constant, so that it is positive."""
         work = self.work.room(self.t) - self.t * float(self.work.conjugate(phi))
-        return super().energy(phi) + work / self.scale
+        return super().scaled_energy(phi) + work / self.scale
 
     def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
         """Hessian of the Lagrangian, load included, over `scale`, [n, n]."""

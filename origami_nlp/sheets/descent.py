@@ -74,7 +74,7 @@ def descend(
     """
     radius, saddles = TRUST, 0
     held = np.abs(np.abs(phi) - math.pi) <= AT_LIMIT
-    energy, path = sheet.energy(phi), [phi]
+    energy, path = sheet.scaled_energy(phi), [phi]
     for step in range(most):
         where = np.flatnonzero(held)
         lam, limits, balance = sheet.multipliers(phi, where)
@@ -97,10 +97,10 @@ def descend(
             trial = _capped(d, radius)
             new, closes = _retract(sheet, phi + trial, held, normal)
             share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
-            lower = sheet.energy(new) < energy - 1e-4 * abs(slope) * share
-            tiny = np.abs(trial).max() < 1e-7 and sheet.energy(new) <= energy + 1e-14 * (1 + energy)
+            lower = sheet.scaled_energy(new) < energy - 1e-4 * abs(slope) * share
+            tiny = np.abs(trial).max() < 1e-7 and sheet.scaled_energy(new) <= energy + 1e-14 * (1 + energy)
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
-                phi, energy, moved = new, sheet.energy(new), True
+                phi, energy, moved = new, sheet.scaled_energy(new), True
                 path.append(phi)
                 held = held | (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
                 if np.abs(trial).max() >= 0.9 * radius:

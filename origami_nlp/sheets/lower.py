@@ -56,7 +56,7 @@ def lower_state(
             continue
         if contact and (sheet.crossings.find(new) or order_layers(sheet, new).verdict != "ordered"):
             return None  # what lies further that way would be reached through facets
-        drop = sheet.energy(phi) - sheet.energy(new)
-        if np.abs(new - phi).max() <= 3 * reach and drop > 1e-13 * (1 + sheet.energy(phi)):
+        drop = sheet.scaled_energy(phi) - sheet.scaled_energy(new)
+        if np.abs(new - phi).max() <= 3 * reach and drop > 1e-13 * (1 + sheet.scaled_energy(phi)):
             return new
     return None

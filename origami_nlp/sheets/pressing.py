@@ -90,7 +90,7 @@ class _Press:
 
     def _go(self, phi: np.ndarray) -> None:
         """Be at a state."""
-        self.phi, self.energy = phi, self.sheet.energy(phi)
+        self.phi, self.energy = phi, self.sheet.scaled_energy(phi)
         self.place = Placed(self.sheet.crossings.poses, phi)
         self.near = self._facing(REACH)
         still = self._facing(FAR, {t.facets for t in self.known.values()}) if self.known else {}
@@ -150,7 +150,7 @@ class _Press:
             kept = [t for t, on in zip(pushing.touches, stay, strict=True) if on]
             new = put_back(sheet, self.phi + share * d, rows, kept)
             fall = share * float(sheet.torque(self.phi) @ d)
-            if new is not None and sheet.energy(new) < self.energy + 1e-4 * fall:
+            if new is not None and sheet.scaled_energy(new) < self.energy + 1e-4 * fall:
                 crossed = sheet.crossings.find(new)
                 if not crossed and np.abs(new - self.phi).max() <= 3 * share * length:
                     self.radius = min(TRUST, 2 * self.radius if share < 1 else self.radius)
@@ -200,7 +200,7 @@ class _Press:
         opened = float(
             forces @ np.maximum(-rows.gaps, 0.0)
         )  # facets may have reached into each other
-        if sheet.energy(end) > self.energy + 1e-12 * (1 + self.energy) + 2 * opened:
+        if sheet.scaled_energy(end) > self.energy + 1e-12 * (1 + self.energy) + 2 * opened:
             return False
         before = self.phi, self.known
         self._go(end)
@@ -236,7 +236,7 @@ class _Press:
             d = z @ quadratic(z.T @ hessian @ z, slope, rows, z, pushing)
             share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), 1e-300))
             new = put_back(sheet, self.phi + share * d, rows)
-            if new is None or sheet.energy(new) > self.energy - 1e-12 * (1 + self.energy):
+            if new is None or sheet.scaled_energy(new) > self.energy - 1e-12 * (1 + self.energy):
                 continue
             if np.abs(new - self.phi).max() <= 3 * reach and not sheet.crossings.find(new):
                 self._go(new)
@@ -250,7 +250,7 @@ class _Press:
         for reach in (0.1, 0.01, 0.001):
             for sign in (1.0, -1.0):
                 new = put_back(self.sheet, self.phi + sign * reach * way, rows)
-                if new is None or self.sheet.energy(new) > self.energy - 1e-13 * (1 + self.energy):
+                if new is None or self.sheet.scaled_energy(new) > self.energy - 1e-13 * (1 + self.energy):
                     continue
                 if not self.sheet.crossings.find(new):
                     self._go(new)

@@ -85,7 +85,7 @@ def test_energy_rises_on_what_is_left_beside_a_minimum():
         assert state.verdict == "minimum" and "on each of 3 pieces" in state.certificate
         assert state.kkt_residual < 1e-10
         rng, phi = np.random.default_rng(seed), state.fold_angles
-        energy = sheet.energy(phi)
+        energy = sheet.scaled_energy(phi)
         for k in range(40):
             start = phi + 10.0 ** -(1 + k % 4) * rng.normal(size=6)
             held = SHUT if k % 2 else ~np.ones(6, bool)
@@ -94,8 +94,8 @@ def test_energy_rises_on_what_is_left_beside_a_minimum():
             if residual > 1e-12 or np.abs(new).max() > math.pi or np.abs(new - phi).max() > 0.3:
                 continue
             crosses = bool(sheet.crossings.find(new))
-            assert crosses or sheet.energy(new) > energy
-            crossed += crosses and sheet.energy(new) < energy
+            assert crosses or sheet.scaled_energy(new) > energy
+            crossed += crosses and sheet.scaled_energy(new) < energy
     assert crossed > 20
 
 
@@ -199,7 +199,7 @@ def test_lower_states_beside_those_of_a_pattern_cross():
         phi, shut = state.fold_angles, np.abs(state.fold_angles) == math.pi
         if state.kind == "interior" or not shut.any():
             continue
-        energy, z = sheet.energy(phi), sheet.kernel(phi)
+        energy, z = sheet.scaled_energy(phi), sheet.kernel(phi)
         down = -z @ (z.T @ sheet.torque(phi))
         for k in range(20):
             held = shut & (rng.uniform(size=len(phi)) < 0.7)
@@ -207,7 +207,7 @@ def test_lower_states_beside_those_of_a_pattern_cross():
             way = way / np.linalg.norm(way) + 0.4 * (k % 3) * down / np.linalg.norm(down)
             start = np.clip(phi + 10.0 ** -(2 + k % 3) * way, -math.pi, math.pi)
             new, residual = sheet.project(np.where(held, phi, start), held)
-            if residual <= 1e-12 and np.abs(new).max() <= math.pi and sheet.energy(new) < energy:
+            if residual <= 1e-12 and np.abs(new).max() <= math.pi and sheet.scaled_energy(new) < energy:
                 assert sheet.crossings.find(new)
                 lower += 1
         many += 1

@@ -215,7 +215,7 @@ def test_lower_states_beside_stacked_minima_are_no_paper():
             new, left = sheet.project(start, held_ones)
             if left > 1e-13 or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
                 continue
-            if sheet.energy(new) < sheet.energy(phi) - 1e-12:
+            if sheet.scaled_energy(new) < sheet.scaled_energy(phi) - 1e-12:
                 assert not examine(scene.vertex, new).admissible
                 lower += 1
     assert count >= 5 and lower > 50
@@ -245,7 +245,7 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
             new, left = sheet.project(np.where(held_ones, phi, start), held_ones)
             if left > 1e-12 or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
                 continue
-            if sheet.energy(new) < sheet.energy(phi) - 1e-9:
+            if sheet.scaled_energy(new) < sheet.scaled_energy(phi) - 1e-9:
                 assert sheet.crossings.find(new) or order_layers(sheet, new).verdict == "crosses"
                 lower += 1
     assert pressed >= 4 and lower > 40

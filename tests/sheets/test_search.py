@@ -91,7 +91,7 @@ def test_all_wells_of_a_curve_in_long_steps():
             for u in np.linspace(0, 1, 200, endpoint=False)
         ]
     )
-    energy = np.array([sheet.energy(x) for x in fine])
+    energy = np.array([sheet.scaled_energy(x) for x in fine])
     inside = np.flatnonzero((energy[1:-1] < energy[:-2]) & (energy[1:-1] < energy[2:])) + 1
     found = [x for x in wells(sheet, curve) if np.abs(x).max() < math.pi - 1e-9]
     assert len(found) == len(inside)
