@@ -131,7 +131,9 @@ def _projection(problem: PatternProblem) -> dict[str, Solve]:
             cut = min(length, FARTHEST / max(float(np.abs(torque).max()), 1e-300))
             while cut > 1e-9:
                 new, residual = project(phi - cut * torque)
-                if residual <= 10 * CLOSED and sheet.scaled_energy(new) <= max(last[-5:]) * (1 + 1e-13):
+                if residual <= 10 * CLOSED and sheet.scaled_energy(new) <= max(last[-5:]) * (
+                    1 + 1e-13
+                ):
                     break
                 cut *= 0.25
             else:

@@ -12,9 +12,10 @@ from typing import TypeVar
 import numpy as np
 
 from origami_nlp.facets import Sheet
+from origami_nlp.kkt import smallest_curvature
 from origami_nlp.numerics import EPS
 from origami_nlp.pattern import Pattern, examples
-from origami_nlp.sheets import SheetState, curvature, descend, judge
+from origami_nlp.sheets import SheetState, descend, judge
 
 T = TypeVar("T")
 RESTS = {
@@ -135,7 +136,7 @@ def measure_scale(name: str) -> PatternScale:
     hessian = sheet.hessian(state.fold_angles, lam)
     # states that differ by rounding: what is kept of the last one is not to be timed
     near = (state.fold_angles * (1.0 + k * EPS) for k in itertools.count(1))
-    stability, _ = _timed(lambda: curvature(sheet, next(near), hessian, np.zeros(0, int)), REPEATS)
+    stability, _ = _timed(lambda: smallest_curvature(hessian, sheet.jacobian(next(near))), REPEATS)
     crossings, _ = _timed(lambda: sheet.crossings.find(next(near)), REPEATS)
     pairs = sheet.crossings.candidates(sheet.crossings.placed(state.fold_angles))
     return PatternScale(

@@ -6,6 +6,11 @@ from .crossings import (
     convex_parts as convex_parts,
     cross_each_other as cross_each_other,
 )
+from .equations import (
+    MOST_DENSE as MOST_DENSE,
+    OutOfTime as OutOfTime,
+    PatternEquations as PatternEquations,
+)
 from .faces import Faces as Faces, Lying as Lying
 from .features import INSIDE as INSIDE, Features as Features
 from .layers import (
@@ -15,9 +20,9 @@ from .layers import (
     round_vertex as round_vertex,
 )
 from .linear import Factor as Factor, Normal as Normal, dense as dense
+from .meeting import touches_at as touches_at
 from .orders import Orders as Orders
 from .poses import Poses as Poses
-from .problem import PatternProblem as PatternProblem, touches_at as touches_at
-from .sheet import MOST_DENSE as MOST_DENSE, OutOfTime as OutOfTime, Sheet as Sheet
+from .sheet import Sheet as Sheet
 from .stacks import Stack as Stack
 from .touches import Placed as Placed, Touch as Touch

@@ -19,10 +19,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.features import INSIDE, Features
 from origami_nlp.facets.layers import MOST_PAIRS, Layers, pose_layers
 from origami_nlp.facets.orders import Orders
-from origami_nlp.facets.sheet import Sheet
 from origami_nlp.facets.stacks import Stack, Unclear
 from origami_nlp.facets.touches import Placed, Touch
 from origami_nlp.numerics import CLOSES, cross
@@ -110,7 +110,7 @@ class Faces:
     (0, 1, 4)
     """
 
-    def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
+    def __init__(self, sheet: PatternEquations, phi: np.ndarray) -> None:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._sheet, self._phi = sheet, phi
         self._told: dict[int, list[Touch]] = {}

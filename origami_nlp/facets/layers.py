@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.orders import Orders
-from origami_nlp.facets.sheet import Sheet
 from origami_nlp.facets.stacks import Stack, Unclear
 from origami_nlp.folding import examine
 from origami_nlp.numerics import ANSWERED, CLOSES
@@ -66,7 +66,7 @@ class Layers:
         }
 
 
-def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
+def order_layers(sheet: PatternEquations, phi: np.ndarray) -> Layers:
     """Tell whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
 
     In the state that the pattern's file describes, the order that the file states is kept.
@@ -100,7 +100,7 @@ def order_layers(sheet: Sheet, phi: np.ndarray) -> Layers:
     return Layers("not decided", why, len(stack.facets))
 
 
-def check_orders(sheet: Sheet) -> Layers | None:
+def check_orders(sheet: PatternEquations) -> Layers | None:
     """Order the layers of the state that the pattern's file describes.
 
     Parameters
@@ -136,7 +136,7 @@ def _is_stated(pattern: Pattern, phi: np.ndarray) -> bool:
     return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= STATED)
 
 
-def pose_layers(sheet: Sheet, phi: np.ndarray, stack: Stack) -> Orders | Layers:
+def pose_layers(sheet: PatternEquations, phi: np.ndarray, stack: Stack) -> Orders | Layers:
     """Pose which of the pieces that lie on each other at a state are above, with what creases and the file say of it.
 
     Parameters

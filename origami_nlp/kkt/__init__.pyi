@@ -2,12 +2,13 @@ from . import starts as starts
 from .certificates import judge_branch as judge_branch
 from .classification import (
     Classification as Classification,
-    ContactForce as ContactForce,
     Kind as Kind,
     classify as classify,
     of_image as of_image,
 )
 from .descent import Followed as Followed, follow as follow
+from .forces import ContactForce as ContactForce, contact_forces as contact_forces
+from .large import smallest_curvature as smallest_curvature
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
 from .neighbours import search_spheres as search_spheres

@@ -20,8 +20,8 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.level import curves_up
+from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import CURVED, INDEPENDENT, STATIONARY, nearest_in_cone, null_space
@@ -93,7 +93,9 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()
 
-    def say(verdict: Verdict, why: str, level: int, eig=(), direction=None, more=()) -> BranchJudgement:  # type: ignore[no-untyped-def]
+    def say(
+        verdict: Verdict, why: str, level: int, eig=(), direction=None, more=()
+    ) -> BranchJudgement:  # type: ignore[no-untyped-def]
         return BranchJudgement(
             verdict,
             why,

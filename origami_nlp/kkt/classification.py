@@ -11,53 +11,20 @@ import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
+from origami_nlp.kkt.forces import ContactForce, forces_of, joined_forces
+from origami_nlp.kkt.large import judge_large, lower_beside
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
 from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
+from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED, CLOSES, INDEPENDENT, LEVEL, SAME, STATIONARY, UNPOLISHED
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.numerics import CLOSES, LEVEL, SAME, STATIONARY, UNPOLISHED
+from origami_nlp.programme import Programme
 
 AT_REST = CLOSES**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
-MOST_SETS, MOST_FAILED = 100, 6
-"""Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
+MOST_EQUATIONS = 6
+"""Of closure up to which small spheres are searched: of larger programmes some tens of directions say nothing."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
-
-
-@dataclass(frozen=True, repr=False)
-class ContactForce(Brief):
-    """One closed contact of a state and what it carries.
-
-    Attributes
-    ----------
-    type
-        ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
-    creases
-        Who touches, 1-based, all images under the symmetry included for creases at a fold limit; empty for a
-        facet pair.
-    facets
-        The two facets of a facet pair, 1-based (their touching crease is in `text`).
-    multiplier
-        Moment [N m per rad of opening, in the scene's units] at each single contact, positive where it pushes; where
-        contacts are dependent, the entry of the multiplier vector of smallest norm.
-    multiplier_range
-        Smallest and largest value over the set of multipliers; inf where unbounded.
-    text
-        The contact in words.
-    """
-
-    type: str
-    creases: tuple[int, ...]
-    facets: tuple[int, ...]
-    multiplier: float
-    multiplier_range: tuple[float, float]
-    text: str
-
-    @property
-    def unique(self) -> bool:
-        """Whether the moment is one number, and not any of a range."""
-        low, high = self.multiplier_range
-        return math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300)
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,6 +50,8 @@ class Classification(Brief):
         Residual of the best multipliers (scaled energy).
     descent
         For a saddle, a unit direction of descent [n] in the model's variables.
+    lower
+        A lower admissible state [n] that was found beside it; None where none was, or was needed.
     """
 
     verdict: str
@@ -93,6 +62,7 @@ class Classification(Brief):
     eigenvalues: tuple[float, ...] = ()
     stationarity: float = math.nan
     descent: np.ndarray | None = None
+    lower: np.ndarray | None = None
 
 
 def classify(state: State, *, polished: bool = True) -> Classification:
@@ -125,7 +95,9 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     symmetric = polished and len(state.programme.own_symmetries) > 1
     if symmetric and (known := _of_an_image(state)) is not None:
         return known
-    what = _decide(state, STATIONARY if polished else UNPOLISHED)
+    # every loop closes to rounding, and what they miss by adds up
+    exact = STATIONARY * max(1.0, state.programme.equation_count / 3)
+    what = _decide(state, exact if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
     if symmetric:
@@ -143,6 +115,8 @@ def _decide(state: State, accuracy: float) -> Classification:
     if state.refused:
         doubt = model.doubt(state.x)
         return reject("undecided" if doubt else "not admissible", doubt or state.refused)
+    if model.sparse:
+        return _decide_large(state)
     lower = follow_level(state)
     if lower is not None:
         return _refuted(lower)
@@ -160,12 +134,12 @@ def _decide(state: State, accuracy: float) -> Classification:
         elif not contacts.complete:
             return _of_larger(state, [whole])
     if not contacts.complete:
-        judged, failed = _judge_by_splitting(state, accuracy)
+        judged, failed = judge_by_splitting(state, accuracy)
         if isinstance(judged, Lower):
             return _refuted(judged)
         return _by_search(state, failed) if failed else _of_larger(state, judged)
     if choices is None:
-        judged, failed = _judge_by_splitting(state, accuracy)
+        judged, failed = judge_by_splitting(state, accuracy)
         if isinstance(judged, Lower):
             return _refuted(judged)
         if failed:
@@ -187,31 +161,45 @@ def _decide(state: State, accuracy: float) -> Classification:
         # no piece that the linearised contacts allow is followed by states: isolated, or beyond first order
         return _by_search(state, judged)
     decisive = real or judged  # without a real piece every cone is a point: isolated
-    dimension = max((b.cone_dimension for b in real), default=0)
-    if real and not all(b.regular for b in real):
-        dimension = dimension_nearby(state, contacts.base)
     verdicts = {b.verdict for b in decisive}
     if "saddle" in verdicts or "not stationary" in verdicts:
         worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
         d = worst.direction
         if d is not None:
             d = d / np.linalg.norm(d) if d.any() else None
-        return reject(worst.verdict, worst.certificate, d)
+        missing = worst.multipliers.residual
+        return Classification(
+            worst.verdict, None, worst.certificate, 0, stationarity=missing, descent=d
+        )
+    if "undecided" in verdicts:
+        return _by_search(state, judged)
+    dimension = max((b.cone_dimension for b in real), default=0)
+    if real and not all(b.regular for b in real):
+        dimension = dimension_nearby(state, contacts.base)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
     if 0 < dimension < model.freedom:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
-    if "undecided" in verdicts:
-        return _by_search(state, judged)
     return Classification(
         "minimum",
         _kind(decisive),
         certificate + (_of_branches(len(decisive)) if len(decisive) > 1 else ""),
         dimension,
-        _forces(state, decisive[0]),
+        forces_of(state, decisive[0]),
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
         math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
     )
+
+
+def _decide_large(state: State) -> Classification:
+    """Decide on a state of a programme that is too large for kernels."""
+    for branch in judge_large(state):
+        if branch.verdict == "minimum":
+            return _of_larger(state, [branch])
+        lower = lower_beside(state, branch)
+        if lower is not None:
+            return _refuted(lower)
+    return Classification("undecided", None, f"not decided: {branch.certificate}", 0)
 
 
 def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
@@ -225,60 +213,10 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
         _kind(judged),
         words + (_of_branches(len(judged)) if len(judged) > 1 else ""),
         max(b.cone_dimension for b in judged),
-        _forces(state, judged[0]),
+        joined_forces([forces_of(state, b) for b in judged]),
         tuple((state.programme.scale * judged[0].eigenvalues).tolist()),
         math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )
-
-
-def _judge_by_splitting(
-    state: State, accuracy: float
-) -> tuple[list[BranchJudgement] | Lower, list[BranchJudgement]]:
-    """Judge the union of pieces without listing them: split a set by one facet pair after the other.
-
-    A minimum of a larger set is one of every piece of it, so most sets need no splitting.  Returns the sets of
-    which x is a minimum, which cover all pieces, and the pieces (or sets, where there are too many) for which
-    that could not be shown.  A lower state that the descent of any of them leads to is returned at once.
-    """
-    tried: list[np.ndarray] = []
-    good: list[BranchJudgement] = []
-    failed: list[BranchJudgement] = []
-    contacts = state.contacts
-    pending = [(contacts.base, 0)]
-    while pending:
-        rows, start = pending.pop()
-        b = judge_branch(state.on(rows), accuracy)
-        held = set(rows)
-        split = next(
-            (
-                k
-                for k in range(start, len(contacts.branches))
-                if not any(held.issuperset(option) for option in contacts.branches[k])
-            ),
-            None,
-        )
-        if b.verdict != "minimum" and start and _is_new(b.direction, tried):
-            lower = follow_descent(state, b)
-            if lower is not None:
-                return lower, []
-        if b.verdict == "minimum":
-            good.append(b)
-        elif split is None or len(good) + len(failed) + len(pending) > MOST_SETS:
-            failed.append(b)
-            if len(failed) == MOST_FAILED:
-                break
-        else:
-            for option in contacts.branches[split]:
-                pending.append((tuple(dict.fromkeys((*rows, *option))), split + 1))
-    return good, failed
-
-
-def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:
-    """Tell whether a direction is none of those tried, and note it: sets that share contacts share their descent."""
-    if direction is None or any(np.abs(direction - d).max() <= INDEPENDENT for d in tried):
-        return False
-    tried.append(direction)
-    return True
 
 
 _JUDGED: WeakKeyDictionary[Programme, dict[tuple[float, ...], Classification]] = WeakKeyDictionary()
@@ -302,7 +240,7 @@ def _keep(state: State, what: Classification) -> None:
         names = "crease" in what.reason or "facet" in what.reason
         reason = f"an image under a symmetry of the scene: {what.reason}" if names else what.reason
         _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(
-            what, reason=reason, descent=None
+            what, reason=reason, descent=None, lower=None
         )
 
 
@@ -326,17 +264,19 @@ def of_image(state: State, what: Classification) -> Classification:
     """
     base = judge_branch(state.on(state.contacts.base), STATIONARY)
     reason = f"image of a certified state under a symmetry of the scene: {what.reason}"
-    return replace(what, reason=reason, contacts=_forces(state, base), descent=None)
+    return replace(what, reason=reason, contacts=forces_of(state, base), descent=None)
 
 
 def _refuted(lower: Lower) -> Classification:
     """Return the classification of a state with a lower admissible state next to it."""
-    return Classification("not stationary", None, lower.words, 0, descent=lower.direction)
+    return Classification(
+        "not stationary", None, lower.words, 0, descent=lower.direction, lower=lower.state
+    )
 
 
 def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classification:
     """Return the classification of an isolated point: a minimum, since it has no neighbours."""
-    forces = _forces(state, branch)
+    forces = forces_of(state, branch)
     # nothing has to balance at a point that cannot move: no stationarity residual
     return Classification("minimum", "degenerate", reason, 0, forces)
 
@@ -376,12 +316,16 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
             "degenerate",
             "at rest: no state has less energy",
             dimension_nearby(state, state.contacts.base),
-            _forces(state, judged[0]),
+            forces_of(state, judged[0]),
             stationarity=0.0,
         )
+    if not state.contacts.complete:
+        return _not_decided(judged)  # their directions were followed when they were split
     lower = next(filter(None, (follow_descent(state, b) for b in judged)), None)
     if lower is not None:
         return _refuted(lower)
+    if model.equation_count > MOST_EQUATIONS:
+        return _not_decided(judged)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = search_spheres(state, rows)
     noise = LEVEL * max(state.energy, model.scale)
@@ -400,23 +344,8 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     return Classification("undecided", None, reason, found.dimension)
 
 
-def _forces(state: State, branch: BranchJudgement) -> tuple[ContactForce, ...]:
-    """Turn the contacts of a piece and their multipliers into moments."""
-    out = []
-    model = state.programme
-    also: dict[Contact, list[str]] = {}
-    for contact, same in state.contacts.implied:
-        also.setdefault(same, []).append(model.name(contact))
-    m = branch.multipliers
-    stationary = m.residual <= BALANCED * (1 + float(np.abs(m.smallest).max(initial=0)))
-    for r, contact in enumerate(branch.rows):
-        who = model.words(contact, state.x)
-        text = who.text
-        if contact in also:
-            text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
-        unit = model.scale / model.weight(contact)
-        values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
-        moments = [float(v * unit) for v in values]
-        spread = (moments[1], moments[2])
-        out.append(ContactForce(who.type, who.creases, who.facets, moments[0], spread, text))
-    return tuple(out)
+def _not_decided(judged: list[BranchJudgement]) -> Classification:
+    words = "; ".join(dict.fromkeys(b.certificate for b in judged))
+    missing = min(b.multipliers.residual for b in judged)
+    reason = f"not decided: {words}, no lower state found"
+    return Classification("undecided", None, reason, 0, stationarity=missing)

@@ -14,11 +14,11 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import CLOSES, CURVED, INDEPENDENT, RANK
 
 BESIDE_FLAT = 1e-3
-"""Distance from the flat state at which its curves are looked at [rad]: closure there misses by 1e-6, far from rounding."""
+"""Distance from the flat state at which its curves are looked at [rad]: closure misses by its square, no rounding."""
 
 
 def curves_up(state: State) -> bool:
-    """Tell whether a flat state without contacts is a minimum: level along all curves that leave it, curved up on each."""
+    """Tell whether the energy at a flat state is level along all curves that leave it, and curves up on each."""
     cone, p = state.tangent_cone, state.programme
     if state.x.any() or cone.reason or not cone.split or cone.families or not len(cone.lines):
         return False

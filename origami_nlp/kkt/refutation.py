@@ -16,23 +16,24 @@ from origami_nlp.programme import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
 """How far [rad] a direction is followed; shorter ones hide in the snapping of contacts."""
-FAR = (1e-2, 1e-1)
-"""Further steps where pieces hold more than the feasible set, so that a lower state alone refutes."""
+FAR = (1e-4, 1e-3, 1e-2, 1e-1)
+"""Steps where pieces hold more than the feasible set, so that a lower state alone refutes: descents go on there."""
 DRAWN, DOWN = 8, 1e-3
 """Directions of descent that are drawn there, and their slope over the steepest one that closure allows."""
-MOST_PASSED = 6
-"""Rounds in which contacts that a step has passed are closed."""
+MOST_PASSED, MOST_STEPS = 6, 6
+"""Rounds in which contacts that a step has passed are closed, and steps of each projection: Newton needs five."""
 BATCH, MOST_LEVEL = 8, 128
 """Directions that are followed together, and in all."""
 
 
 @dataclass(frozen=True)
 class Lower:
-    """An admissible state that is lower: the unit direction towards it [n], its distance [rad], the energy gained."""
+    """A lower admissible state [n]: the unit direction towards it [n], its distance [rad], the energy gained."""
 
     direction: np.ndarray
     step: float
     gain: float
+    state: np.ndarray
 
     @property
     def words(self) -> str:
@@ -43,17 +44,52 @@ class Lower:
 def follow_descent(state: State, branch: BranchJudgement) -> Lower | None:
     """Step along the directions of descent of a piece that were found, and where pieces are too large along others."""
     exact = state.contacts.complete
-    piece = state.on(branch.rows)
-    for d in (branch.direction, *branch.more, *(() if exact else _aside(piece, branch))):
+    aside = () if exact else _aside(state.on(branch.rows), branch)
+    for d in (branch.direction, *branch.more, *aside):
         if d is None or not np.abs(d).max() > 0:
             continue
         d = d / np.linalg.norm(d)
-        still = np.zeros((1, len(d)), dtype=bool)
-        for step in STEPS if exact else STEPS + FAR:
-            lower = _follow(state, d[None], still, branch.held, step, () if exact else branch.rows)
-            if lower is not None:
-                return lower
+        if not exact:
+            lower = _lower_along(state, d, branch)
+        else:
+            still = np.zeros((1, len(d)), dtype=bool)
+            tries = (_follow(state, d[None], still, branch.held, step) for step in STEPS)
+            lower = next(filter(None, tries), None)
+        if lower is not None:
+            return lower
     return None
+
+
+def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Lower | None:
+    """Go along a unit direction [n] until facets cross; contacts of the piece that a step passes are closed."""
+    model, x = state.programme, state.x
+    noise = LEVEL * max(model.energy(x), model.scale)
+    for step in FAR:
+        model.check_time()
+        y, residual = _put_back(state, x + step * d, branch)
+        if residual > FOLLOWED or not 0.1 * step < np.linalg.norm(y - x) < 3 * step:
+            continue
+        if model.refuses(y):
+            return None  # what lies further that way would be reached through facets
+        change = model.energy_change(x, y)
+        if change < -noise:
+            return Lower(d, step, -change, y)
+    return None
+
+
+def _put_back(state: State, start: np.ndarray, branch: BranchJudgement) -> tuple[np.ndarray, float]:
+    """Project a state [n] with what the piece holds, and the contacts that it passes then: where, and the residual."""
+    model, held = state.programme, branch.held
+    y, residual = project(model, start, held, steps=MOST_STEPS)
+    for _ in range(MOST_PASSED):
+        openings = model.local(y).openings(branch.rows)[0]
+        passed = [c for c, gap in zip(branch.rows, openings, strict=True) if gap < -ROUNDED]
+        passed = [c for c in (*passed, *model.beyond(y, ROUNDED)) if c not in held]
+        if not passed:
+            break
+        held = tuple(dict.fromkeys((*held, *passed)))
+        y, residual = project(model, start, held, steps=MOST_STEPS)
+    return y, float(residual)
 
 
 def _aside(piece: Stratum, branch: BranchJudgement) -> Iterator[np.ndarray]:
@@ -112,42 +148,16 @@ def _follow(
     still: np.ndarray,
     held: tuple[Contact, ...],
     step: float,
-    kept: tuple[Contact, ...] = (),
 ) -> Lower | None:
-    """Follow unit directions [k, n], with contacts held and fold angles `still` [k, n], to a lower state.
-
-    Contacts `kept` that a step passes are closed.  Where the energy is level along a direction it may fall further on.
-    """
+    """Follow unit directions [k, n], with contacts held and fold angles `still` [k, n], to a lower state."""
     model, x = state.programme, state.x
     slope = directions @ state.local.gradient * model.scale
     y, residual = project(model, x + step * directions, held, frozen=still)
-    for k in range(len(y)) if kept else ():
-        y[k], residual[k] = _put_back(state, x + step * directions[k], y[k], residual[k], kept)
     change = np.array([model.energy_change(x, end) for end in y])
     good = (residual <= FOLLOWED) & (np.linalg.norm(y - x, axis=1) < 3 * step)
-    noise = LEVEL * max(model.energy(x), model.scale)
-    level = np.abs(slope) * step <= noise if kept else np.zeros(len(y), dtype=bool)
-    good &= np.where(level, change < -noise, (change < 0.1 * step * slope) & (slope < 0))
+    good &= (change < 0.1 * step * slope) & (slope < 0)
     good[good] = model.admissible(y[good])
     for k in np.flatnonzero(good):
         if not model.refuses(y[k]):
-            return Lower(directions[k], step, -float(change[k]))
+            return Lower(directions[k], step, -float(change[k]), y[k])
     return None
-
-
-def _put_back(
-    state: State, start: np.ndarray, y: np.ndarray, residual: float, kept: tuple[Contact, ...]
-) -> tuple[np.ndarray, float]:
-    """Close contacts that a state y [n], the projection of `start`, has passed."""
-    model = state.programme
-    held: tuple[Contact, ...] = ()
-    for _ in range(MOST_PASSED):
-        openings = model.local(y).openings(kept)[0]
-        beyond = (c for c in model.beyond(y, ROUNDED) if c not in kept)
-        passed = [c for c, gap in zip(kept, openings, strict=True) if gap < -ROUNDED]
-        passed = [c for c in (*passed, *beyond) if c not in held]
-        if not passed:
-            break
-        held = (*held, *passed)
-        y, residual = project(model, start, held)
-    return y, residual

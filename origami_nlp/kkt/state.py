@@ -114,7 +114,8 @@ class State:
     @cached_property
     def contacts(self) -> ClosedContacts:
         """Contacts that are closed to `tolerance`."""
-        return self.programme.closed(self.x, self.tolerance, self.local)
+        local = None if self.programme.sparse else self.local
+        return self.programme.closed(self.x, self.tolerance, local)
 
     @property
     def limits(self) -> tuple[Contact, ...]:

@@ -70,9 +70,7 @@ class TangentCone:
         families = tuple(np.linalg.qr(root[:, None] * b)[0] for b in self.families)
         return TangentCone(lines, families, self.reason, self.split)
 
-    def slopes(
-        self, gradient: np.ndarray, rows: np.ndarray
-    ) -> tuple[bool, list[np.ndarray], int]:
+    def slopes(self, gradient: np.ndarray, rows: np.ndarray) -> tuple[bool, list[np.ndarray], int]:
         """Compare the energy with the directions that contacts leave open.
 
         Parameters
@@ -215,7 +213,7 @@ def loop_modes(loop: LoopClosure) -> list[np.ndarray] | None:
 
 
 def _split(form: np.ndarray, basis: np.ndarray) -> list[np.ndarray] | None:
-    """Return subspaces of the span of a basis [d, k] whose union is where d' Q d vanishes; None: it is no such union."""
+    """Return subspaces of the span of a basis [d, k] whose union is where d' Q d vanishes; None: there are none."""
     values, vectors = np.linalg.eigh(basis.T @ form @ basis)
     low, high = np.flatnonzero(values < -RANK), np.flatnonzero(values > RANK)
     if not len(low) or not len(high):  # of one sign: only where every part vanishes
@@ -265,7 +263,9 @@ def _distinct(subspaces: list[np.ndarray]) -> list[np.ndarray]:
     for i in order:
         b = subspaces[i]
         close = takewhile(lambda j, i=i: seen[i] - seen[j] < SAME_DIRECTION * n, reversed(kept))  # type: ignore[misc]
-        if all(np.abs(b - subspaces[j] @ (subspaces[j].T @ b)).max() >= SAME_DIRECTION for j in close):
+        if all(
+            np.abs(b - subspaces[j] @ (subspaces[j].T @ b)).max() >= SAME_DIRECTION for j in close
+        ):
             kept.append(int(i))
     return [subspaces[i] for i in sorted(kept)]
 

@@ -54,12 +54,6 @@ RESOLVED = 1e-7
 and events that are closer are one.  Ten times `TOUCHES`, so that none is taken for a contact."""
 SAME = 1e-8
 """Two polished states whose fold angles differ by no more are one."""
-SAME_DIRECTION = 1e-5
-"""Unit directions, bases and slopes that differ by less are one: subspaces are intersected to `RANK`, whose error grows
-with the number of loops that they pass, a hundred at most."""
-RISES = 1e-4
-"""Slope of the energy, or of a contact, along a unit direction, over the largest torque: less does not count as rising,
-nor as leading beyond a contact.  Ten times `SAME_DIRECTION`, to which directions are known."""
 SETTLED = 1e-6
 """Two ends of Newton, corners of curves, or roots on a circle are one: where a root is double, or curves touch, a
 residual of `CLOSES` is a distance of its square root."""
@@ -79,6 +73,12 @@ its tolerance of 1e-7."""
 ENDS = 1e-5
 """A path downhill ends at a known state [rad]: where the polish fails it stops within some of its shortest steps,
 1e-6."""
+SAME_DIRECTION = 1e-5
+"""Unit directions, bases and slopes that differ by less are one: subspaces are intersected to `RANK`, whose error grows
+with the number of loops that they pass, a hundred at most."""
+RISES = 1e-4
+"""Slope of the energy, or of a contact, along a unit direction, over the largest torque: less does not count as rising,
+nor as leading beyond a contact.  Ten times `SAME_DIRECTION`, to which directions are known."""
 UNPOLISHED = 1e-5
 """Contacts and torques of an answer of IPOPT: its tolerance 1e-7 leaves sqrt(mu) ~ 1e-4.5 at weak contacts."""
 BESIDE = 1e-3

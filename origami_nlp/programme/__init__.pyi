@@ -21,7 +21,7 @@ from .nlp import (
     separating_normal as separating_normal,
 )
 from .parameters import Parameters as Parameters
-from .protocol import Programme as Programme, Solvable as Solvable
+from .protocol import Programme as Programme, Solvable as Solvable, Sparse as Sparse
 from .strata import (
     random_strata as random_strata,
     vertex_candidates as vertex_candidates,

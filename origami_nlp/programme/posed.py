@@ -42,6 +42,8 @@ class Posed(Full):
         How many creases each variable stands for, [n].
     """
 
+    sparse = False
+
     def __init__(self, scene: Scene) -> None:
         check_type("scene", scene, Scene)
         self.scene = scene

@@ -1,11 +1,11 @@
 """What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
 
-A programme of one vertex (`Model`) has all of this, and so has that of a pattern (`facets.PatternProblem`).
+A programme of one vertex (`Model`) has all of this, and so has that of a pattern (`facets.Sheet`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,12 +18,18 @@ from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairFor
 
 
 class Programme(Protocol):
-    """Shapes and units are those of `Model`, where each of these is described."""
+    """Shapes and units are those of `Model`, where each of these is described.
 
-    parameters: Parameters
+    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.
+    """
+
     multiplicity: np.ndarray
     scale: float
 
+    @property
+    def parameters(self) -> Parameters: ...  # noqa: D102
+    @property
+    def sparse(self) -> bool: ...  # noqa: D102
     @property
     def size(self) -> int: ...  # noqa: D102
     @property
@@ -113,3 +119,18 @@ class Solvable(Programme, Protocol):
     def crossed(  # noqa: D102
         self, x: np.ndarray, tolerance: float = ...
     ) -> tuple[tuple[int, int], ...]: ...
+
+
+class Sparse(Programme, Protocol):
+    """What certificates of large programmes need besides: sparse matrices, and steps by their factors."""
+
+    def jacobian(self, x: np.ndarray) -> Any: ...  # noqa: D102
+    def hessian(self, x: np.ndarray, multipliers: np.ndarray) -> Any: ...  # noqa: D102
+    def torque(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def along(self, x: np.ndarray, v: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def project(  # noqa: D102
+        self, x: np.ndarray, held: np.ndarray | None = None
+    ) -> tuple[np.ndarray, float]: ...
+    def multipliers(  # noqa: D102
+        self, x: np.ndarray, held: Iterable[int] = ()
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...

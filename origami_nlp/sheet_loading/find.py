@@ -12,7 +12,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import Sheet
+from origami_nlp.kkt import State, classify
 from origami_nlp.loading import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.numerics import SAME, SETTLED
 from origami_nlp.path import Steps
@@ -31,7 +32,6 @@ from origami_nlp.sheets import (
     descend,
     find_states,
     judge,
-    pieces_at,
     press,
 )
 
@@ -250,7 +250,7 @@ class _Job:
         phi, touching = event.state.phi, bool(touches_of(event.state.held))
         begun: np.ndarray | None = phi
         if event.type == "slides":  # lower states are beside where a facet ends, unless others hold
-            begun = pieces_at(event.state.system.sheet, phi).lower
+            begun = classify(State(event.state.system.sheet, phi)).lower
         if begun is None:
             return None
         for share in OVER:
@@ -261,7 +261,7 @@ class _Job:
             end = self._down(loaded, begun, touching)
             if np.abs(end.phi - phi).max() <= 10 * share:
                 # of equilibria that stay ones no torque leads away
-                lower = pieces_at(loaded, phi).lower if self.sheet.size <= MOST_DENSE else None
+                lower = classify(State(loaded, phi)).lower if not self.sheet.sparse else None
                 end = end if lower is None else press(loaded, lower)
                 if np.abs(end.phi - phi).max() <= 10 * share:
                     continue

@@ -18,13 +18,15 @@ from origami_nlp.atlas import (
     Residuals,
 )
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.kkt import State, contact_forces
 from origami_nlp.numerics import SETTLED
+from origami_nlp.programme import fold_limit
 from origami_nlp.sheet_loading.branch import STABLE, Branch
 from origami_nlp.sheet_loading.curve import LoadedState
 from origami_nlp.sheet_loading.events import Found
 from origami_nlp.sheet_loading.held import touches_of, words
 from origami_nlp.sheet_loading.work import Work
-from origami_nlp.sheets import SheetContact, balance, closed_contacts, judge, told_contacts
+from origami_nlp.sheets import SheetContact, closed_contacts, judge, told_contact
 
 ENDS = ("range", STABLE)
 """Ends of a branch that are no events."""
@@ -178,4 +180,6 @@ def carried_at(sheet: Sheet, phi: np.ndarray) -> tuple[SheetContact, ...]:
     if sheet.size > MOST_DENSE:
         return ()
     rows = closed_contacts(sheet, phi)
-    return told_contacts(sheet, rows, balance(sheet, phi, rows, sheet.kernel(phi)))
+    limits = (fold_limit(int(v), phi[v]) for v in rows.limits)
+    contacts = (*limits, *(sheet.contact_of(t) for t in rows.touches))
+    return tuple(told_contact(sheet, c) for c in contact_forces(State(sheet, phi), contacts))

@@ -1,17 +1,11 @@
 from .branches import Branches as Branches, list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .contacts import (
-    balance as balance,
-    closed_choices as closed_choices,
-    closed_contacts as closed_contacts,
-    told_contacts as told_contacts,
-)
+from .contacts import closed_choices as closed_choices, closed_contacts as closed_contacts
 from .counts import (
     Overview as Overview,
     jacobian_rank as jacobian_rank,
     overview as overview,
 )
-from .curvature import curvature as curvature
 from .curve import (
     Curve as Curve,
     follow_curve as follow_curve,
@@ -38,11 +32,14 @@ from .interpolant import (
     interpolate as interpolate,
     wells as wells,
 )
-from .judgement import judge as judge, singular_beside as singular_beside
+from .judgement import (
+    judge as judge,
+    singular_beside as singular_beside,
+    told_contact as told_contact,
+)
 from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
-from .pieces import pieces_at as pieces_at
 from .pinned import press_along as press_along, press_off as press_off
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch

@@ -98,7 +98,9 @@ def descend(
             new, closes = _retract(sheet, phi + trial, held, normal)
             share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
             lower = sheet.scaled_energy(new) < energy - 1e-4 * abs(slope) * share
-            tiny = np.abs(trial).max() < 1e-7 and sheet.scaled_energy(new) <= energy + 1e-14 * (1 + energy)
+            tiny = np.abs(trial).max() < 1e-7 and sheet.scaled_energy(new) <= energy + 1e-14 * (
+                1 + energy
+            )
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
                 phi, energy, moved = new, sheet.scaled_energy(new), True
                 path.append(phi)

@@ -20,7 +20,7 @@ from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
+from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -181,7 +181,7 @@ class _Search:
     def _judged(self, phi: np.ndarray) -> SheetState:
         """Judge the end of a descent; where torque is left over, solve for the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        if state.verdict in ("minimum", "undecided") and state.kkt_residual > STATIONARY:
+        if state.verdict != "crosses" and STATIONARY < state.kkt_residual < ANSWERED:
             limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
             better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
             if better is not None and np.abs(better - phi).max() < BESIDE:

@@ -16,9 +16,10 @@ import numpy as np
 from origami_nlp.errors import OrigamiError
 from origami_nlp.facets import Closure, round_vertex
 from origami_nlp.folding import examine
+from origami_nlp.kkt import combine, loop_modes
 from origami_nlp.numerics import CLOSES, quaternion
 from origami_nlp.pattern import Loop, Pattern
-from origami_nlp.sheets.branches import Branches, combine, vertex_modes
+from origami_nlp.sheets.branches import Branches
 
 MOST_STATES = 500
 """Flat-folded states that are listed."""
@@ -128,13 +129,14 @@ def ways_out(
     closure = Closure(pattern)
     known: dict[tuple[int, bytes], list[np.ndarray]] = {}
     for phi in states:
-        modes = []
-        for v, axes in enumerate(closure.axes(phi)):
-            key = v, phi[list(pattern.vertices[v].creases)].tobytes()
+        modes, variables = [], []
+        for v, loop in enumerate(closure.loops(phi)):
+            key = v, phi[loop.variables].tobytes()
             if key not in known:
-                found = vertex_modes(axes)
+                found = loop_modes(loop)
                 if found is None:
                     return
                 known[key] = found
             modes.append(known[key])
-        yield phi, combine(pattern, modes, check)
+            variables.append(loop.variables)
+        yield phi, combine(variables, modes, pattern.creases, check)

@@ -1,51 +1,27 @@
-"""Judges a state of a sheet: does it close, do facets cross, is it a minimum.
-
-A minimum is certified by second-order sufficient conditions: torque = J'lam + A'mu with moments and forces mu >= 0 of
-contacts, A the slopes of fold limits and gaps, and d'H(lam, mu)d > 0 for every d != 0 with J d = 0 that leaves loaded
-contacts closed, where H has the curvature of closure and that of the gaps.  Directions in which closed states leave
-a state lie in the kernel of J whatever its rank, and the conditions ask for some multipliers, not for unique ones: they
-are sufficient whether or not rows of closure depend on each other.  Positivity on the kernel is shown by
-H + rho J'J > 0 (Finsler), so that no rank is decided either.
-
-At a flat state the set of closed states is its own mirror image (turn the sheet over: phi becomes -phi), so that with
-every direction d it contains -d to first order: flat is a minimum only where the torque is orthogonal to all of them.
-Where the torque is balanced by closure to first order it always is one: axes of creases lie in the sheet, their
-products are normal to it, and the multipliers, which lie in it, add no curvature to that of the springs.  Where
-the torque is orthogonal to the cone alone, the ways out are looked at one by one (`level_curvature`).
-"""
+"""Judges a state of a pattern, by the kernel (`kkt.classify`): does it close, do facets cross, is it a minimum."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from origami_nlp.facets import DEEP, MOST_DENSE, Faces, Lying, Sheet, order_layers
-from origami_nlp.numerics import BESIDE, CLOSES, STATIONARY, nonnegative_least_squares
-from origami_nlp.sheets.contacts import (
-    Balance,
-    balance,
-    closed_choices,
-    closed_contacts,
-    joined_contacts,
-    told_contacts,
-)
-from origami_nlp.sheets.curvature import lowest_curvature
+from origami_nlp.facets import Lying, Sheet
+from origami_nlp.kkt import Classification, ContactForce, State, classify
+from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.lower import NEAREST, lower_state
-from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
-from origami_nlp.sheets.rows import LOADED, Rows
-from origami_nlp.sheets.sharp import level_curvature, list_ways, slopes
-from origami_nlp.sheets.state import SheetState, Verdict
+from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
 
-SHARP: dict[str, Any] = {
-    "verdict": "minimum",
-    "kind": "degenerate",
-    "eigenvalue": math.inf,
-    "certificate": "strict minimum: energy rises to first order along every way out, though closure loses rank and "
-    "no moments balance it",
+NEAREST = 1e-5
+"""Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
+a hundred times `CLOSES`."""
+VERDICTS: dict[str, Verdict] = {
+    "minimum": "minimum",
+    "saddle": "not a minimum",
+    "not stationary": "not a minimum",
+    "not admissible": "crosses",
+    "undecided": "undecided",
 }
 
 
@@ -70,6 +46,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     shut = np.clip(phi, -math.pi, math.pi)
     if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close
         phi = shut
+    sheet = sheet.with_contact(contact)
     residual = sheet.residual(phi)
     energy = float(sheet.pattern.energy(phi))
     blank = SheetState(
@@ -81,32 +58,52 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
         return replace(blank, certificate="closes on the other sheet, q = -1, round a vertex")
     if np.abs(phi).max(initial=0.0) > math.pi:
         return replace(blank, certificate="a fold angle is beyond pi")
-    blank = replace(blank, freedoms=sheet.size - sheet.rank(phi))
-    crossings = tuple(sheet.crossings.find(phi)) if contact else ()
-    if crossings:
-        many = f"{len(crossings)} pairs of facets pass" if len(crossings) > 1 else "two facets pass"
-        return replace(
-            blank, verdict="crosses", crossings=crossings, certificate=f"{many} through each other"
-        )
-    judged = _flat(sheet, blank, contact) if not phi.any() else _mechanics(sheet, blank, contact)
-    if judged.verdict != "minimum":
-        return judged
-    if singular_beside(sheet, phi) is not None:
+    what = classified(sheet, phi)
+    state = _told(sheet, replace(blank, freedoms=sheet.size - sheet.rank(phi)), what)
+    if state.verdict == "minimum" and singular_beside(sheet, phi) is not None:
         why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
-        return replace(judged, verdict="undecided", kind=None, certificate=why)
-    if not contact:
-        return judged
-    layers = order_layers(sheet, phi)
-    if layers.verdict == "ordered":
-        if layers.pairs <= int((np.abs(phi) > 0.5 * math.pi).sum()):  # at most those that are shut
-            return judged
-        reach = Faces(sheet, phi).reach()
-        if reach >= -DEEP:
-            return judged
-        why = f"not decided: facets face to face reach into each other by {-reach:.1e} of the sheet's size"
-        return replace(judged, verdict="undecided", kind=None, certificate=why)
-    verdict: Verdict = "crosses" if layers.verdict == "crosses" else "undecided"
-    return replace(judged, verdict=verdict, kind=None, certificate=layers.reason)
+        return replace(state, verdict="undecided", kind=None, certificate=why)
+    return state
+
+
+def classified(sheet: Sheet, phi: np.ndarray) -> Classification:
+    """Return what the kernel decides on a closed state; kept, as a descent asks before its end is judged."""
+    what: Classification = sheet.kept("classified", phi, lambda: classify(State(sheet, phi)))
+    return what
+
+
+def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
+    """Say what the kernel has decided."""
+    phi = blank.fold_angles
+    verdict = VERDICTS[what.verdict]
+    missing = what.stationarity
+    if math.isnan(missing):
+        missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
+    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), 1e-300)
+    lowest = min(what.eigenvalues, default=math.inf) / sheet.scale
+    return replace(
+        blank,
+        verdict=verdict,
+        kind=what.kind,
+        kkt_residual=missing / largest,
+        eigenvalue=lowest if verdict == "minimum" else math.nan,
+        contacts=tuple(told_contact(sheet, c) for c in what.contacts),
+        crossings=sheet.crossed(phi) if verdict == "crosses" else (),
+        certificate=what.reason,
+    )
+
+
+def told_contact(sheet: Sheet, found: ContactForce) -> SheetContact:
+    """Return a contact with what it carries, as a state of a pattern lists it."""
+    between = None if found.unique else found.multiplier_range
+    assert found.contact is not None
+    if found.contact.is_limit:
+        return SheetContact("fold-limit", (found.contact.index,), found.multiplier, (), between)
+    touch = sheet.touch(found.contact)
+    if isinstance(touch, Lying):
+        lies = (), between, int(touch.sign), touch.place
+        return SheetContact(touch.type, touch.facets, found.multiplier, *lies)
+    return SheetContact(touch.type, touch.facets, found.multiplier, touch.corners, between)
 
 
 def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
@@ -140,155 +137,3 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
-
-
-def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
-    """Judge the flat state, by what the head of this file says of it."""
-    phi = blank.fold_angles
-    torque = sheet.torque(phi)
-    free = sheet.along(phi, torque)
-    missing = float(np.abs(free).max() / max(float(np.abs(torque).max()), 1e-300))
-    blank = replace(blank, kkt_residual=missing)
-    if missing <= STATIONARY or not torque.any():
-        return replace(
-            blank,
-            verdict="minimum",
-            kind="interior",
-            eigenvalue=float(lowest_curvature(sheet, phi, np.diag(sheet.stiffness))),
-            certificate="flat, its springs balanced by closure: strict minimum, curvature of the springs",
-        )
-    out = list_ways(sheet, phi)
-    if slopes(sheet, phi, out)[0]:
-        why = "flat and alone: no way leads out of it, strict minimum"
-        return replace(
-            blank, verdict="minimum", kind="interior", eigenvalue=math.inf, certificate=why
-        )
-    curved = level_curvature(sheet, out)
-    if curved is not None:
-        why = f"flat: the energy is level along each of {len(out.lines)} ways out and curves up: strict minimum"
-        return replace(
-            blank, verdict="minimum", kind="degenerate", eigenvalue=curved, certificate=why
-        )
-    drawn = np.random.default_rng(0).normal(size=(10, sheet.size))
-    ways = [
-        -free,
-        *out.lines,
-        *(b[:, k] for b in out.families for k in range(b.shape[1])),
-        *drawn,
-    ]
-    # states come in pairs, phi and -phi: one of them is lower wherever the torque is not orthogonal
-    if any(
-        lower_state(sheet, phi, sign * way, None, contact) is not None
-        for way in ways
-        for sign in (1.0, -1.0)
-    ):
-        why = "flat: springs pull along folding, and with every way the opposite way is open"
-        return replace(blank, verdict="not a minimum", certificate=why)
-    return replace(
-        blank,
-        verdict="undecided",
-        certificate="not decided: flat, springs pull to first order, no lower state found beside it",
-    )
-
-
-def _mechanics(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:
-    """Judge stationarity and curvature of a closed state."""
-    phi = blank.fold_angles
-    touching = contact and sheet.size <= MOST_DENSE
-    rows = closed_contacts(sheet, phi, touching)
-    z = sheet.kernel(phi) if sheet.size <= MOST_DENSE else None
-    found = (
-        _by_limits(sheet, phi, rows)
-        if z is None or not len(rows.gaps)
-        else balance(sheet, phi, rows, z)
-    )
-    if rows.gaps.min(initial=0.0) < -10 * CLOSES:
-        why = f"not decided: facets reach into each other by {-rows.gaps.min():.1e} of the sheet's size"
-        return replace(blank, verdict="undecided", certificate=why)
-    piece = judge_piece(sheet, phi, rows, found)
-    pieces = Pieces([piece], count=1)
-    if piece.proved:
-        return _told(sheet, blank, pieces)
-    ways = None if piece.balanced else list_ways(sheet, phi)
-    if touching:
-        assert z is not None
-        faces, meeting = Faces(sheet, phi), closed_choices(sheet, phi)
-        if faces.reach() < -10 * CLOSES:
-            why = f"not decided: facets face to face reach into each other by {-faces.reach():.1e} of the sheet's size"
-            return replace(blank, verdict="undecided", certificate=why)
-        pieces = judge_pieces(sheet, phi, rows, meeting, z, faces, ways)
-        return _told(sheet, blank, pieces, faces.reason)
-    rises, falling = (False, []) if ways is None else slopes(sheet, phi, ways)
-    if rises:
-        contacts = told_contacts(sheet, rows, found)
-        return replace(blank, kkt_residual=piece.missing, contacts=contacts, **SHARP)
-    found_ways = (lower_state(sheet, phi, w, rows, contact) for w in (*piece.ways, *falling))
-    down = next((new for new in found_ways if new is not None), None)
-    return _told(sheet, blank, Pieces([], piece, down, 1))
-
-
-def _told(sheet: Sheet, blank: SheetState, pieces: Pieces, unknown: str = "") -> SheetState:
-    """Say what was found on the pieces."""
-    at = pieces.left or pieces.proved[0]
-    blank = replace(blank, kkt_residual=at.missing, eigenvalue=at.lowest)
-    blank = replace(blank, contacts=told_contacts(sheet, at.rows, at.balance))
-    if pieces.left is None:
-        return replace(blank, **_of_minimum(sheet, blank.fold_angles, pieces.proved))
-    where = f" on piece {pieces.count} of what meets" if pieces.count > 1 else ""
-    if pieces.lower is not None:
-        why = f"lower states beside it: curvature {at.lowest:.3g}"
-        why = why if at.balanced else "torque along a free motion"
-        return replace(blank, verdict="not a minimum", certificate=why + where)
-    if pieces.count >= MOST_PIECES:
-        why = f"not decided: facets meet at borders or face to face, in more than {MOST_PIECES} pieces"
-    elif not at.balanced:
-        why = (
-            f"not decided: torque of {at.missing:.1e} is left{where}, but no lower state was found"
-        )
-    elif at.lowest > 0:
-        why = f"not decided: facets face to face push at borders alone{where}, where they may slide off"
-    else:
-        why = f"not decided: curvature {at.lowest:.3g} along a free motion{where} proves nothing"
-    why += f"; {unknown}" if unknown else ""
-    return replace(blank, verdict="undecided", certificate=why)
-
-
-def _of_minimum(sheet: Sheet, phi: np.ndarray, proved: list[Piece]) -> dict[str, Any]:
-    """Return kind, certificate, contacts and residuals of a minimum, from the pieces on which it is one."""
-    residual = max(p.missing for p in proved)
-    if sharp := [p for p in proved if p.sharp]:
-        pairs = {t.facets for p in sharp for t in p.rows.touches if isinstance(t, Lying)}
-        apart = ", ".join(f"{a + 1}|{b + 1}" for a, b in sorted(map(sorted, pairs)))
-        why = SHARP["certificate"] + (
-            f"; with layers of facets {apart} kept apart" if pairs else ""
-        )
-        held = sharp[0].rows.only(np.arange(len(sharp[0].rows.gaps)) < len(sharp[0].rows.limits))
-        told = told_contacts(sheet, held, balance(sheet, phi, held, sheet.kernel(phi)))
-        return {**SHARP, "certificate": why, "kkt_residual": residual, "contacts": told}
-    most = np.concatenate([p.most for p in proved])
-    every = bool((most > LOADED).all())
-    kind = "interior" if not len(most) else "contact-pinned" if every else "contact-touching"
-    lowest = min(p.lowest for p in proved)
-    what = f"curvature {lowest:.3g}" if math.isfinite(lowest) else "nothing is left free"
-    many = f" on each of {len(proved)} pieces" if len(proved) > 1 else ""
-    why = f"strict minimum{many}: torque balanced, {what} along what loaded contacts leave free"
-    return {
-        "verdict": "minimum",
-        "kind": kind,
-        "certificate": why,
-        "eigenvalue": lowest,
-        "kkt_residual": residual,
-        "contacts": joined_contacts([told_contacts(sheet, p.rows, p.balance) for p in proved]),
-    }
-
-
-def _by_limits(sheet: Sheet, phi: np.ndarray, rows: Rows) -> Balance:
-    """Balance the springs of a sheet without contacts, or of one too large for a kernel, by its fold limits."""
-    _, moments, left = sheet.multipliers(phi, rows.limits)
-    if (
-        len(moments) and moments.min() <= -LOADED
-    ):  # rows may depend on limits: look for moments that push
-        moments = nonnegative_least_squares(rows.slopes.T, sheet.torque(phi))
-        left = sheet.along(phi, sheet.torque(phi) - rows.slopes.T @ moments)
-    moments = np.maximum(moments, 0.0)
-    return Balance(moments, left, np.eye(len(moments)), np.ones(len(moments)))

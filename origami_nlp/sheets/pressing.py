@@ -6,8 +6,8 @@ that it would have passed.  A step after which facets cross is shortened.  So ev
 of crossings, and features that face each other are all that has to be known: no planes, no forces from afar.
 
 Where features meet at borders, one of several gaps is enough to keep facets apart: the state is judged on every piece
-(`pieces`), and where one of them leads down the descent goes on there.  Beside such places steps are tried with the
-gap that is open furthest.
+(`kkt.classify`), and where one of them leads down the descent goes on there.  Beside such places steps are tried with
+the gap that is open furthest.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
 from origami_nlp.sheets.descent import TRUST, Descended
-from origami_nlp.sheets.pieces import pieces_at
+from origami_nlp.sheets.judgement import classified
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -212,12 +212,12 @@ class _Press:
 
     def _judged(self) -> End:
         """Judge a state on every piece that meets there; go to a lower one beside it."""
-        pieces = pieces_at(self.sheet, self.phi)
-        if pieces.lower is not None:
-            self.radius = float(np.abs(pieces.lower - self.phi).max())
-            self._go(pieces.lower)
+        what = classified(self.sheet, self.phi)
+        if what.lower is not None:
+            self.radius = float(np.abs(what.lower - self.phi).max())
+            self._go(what.lower)
             return "lower"
-        return "held" if pieces.left else "still"
+        return "still" if what.verdict == "minimum" else "held"
 
     def _slip(self) -> End:
         """Step down beside borders: of what keeps facets apart there, with the gap that is open furthest."""
@@ -250,7 +250,9 @@ class _Press:
         for reach in (0.1, 0.01, 0.001):
             for sign in (1.0, -1.0):
                 new = put_back(self.sheet, self.phi + sign * reach * way, rows)
-                if new is None or self.sheet.scaled_energy(new) > self.energy - 1e-13 * (1 + self.energy):
+                if new is None or self.sheet.scaled_energy(new) > self.energy - 1e-13 * (
+                    1 + self.energy
+                ):
                     continue
                 if not self.sheet.crossings.find(new):
                     self._go(new)

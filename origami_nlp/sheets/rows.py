@@ -6,15 +6,14 @@ Rows that push balance the springs; a state is solved for with those rows as equ
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Lying, Normal, Placed, Sheet, Touch, dense
+from origami_nlp.facets import Normal, Placed, Sheet, Touch, dense
 from origami_nlp.numerics import (
     CLOSES,
-    INDEPENDENT,
     ROUNDED,
     nearest,
     nonnegative_least_squares,
@@ -75,54 +74,6 @@ class Rows:
         many = len(self.limits)
         touches = tuple(t for t, on in zip(self.touches, which[many:], strict=True) if on)
         return Rows(self.limits[which[:many]], touches, self.gaps[which], self.slopes[which])
-
-    def with_touches(self, others: Rows, which: Iterable[int]) -> Rows:
-        """Return the rows with some touches of other rows at the same state, by number; each once."""
-        new = [k for k in which if others.touches[k] not in self.touches]
-        touches = (*self.touches, *(others.touches[k] for k in new))
-        gaps, slopes = (
-            np.r_[self.gaps, others.gaps[new]],
-            np.vstack([self.slopes, others.slopes[new]]),
-        )
-        return Rows(self.limits, touches, gaps, slopes)
-
-    def inside(self, sheet: Sheet, phi: np.ndarray) -> Rows:
-        """Return the rows with points of facets that lie face to face moved inside both."""
-        touches = [t.inside() if isinstance(t, Lying) else t for t in self.touches]
-        return Rows.at(sheet, phi, self.limits, touches)
-
-    def needed(self, z: np.ndarray, which: Container[Touch]) -> Rows:
-        """Leave out some gaps that stay open to first order as long as the other rows do.
-
-        Parameters
-        ----------
-        z
-            Basis of what closure allows, [n, t].
-        which
-            Gaps that may be left out.
-
-        Returns
-        -------
-        Rows
-            Of those that say the same the one with the longest lever.
-        """
-        rows = self.slopes @ z
-        lengths = np.linalg.norm(rows, axis=1)
-        keep = np.ones(len(rows), bool)
-        extra = [k for k, t in enumerate(self.touches, len(self.limits)) if t in which]
-        keep[extra] = lengths[extra] > INDEPENDENT
-        columns = (rows / np.where(lengths > INDEPENDENT, lengths, 1.0)[:, None]).T
-        seen: set[bytes] = set()
-        for k in sorted(extra, key=lambda k: -round(lengths[k], 9)):
-            same = (np.round(columns[:, k], 9) + 0.0).tobytes()
-            keep[k] &= same not in seen
-            seen.add(same)
-        for k in sorted((k for k in extra if keep[k]), key=lambda k: round(lengths[k], 9)):
-            keep[k] = False
-            others = columns[:, keep]
-            left = others @ nonnegative_least_squares(others, columns[:, k]) - columns[:, k]
-            keep[k] = float(np.abs(left).max()) > INDEPENDENT
-        return self.only(keep)
 
     def bent(self, sheet: Sheet, phi: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Return the Hessian of forces . gaps, [n, n]; forces over the mean stiffness, [r]."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +18,7 @@ from origami_nlp.programme import (
     Contact,
     ContactWords,
     Local,
+    LoopClosure,
     Parameters,
     Programme,
 )
@@ -110,6 +112,8 @@ def test_a_stratum_is_what_the_minima_say() -> None:
 
 class TwoVertices:
     """Two vertices side by side, nothing shared: what a programme must offer, without being one vertex."""
+
+    sparse = False
 
     def __init__(self, first: Model, second: Model) -> None:
         assert first.scale == second.scale
@@ -278,6 +282,25 @@ class TwoVertices:
 
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
         raise NotImplementedError
+
+    def excess(self, x: np.ndarray) -> float:
+        return float(self.parameters.excess(x))
+
+    def check_time(self) -> None:
+        pass
+
+    def doubt(self, x: np.ndarray) -> str:
+        return ""
+
+    def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        return contacts
+
+    def loops(self, x: np.ndarray) -> list[LoopClosure]:
+        return [
+            replace(loop, variables=loop.variables + k * self.cut)
+            for k, (model, part) in enumerate(zip(self.parts, self.split(x), strict=True))
+            for loop in model.loops(part)
+        ]
 
     def creases_of(self, variable: int) -> tuple[int, ...]:
         return (variable + 1,)

@@ -82,7 +82,7 @@ def test_energy_rises_on_what_is_left_beside_a_minimum():
     """The shut crease stays shut there, as opening it crosses on either side of those that lie on each other."""
     crossed = 0
     for seed, (sheet, state) in enumerate(pressed()[:6]):
-        assert state.verdict == "minimum" and "on each of 3 pieces" in state.certificate
+        assert state.verdict == "minimum" and "on each of the 3 pieces" in state.certificate
         assert state.kkt_residual < 1e-10
         rng, phi = np.random.default_rng(seed), state.fold_angles
         energy = sheet.scaled_energy(phi)
@@ -207,7 +207,11 @@ def test_lower_states_beside_those_of_a_pattern_cross():
             way = way / np.linalg.norm(way) + 0.4 * (k % 3) * down / np.linalg.norm(down)
             start = np.clip(phi + 10.0 ** -(2 + k % 3) * way, -math.pi, math.pi)
             new, residual = sheet.project(np.where(held, phi, start), held)
-            if residual <= 1e-12 and np.abs(new).max() <= math.pi and sheet.scaled_energy(new) < energy:
+            if (
+                residual <= 1e-12
+                and np.abs(new).max() <= math.pi
+                and sheet.scaled_energy(new) < energy
+            ):
                 assert sheet.crossings.find(new)
                 lower += 1
         many += 1

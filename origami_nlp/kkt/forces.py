@@ -1,0 +1,102 @@
+"""What closed contacts of a state carry: one multiplier each, and its range where it is not unique."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from origami_nlp.files import Brief
+from origami_nlp.kkt.certificates import BranchJudgement
+from origami_nlp.kkt.multipliers import Multipliers
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import BALANCED
+from origami_nlp.programme import Contact
+
+
+@dataclass(frozen=True, repr=False)
+class ContactForce(Brief):
+    """One closed contact of a state and what it carries.
+
+    Attributes
+    ----------
+    type
+        ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    creases
+        Who touches, 1-based, all images under the symmetry included for creases at a fold limit; empty for a
+        facet pair.
+    facets
+        The two facets of a facet pair, 1-based (their touching crease is in `text`).
+    multiplier
+        Moment [N m per rad of opening, in the scene's units] at each single contact, positive where it pushes; where
+        contacts are dependent, the entry of the multiplier vector of smallest norm.
+    multiplier_range
+        Smallest and largest value over the set of multipliers; inf where unbounded.
+    text
+        The contact in words.
+    contact
+        The contact itself, as the programme knows it; None where it was read from a file.
+    """
+
+    type: str
+    creases: tuple[int, ...]
+    facets: tuple[int, ...]
+    multiplier: float
+    multiplier_range: tuple[float, float]
+    text: str
+    contact: Contact | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def unique(self) -> bool:
+        """Whether the moment is one number, and not any of a range."""
+        low, high = self.multiplier_range
+        return math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300)
+
+
+def contact_forces(state: State, contacts: Sequence[Contact]) -> tuple[ContactForce, ...]:
+    """Return what contacts that are closed at a state carry, each with the range that balances the springs."""
+    return _carried(state, tuple(contacts), state.on(contacts).multiplier_set)
+
+
+def forces_of(state: State, branch: BranchJudgement) -> tuple[ContactForce, ...]:
+    """Return what the contacts of a piece carry."""
+    return _carried(state, branch.rows, branch.multipliers)
+
+
+def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[ContactForce, ...]:
+    """Turn contacts and their multipliers into moments."""
+    out = []
+    model = state.programme
+    also: dict[Contact, list[str]] = {}
+    for contact, same in state.contacts.implied:
+        also.setdefault(same, []).append(model.name(contact))
+    stationary = m.residual <= BALANCED * (1 + float(np.abs(m.smallest).max(initial=0)))
+    for r, contact in enumerate(rows):
+        who = model.words(contact, state.x)
+        text = who.text
+        if contact in also:
+            text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
+        unit = model.scale / model.weight(contact)
+        values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
+        moments = [float(v * unit) for v in values]
+        spread = (moments[1], moments[2])
+        out.append(
+            ContactForce(who.type, who.creases, who.facets, moments[0], spread, text, contact)
+        )
+    return tuple(out)
+
+
+def joined_forces(pieces: list[tuple[ContactForce, ...]]) -> tuple[ContactForce, ...]:
+    """Return the contacts of several pieces, each once, with the range of its multiplier on all of them."""
+    found: dict[Contact | None, list[ContactForce]] = {}
+    for contacts in pieces:
+        for c in contacts:
+            found.setdefault(c.contact, []).append(c)
+    out = []
+    for same in found.values():
+        ends = [e for c in same for e in c.multiplier_range]
+        ends += [0.0] * (len(same) < len(pieces))
+        out.append(replace(same[0], multiplier_range=(min(ends), max(ends))))
+    return tuple(out)

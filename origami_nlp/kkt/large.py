@@ -1,0 +1,159 @@
+"""States of programmes too large for singular values and kernels: certificates by sparse factors, fold limits alone.
+
+Positive curvature along what closure and loaded limits leave free is shown by H + rho J'J > 0 (Finsler), whatever the
+rank of J: the smallest eigenvalue of that matrix bounds the curvature on the kernel from below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import cast
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import ArpackNoConvergence, eigsh
+
+from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement, Verdict
+from origami_nlp.kkt.multipliers import Multipliers
+from origami_nlp.kkt.refutation import FAR, Lower
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import (
+    CLOSES,
+    CURVED,
+    LEVEL,
+    STATIONARY,
+    nonnegative_least_squares,
+)
+from origami_nlp.programme import Contact, Sparse
+
+PENALTY = 1e4
+"""Weight rho."""
+DRAWN = 10
+"""Directions that are tried beside the steepest one."""
+
+
+def judge_large(state: State) -> Iterator[BranchJudgement]:
+    """Judge a state by its fold limits: balanced by moments >= 0, curved up along what loaded ones leave free.
+
+    Yields
+    ------
+    BranchJudgement
+        What is found; where nothing balances then also what the tangent cone says, which takes long to list.
+    """
+    p, x, rows = cast(Sparse, state.programme), state.x, state.contacts.base
+    shut = np.array([c.index for c in rows], int)
+    lam, moments, left = p.multipliers(x, shut)
+    size = 1.0 + float(np.abs(p.torque(x)).max(initial=0.0))
+    if moments.min(initial=0.0) < -STATIONARY * size:  # they may depend on closure: others may push
+        slopes = _slopes(state, rows)
+        moments = nonnegative_least_squares(slopes.T, p.torque(x))
+        left = p.along(x, p.torque(x) - slopes.T @ moments)
+        lam = p.multipliers(x)[0]
+    moments = np.maximum(moments, 0.0)
+    residual = float(np.abs(left).max(initial=0.0))
+    found = Multipliers(residual, True, moments)
+
+    def say(
+        verdict: Verdict, why: str, level: int, eig: float = math.nan, more=()
+    ) -> BranchJudgement:  # type: ignore[no-untyped-def]
+        values = np.array([eig] if math.isfinite(eig) else [])
+        return BranchJudgement(
+            verdict,
+            why,
+            level,
+            rows,
+            found,
+            True,
+            values,
+            None,
+            p.freedom,
+            None,
+            (),
+            tuple(more),  # type: ignore[arg-type]
+        )
+
+    if residual > STATIONARY * 10 * size:
+        why = "no multipliers >= 0 balance the springs"
+        yield say("undecided", why, 0, more=(-left,))
+        rises, falling, _ = state.tangent_cone.slopes(p.torque(x), _slopes(state, rows))
+        yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=falling)
+        return
+    free = np.setdiff1d(np.arange(len(x)), shut[moments > 10 * STATIONARY * size])
+    if not len(free):
+        why = "sharp: the energy grows to first order in every feasible direction"
+        yield say("minimum", why, 3)
+        return
+    lowest, vector = smallest_curvature(p.hessian(x, lam)[free][:, free], p.jacobian(x)[:, free])
+    way = np.zeros(len(x))
+    way[free] = vector
+    if lowest > CURVED:
+        why = "Hessian positive definite on the critical cone"
+        yield say("minimum", why, 2 if rows else 1, lowest)
+    else:
+        why = "neither first nor second order decides"
+        yield say("undecided", why, 0, lowest, (way, -way))
+
+
+def _slopes(state: State, limits: tuple[Contact, ...]) -> np.ndarray:
+    out = np.zeros((len(limits), len(state.x)))
+    out[np.arange(len(limits)), [c.index for c in limits]] = [-c.side for c in limits]
+    return out
+
+
+def lower_beside(state: State, branch: BranchJudgement) -> Lower | None:
+    """Look for a lower admissible state along the directions that were found, and some that are drawn."""
+    p, x = cast(Sparse, state.programme), state.x
+    noise = LEVEL * max(p.energy(x), p.scale)
+    for d in _directions(state, branch):
+        for step in FAR:
+            start = np.clip(x + step * d, -math.pi, math.pi)
+            y, residual = p.project(start, np.abs(start) == math.pi)
+            moved = float(np.abs(y - x).max())
+            if residual > CLOSES or not 0.1 * step <= moved <= 3 * step:
+                continue
+            if np.abs(y).max() > math.pi or p.energy_change(x, y) >= -noise:
+                continue
+            if p.refuses(y):
+                break
+            return Lower(d, step, -p.energy_change(x, y), y)
+    return None
+
+
+def _directions(state: State, branch: BranchJudgement) -> Iterator[np.ndarray]:
+    drawn = np.random.default_rng(0).normal(size=(DRAWN, len(state.x)))
+    # at the flat state others come in pairs, x and -x
+    both = (1.0,) if state.x.any() else (1.0, -1.0)
+    for d in (*branch.more, *(drawn if not state.x.any() else ())):
+        size = float(np.abs(d).max())
+        yield from (s * d / size for s in both if size > 0)
+
+
+def smallest_curvature(h: sparse.sparray, j: sparse.sparray) -> tuple[float, np.ndarray]:
+    """Return the smallest curvature along what closure allows, from below, and its direction.
+
+    Parameters
+    ----------
+    h
+        Hessian of the Lagrangian, [n, n].
+    j
+        Jacobian of closure, [m, n].
+
+    Returns
+    -------
+    smallest : float
+        The smallest eigenvalue of H + rho J'J, less its residual; nan where Lanczos' method does not converge.
+    way : numpy.ndarray
+        Its vector, [n].
+    """
+    whole = (sparse.csc_array(h) + PENALTY * sparse.csc_array(j).T @ sparse.csc_array(j)).tocsc()
+    # below every eigenvalue (Gershgorin; J'J adds none below), the closest one is the smallest
+    below = -float(np.abs(sparse.csr_array(h)).sum(axis=1).max()) - 1.0
+    n = whole.shape[0]
+    try:
+        values, vectors = eigsh(whole, k=1, sigma=below, which="LM", v0=np.ones(n))
+    except ArpackNoConvergence:
+        return math.nan, np.zeros(n)
+    vector = vectors[:, 0]
+    left = float(np.linalg.norm(whole @ vector - values[0] * vector))
+    return float(values[0] - left), vector

@@ -1,0 +1,95 @@
+"""A state judged on the union of many pieces, without listing them: sets are split by one choice after the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
+from origami_nlp.kkt.refutation import Lower, follow_descent
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import INDEPENDENT
+from origami_nlp.programme import Contact
+
+MOST_SETS, MOST_FAILED = 100, 6
+"""Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
+
+
+def judge_by_splitting(
+    state: State, accuracy: float
+) -> tuple[list[BranchJudgement] | Lower, list[BranchJudgement]]:
+    """Judge the union of pieces without listing them: split a set by one choice after the other.
+
+    A minimum of a larger set is one of every piece of it, so most sets need no splitting.  Where one is none, its
+    direction of descent passes some choice wholly, and the set is split by that; or it passes none, and leads to lower
+    states.  Returns the sets of which x is a minimum, which cover all pieces, and the pieces (or sets, where there are
+    too many) for which that could not be shown.  A lower state is returned at once.
+    """
+    tried: list[np.ndarray] = []
+    good: list[BranchJudgement] = []
+    failed: list[BranchJudgement] = []
+    choices = _Choices(state)
+    pending = [state.contacts.base]
+    while pending:
+        rows = pending.pop()
+        b = judge_branch(state.on(rows), accuracy)
+        if b.verdict == "minimum":
+            good.append(b)
+            continue
+        free = choices.open(rows)
+        passed = [
+            k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
+        ]
+        if not passed and rows != state.contacts.base and _is_new(b.direction, tried):
+            lower = follow_descent(state, b)
+            if lower is not None:
+                return lower, []
+        if not free or len(good) + len(failed) + len(pending) > MOST_SETS:
+            failed.append(b)
+            if len(failed) == MOST_FAILED or not state.contacts.complete:
+                break
+            continue
+        for option in state.contacts.branches[passed[0] if passed else free[0]]:
+            pending.append(tuple(dict.fromkeys((*rows, *option))))
+    return good, failed
+
+
+class _Choices:
+    """The choices at a state, and how fast their contacts open along a direction."""
+
+    def __init__(self, state: State) -> None:
+        self.branches = state.contacts.branches
+        every = dict.fromkeys(c for branch in self.branches for option in branch for c in option)
+        self._number = {c: k for k, c in enumerate(every)}
+        slopes = state.on(tuple(every)).slopes
+        size = np.maximum(np.linalg.norm(slopes @ state.kernel, axis=1), INDEPENDENT)
+        self._slopes, self._root = slopes / size[:, None], state.programme.root
+
+    def open(self, rows: tuple[Contact, ...]) -> list[int]:
+        """Return the choices of which no option holds with these contacts."""
+        held = set(rows)
+        return [
+            k
+            for k, branch in enumerate(self.branches)
+            if not any(held.issuperset(o) for o in branch)
+        ]
+
+    def passed(self, free: list[int], direction: np.ndarray) -> list[int]:
+        """Return the choice that a direction [n] passes most, if it passes any: none of its options stays open."""
+        d = self._root * direction
+        rate = self._slopes @ (d / max(float(np.linalg.norm(d)), 1e-300))
+        best = [
+            max(min(rate[self._number[c]] for c in option) for option in self.branches[k])
+            for k in free
+        ]
+        least = min(best, default=0.0)
+        if least >= -INDEPENDENT:
+            return []
+        return [next(k for k, b in zip(free, best, strict=True) if b < 0.999 * least)]
+
+
+def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:
+    """Tell whether a direction is none of those tried, and note it: sets that share contacts share their descent."""
+    if direction is None or any(np.abs(direction - d).max() <= INDEPENDENT for d in tried):
+        return False
+    tried.append(direction)
+    return True
