@@ -14,7 +14,7 @@ from .contact import (
 from .critical import CriticalPoints as CriticalPoints, find_critical_points as find_critical_points
 from .errors import OrigamiError as OrigamiError
 from .folding import examine as examine
-from .kkt import State as State, Stratum as Stratum, classify as classify
+from .kkt import State as State, Stratum as Stratum
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
 from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
@@ -43,6 +43,7 @@ from .pattern import (
 )
 from .programme import Model as Model
 from .results import (
+    classify as classify,
     draw as draw,
     load as load,
     save as save,

@@ -156,15 +156,19 @@ class Sheet(PatternEquations):
         """Return the fold angles, which the variables are."""
         return np.asarray(x)
 
+    reduce = expand
+
     def creases_of(self, variable: int) -> tuple[int, ...]:
         """Return the crease (1-based) of a variable (0-based)."""
         return (variable + 1,)
 
     def local(self, x: np.ndarray) -> PatternLocal:
         """Evaluate values and first derivatives at a state [n]; dense."""
-        none = np.zeros(0), np.zeros((0, self.size))
-        gaps = self.placed, self.touch, self.crossings.size
-        return PatternLocal(x, self.torque(x), *self.closure(x), *none, *gaps)
+        c, j = self.closure(x)
+        none, size = np.zeros((0, self.size)), self.crossings.size
+        return PatternLocal(
+            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size
+        )
 
     def constraints(
         self, x: np.ndarray, contacts: Sequence[Contact] = ()

@@ -134,3 +134,15 @@ def test_a_vertex_is_a_pattern_with_one_vertex(seed):
         assert (one.verdict, one.kind) == (two.verdict, two.kind)
         told.append(one.verdict)
     assert "minimum" in told
+
+
+def test_one_verb_classifies_both():
+    scene = o.examples.degree6("pi/4", ratio=0.01)
+    minimum = o.find_minima(scene, max_starts=16).minima[0]
+    assert o.classify(scene, minimum.fold_angles).kind == minimum.kind
+    pattern = o.examples.pattern("miura", 2, 2)
+    with pytest.raises(o.OrigamiError, match="all 4 fold angles"):
+        o.classify(pattern, [0.0])
+    with pytest.raises(o.OrigamiError, match="do not close"):
+        o.classify(pattern, [1.0, 1.0, 1.0, 1.0])
+    assert o.classify(pattern, np.zeros(4)).verdict in ("minimum", "not stationary")
