@@ -25,7 +25,6 @@ from .minima import (
     find_minima as find_minima,
     find_vertexwise as find_vertexwise,
     write_fold as write_fold,
-    write_mesh as write_mesh,
 )
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
@@ -49,6 +48,7 @@ from .results import (
     save as save,
     to_frame as to_frame,
     view as view,
+    write_mesh as write_mesh,
 )
 from .sheet_loading import SheetLoadPath as SheetLoadPath, find_load_path as find_load_path
 from .sheets import (

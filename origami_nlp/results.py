@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from origami_nlp.kkt import Classification, State
+    from origami_nlp.minima import MinimaResult
     from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.sheets import SheetResult
     from origami_nlp.show import TurnedPage
 
 _READ = {
@@ -95,6 +97,39 @@ def classify(
     if not state.residual <= CLOSES or np.abs(state.fold_angles - angles).max() > CLOSES:
         raise OptionError(f"fold_angles do not close: residual {state.residual:.1e}")
     return kkt.classify(state, polished=polished)
+
+
+def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
+    """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
+
+    Parameters
+    ----------
+    result
+        Of `find_minima` or `find_states`.
+    target
+        The file, ``.obj``, ``.stl`` or ``.glb``.
+
+    Raises
+    ------
+    OptionError
+        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
+        written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
+    >>> o.write_mesh(o.find_states("miura:2x2", starts=1), path)
+    >>> path.stat().st_size > 0
+    True
+    """
+    from origami_nlp import minima, sheets
+
+    if isinstance(result, sheets.SheetResult):
+        states = [s.fold_angles for s in result.minima]
+        sheets.write_sheet_mesh(result.pattern, states, str(target))
+    else:
+        minima.write_mesh(result, str(target))
 
 
 def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
