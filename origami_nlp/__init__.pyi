@@ -50,7 +50,6 @@ from .results import (
     view as view,
     write_mesh as write_mesh,
 )
-from .sheet_loading import SheetLoadPath as SheetLoadPath, find_load_path as find_load_path
 from .sheets import (
     Motion as Motion,
     Overview as Overview,

@@ -37,11 +37,10 @@ _READ = {
     "origami_nlp.sheet_states/1": ("sheets", "SheetResult"),
     "origami-nlp/pattern/1": ("sheets", "Overview"),
     "origami-nlp/motion/1": ("sheets", "Motion"),
-    "origami-nlp/sheet-load/1": ("sheet_loading", "SheetLoadPath"),
 }
 _OF_A_PATTERN = (
     ("minima", "sheets", "SheetResult"),
-    ("load", "sheet_loading", "SheetLoadPath"),
+    ("load", "loading", "LoadPath"),
     ("motion", "sheets", "Motion"),
 )
 """What ``origami-nlp pattern --json`` may write beside counts, by its key; what was asked for most stands first."""

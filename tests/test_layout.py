@@ -26,8 +26,8 @@ ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt path "
     "show chart proof "
-    "minima contact modes critical barriers space landscape atlas loading springs facets sheets "
-    "sheet_loading sweep results paper cli __main__"
+    "minima contact modes critical barriers space landscape atlas springs facets sheets "
+    "loading sweep results paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks", "studies")

@@ -16,7 +16,7 @@ from origami_nlp.cli.source import spring_options
 from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.sheet_loading import SheetLoadPath
+    from origami_nlp.loading import LoadPath
     from origami_nlp.sheets import Motion, Overview, SheetResult
 
 
@@ -109,8 +109,8 @@ def pattern(
     for, or without --minima, --path and --load the folded state at which freedoms were counted.
     """
     from origami_nlp.arguments import check_number, check_whole
+    from origami_nlp.loading import load_path
     from origami_nlp.minima import check_mesh
-    from origami_nlp.sheet_loading import find_load_path
     from origami_nlp.sheets import find_motion, find_states, overview
 
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
@@ -141,7 +141,7 @@ def pattern(
     interrupted = found is not None and found.search.interrupted
     loaded = None
     if load and not interrupted:
-        loaded = find_load_path(
+        loaded = load_path(
             sheet,
             _work(sheet, crease, pull, force, held),
             to=to if to == "snap" else load_number(to),
@@ -199,7 +199,7 @@ def _numbered(found: SheetResult | None, state: int) -> Any:
 def _work(
     sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
 ) -> Any:
-    from origami_nlp.sheet_loading import DeadForce, Pull, Torque
+    from origami_nlp.facets import DeadForce, Pull, Torque
 
     if creases:
         return Torque(sheet, tuple(creases))
@@ -234,7 +234,7 @@ class _Files:
         seen: Overview,
         motion: Motion | None,
         found: SheetResult | None,
-        loaded: SheetLoadPath | None,
+        loaded: LoadPath | None,
     ) -> None:
         self.seen, self.motion, self.found, self.loaded = seen, motion, found, loaded
         self.pattern = seen.pattern
@@ -272,7 +272,6 @@ class _Files:
         return shown.draw()
 
     def _fold(self) -> str:
-        from origami_nlp.sheet_loading import path_states
         from origami_nlp.sheets import sheet_frame, sheet_to_fold
 
         frames = [
@@ -290,7 +289,7 @@ class _Files:
                 )
                 for number, k in enumerate(shown, start=1)
             ]
-        for title, phi, more in path_states(self.loaded) if self.loaded else ():
+        for title, phi, more in self.loaded.states() if self.loaded else ():
             frames.append(sheet_frame(self.pattern, phi, title, path="load", **more))
         data = sheet_to_fold(self.pattern, frames)
         return json.dumps(data, indent=1, allow_nan=False) + "\n"

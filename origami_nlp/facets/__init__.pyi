@@ -1,5 +1,5 @@
 from .borders import Choice as Choice, choices as choices
-from .closure import Closure as Closure, Matrix as Matrix
+from .closure import Closure as Closure
 from .crossings import (
     DEEP as DEEP,
     Crossings as Crossings,
@@ -12,17 +12,23 @@ from .equations import (
     PatternEquations as PatternEquations,
 )
 from .faces import Faces as Faces, Lying as Lying
-from .features import INSIDE as INSIDE, Features as Features
+from .features import Features as Features
 from .layers import (
     Layers as Layers,
     check_orders as check_orders,
     order_layers as order_layers,
     round_vertex as round_vertex,
 )
-from .linear import Factor as Factor, Normal as Normal, dense as dense
 from .meeting import touches_at as touches_at
 from .orders import Orders as Orders
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
 from .stacks import Stack as Stack
 from .touches import Placed as Placed, Touch as Touch
+from .work import (
+    DeadForce as DeadForce,
+    Pull as Pull,
+    Torque as Torque,
+    Work as Work,
+    Worked as Worked,
+)

@@ -19,9 +19,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets.features import INSIDE, Features
+from origami_nlp.facets.features import Features
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.numerics import CLOSES, INSIDE, cross
 
 SEEN = 1e-9
 """Over the sheet's size: how far from a border, outside, a side is looked at."""

@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
 from origami_nlp.programme import LoopClosure
 
@@ -35,7 +34,6 @@ UNITS = np.array(
     float,
 )
 """Matrices of q -> q i, q -> q j, q -> q k on quaternions, the real part first."""
-Matrix: TypeAlias = np.ndarray | sparse.csr_array
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,11 +21,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from origami_nlp.facets.closure import Closure, Matrix
+from origami_nlp.facets.closure import Closure
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.features import Features
-from origami_nlp.facets.linear import SYMMETRIC, Normal, dense
-from origami_nlp.numerics import RANK, ROUNDED, null_space
+from origami_nlp.numerics import RANK, ROUNDED, SYMMETRIC, Matrix, Normal, dense, null_space
 from origami_nlp.pattern import Pattern
 
 MOST_DENSE = 400

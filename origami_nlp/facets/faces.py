@@ -20,12 +20,12 @@ from typing import TypeAlias
 import numpy as np
 
 from origami_nlp.facets.equations import PatternEquations
-from origami_nlp.facets.features import INSIDE, Features
+from origami_nlp.facets.features import Features
 from origami_nlp.facets.layers import MOST_PAIRS, Layers, pose_layers
 from origami_nlp.facets.orders import Orders
 from origami_nlp.facets.stacks import Stack, Unclear
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.numerics import CLOSES, INSIDE, cross
 
 Point: TypeAlias = tuple[float, float, float]
 ASIDE = 1e-4

@@ -16,10 +16,8 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import INSIDE, cross
 
-INSIDE = 1e-6
-"""Share of their size by which features meet inside each other; closer to a border more features meet."""
 CLOSE = 1e-6
 """Over the sheet's size: the side on which features are is told by gaps beyond, by the rest of the facets below."""
 APART = 1e-12
@@ -243,6 +241,42 @@ class Features:
                 Touch("edge-edge", pair, corners, float(sign[p, i, j])),
                 float(sign[p, i, j] * gap[p, i, j]),
             )
+
+    def margin(self, touch: Touch, at: Placed) -> float:
+        """Return how far inside each other features are, as a share of their size; below 0 they are not.
+
+        Their gap is the one that keeps facets apart as long as it is positive.  For a corner over a facet it is the way to
+        the border, for a side that starts on the facet's own corner the angle to its sides there, for two sides what is
+        left of either to its end, or the square of their sine less what `INSIDE` asks for.
+        """
+        p = touch.points(at)
+        if touch.type == "edge-edge":
+            u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
+            w = cross(u, v)
+            square = float(w @ w)
+            if square == 0.0:
+                return -INSIDE
+            shares = float(cross(r, v) @ w) / square, float(cross(r, u) @ w) / square
+            steep = square / float((u @ u) * (v @ v))
+            return min(*shares, *(1 - s for s in shares), steep - INSIDE)
+        crossings = self.crossings
+        face, other = touch.facets
+        common = self.rings[face] & self.rings[other]
+        best = -np.inf
+        for k in np.flatnonzero(crossings.facet == face):
+            ring = list(dict.fromkeys(crossings.pieces[k].tolist()))
+            x = at.points(np.full(len(ring), face), np.array(ring))
+            normal = cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+            inward = cross(normal, np.roll(x, -1, axis=0) - x)
+            inward /= np.linalg.norm(inward, axis=1)[:, None]
+            depth, size = np.einsum("qi,qi->q", inward, p[0] - x), crossings.size
+            depth += np.where(crossings.inner[k, : len(ring)], INSIDE * size, 0.0)  # cuts are none
+            apex = [i for i, c in enumerate(ring) if c in common]
+            if apex:
+                depth = depth[[apex[0], apex[0] - 1]]
+                size = float(np.linalg.norm(p[0] - x[apex[0]]))
+            best = max(best, float(depth.min()) / size)
+        return best
 
 
 def _side(gap: np.ndarray, lean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.faces import Lying
-from origami_nlp.facets.features import INSIDE, Features
+from origami_nlp.facets.features import Features
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, INDEPENDENT, nonnegative_least_squares
+from origami_nlp.numerics import CLOSES, INDEPENDENT, INSIDE, nonnegative_least_squares
 
 SEEN = 1e-9
 """Gaps, over the sheet's size, within which features are looked at."""

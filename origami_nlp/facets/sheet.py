@@ -20,22 +20,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from origami_nlp.facets.borders import choices
-from origami_nlp.facets.closure import Matrix
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
-from origami_nlp.facets.features import INSIDE
 from origami_nlp.facets.layers import Layers, order_layers
-from origami_nlp.facets.linear import dense
 from origami_nlp.facets.local import PatternLocal
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import (
-    CLOSES,
-    OUTSIDE,
-    TOUCHES,
-)
+from origami_nlp.facets.work import Work, Worked
+from origami_nlp.numerics import CLOSES, INSIDE, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import (
     ClosedContacts,
@@ -77,12 +72,14 @@ class Sheet(PatternEquations):
     symmetry = "none"
     bound = math.pi
     has_limits = True
+    redundant = True
 
     def __init__(self, pattern: Pattern, contact: bool = True) -> None:
         super().__init__(pattern)
         self.contact = contact
         self.multiplicity = np.ones(self.size, int)
         self._load = np.zeros(self.size)
+        self._dead: Worked | None = None
         self._touches: list[Touch] = []
         self._numbers: dict[Touch, int] = {}
         self._seen: dict[str, tuple[bytes, Any]] = {}
@@ -90,7 +87,7 @@ class Sheet(PatternEquations):
     @cached_property
     def parameters(self) -> Parameters:
         """Springs and load over `scale`."""
-        return Parameters(np.zeros(0), self.stiffness, self.pattern.rest, self._load)
+        return Parameters(np.zeros(0), self.stiffness, self.pattern.rest, self._load, self._dead)
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -133,12 +130,25 @@ class Sheet(PatternEquations):
         return ()
 
     def torque(self, phi: np.ndarray) -> np.ndarray:
-        """Gradient of the energy over `scale`, [n]."""
-        return super().torque(phi) - self._load
+        """Gradient of the energy, load included, over `scale`, [n]."""
+        return self.parameters.torque(phi)
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
+        """Hessian of U - multipliers . closure, load included, over `scale`, [n, n]."""
+        plain = super().hessian(phi, multipliers)
+        bent = None if self._dead is None else self._dead.hessian(np.zeros(0), phi)
+        if bent is None:
+            return plain
+        return plain + (bent if isinstance(plain, np.ndarray) else sparse.csr_array(bent))
+
+    def scaled_energy(self, phi: np.ndarray) -> float:
+        """Energy, load included, over `scale`; with a constant, so that it is positive."""
+        room = 0.0 if self._dead is None else self._dead.work.room(self._dead.t)
+        return float(self.parameters.energy(phi)) + room
 
     def energy(self, x: np.ndarray) -> float:
         """Energy of a state [n] in the units of the springs, less the work of the load if there is one."""
-        return self.scale * (self.scaled_energy(x) - float(self._load @ x))
+        return self.scale * float(self.parameters.energy(x))
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """Energies of states [..., n], shape [...]."""
@@ -146,7 +156,7 @@ class Sheet(PatternEquations):
 
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
         """Energy of y less that of x, without cancellation for nearby states."""
-        return self.scale * float((y - x) @ (0.5 * (self.torque(x) + self.torque(y))))
+        return self.scale * float(self.parameters.energy_change(x, y))
 
     def excess(self, x: np.ndarray) -> float:
         """Energy above that of springs at rest, over `scale`."""
@@ -163,8 +173,9 @@ class Sheet(PatternEquations):
         return (variable + 1,)
 
     def local(self, x: np.ndarray) -> PatternLocal:
-        """Evaluate values and first derivatives at a state [n]; dense."""
-        c, j = self.closure(x)
+        """Evaluate values and first derivatives at a state [n]; the Jacobian of closure is sparse where large."""
+        at = self.closure.turned(x)
+        c, j = self.closure.values(x, at), self.closure.jacobian(x, at)
         none, size = np.zeros((0, self.size)), self.crossings.size
         return PatternLocal(
             x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size
@@ -179,7 +190,7 @@ class Sheet(PatternEquations):
             return np.array([v for v, _ in each]), np.array([j for _, j in each])
         local = self.local(x)
         values, slopes = local.openings(contacts)
-        return np.append(local.closure, values), np.vstack([local.closure_jacobian, slopes])
+        return np.append(local.closure, values), np.vstack([dense(local.closure_jacobian), slopes])
 
     def lagrangian_hessian(
         self,
@@ -194,11 +205,27 @@ class Sheet(PatternEquations):
             h = weight * dense(self.hessian(x, multipliers[:m] / weight))
         else:
             h = -dense(self.closure.hessian(x, multipliers[:m]))
-        for force, contact in zip(multipliers[m:], contacts, strict=True):
+        return h - self._bent(x, multipliers[m:], contacts)
+
+    def curvature(
+        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]
+    ) -> Matrix:
+        """Hessian of U - multipliers . (closure, openings) over `scale` at a state, [n, n]; sparse where large."""
+        m = self.closure.count
+        h = self.hessian(x, multipliers[:m])
+        if all(c.is_limit for c in contacts):
+            return h
+        bent = self._bent(x, multipliers[m:], contacts)
+        return h - bent if isinstance(h, np.ndarray) else h - sparse.csr_array(bent)
+
+    def _bent(self, x: np.ndarray, forces: np.ndarray, contacts: Sequence[Contact]) -> np.ndarray:
+        """Hessian of forces . openings, [n, n]."""
+        h = np.zeros((self.size, self.size))
+        for force, contact in zip(forces, contacts, strict=True):
             if force and not contact.is_limit:
                 touch, place = self.touch(contact), self.placed(x)
                 creases, _ = touch.slopes(place)
-                h[np.ix_(creases, creases)] -= force / self.crossings.size * touch.bends(place)
+                h[np.ix_(creases, creases)] += force / self.crossings.size * touch.bends(place)
         return h
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
@@ -409,15 +436,40 @@ class Sheet(PatternEquations):
         a, b = (f + 1 for f in touch.facets)
         return ContactWords(touch.type, (), (a, b), self.name(contact))
 
+    def margin(self, contact: Contact, x: np.ndarray) -> float:
+        """How far inside each other the features of a contact are at a state, as a share of their size; see `Features`."""
+        touch = None if contact.is_limit else self.touch(contact)
+        if touch is None or isinstance(touch, Lying):
+            return math.inf
+        return self.features.margin(touch, self.placed(x))
+
     def weight(self, contact: Contact) -> float:
         """Return what a multiplier is divided by: gaps are over the sheet's size, so that forces are in N."""
         return 1.0 if contact.is_limit else self.crossings.size
 
     def _other(self) -> Sheet:
         other = copy.copy(self)
-        for name in ("parameters", "stiffness"):
-            vars(other).pop(name, None)
+        vars(other).pop("parameters", None)
         other._seen = {}
+        return other
+
+    def under(self, work: Work, t: float) -> Sheet:
+        """Return the programme of the pattern under the load t on what it works on.
+
+        Parameters
+        ----------
+        work
+            What the load works on.
+        t
+            The load.
+
+        Returns
+        -------
+        Sheet
+            With the energy U - t w(phi); what is known of closure and of facets is shared.
+        """
+        other = self._other()
+        other._dead = Worked(work, t / self.scale)
         return other
 
     def loaded(self, load: np.ndarray) -> Sheet:
@@ -430,10 +482,15 @@ class Sheet(PatternEquations):
         """Return the same programme with other springs and loads, over the same `scale`."""
         if sector_angles is not None:
             raise NotImplementedError("sector angles of a pattern are not varied")
-        other = self._other()
-        stiffness = parameters.stiffness * self.scale
-        other.pattern = replace(self.pattern, stiffness=stiffness, rest=parameters.rest)
-        other._load = parameters.load
+        other, p = self._other(), self.parameters
+        if not (
+            np.array_equal(p.rest, parameters.rest)
+            and np.array_equal(p.stiffness, parameters.stiffness)
+        ):
+            stiffness = parameters.stiffness * self.scale
+            other.pattern = replace(self.pattern, stiffness=stiffness, rest=parameters.rest)
+            vars(other).pop("stiffness", None)
+        other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
         return other
 
     def drift(
@@ -444,7 +501,9 @@ class Sheet(PatternEquations):
         change: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Differentiate the KKT system along a change of `parameters.vector`: of springs and load alone."""
-        stiffness, rest, load = change.reshape(3, -1)
+        stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
         p = self.parameters
         torque = stiffness * (x - p.rest) - p.stiffness * rest - load
+        if self._dead is not None:
+            torque = torque - change[-1] * self._dead.work.gradient(x)
         return torque, np.zeros(len(multipliers))

@@ -1,20 +1,87 @@
-"""What drives a load path: a torque on creases, or a factor of the forces that a scene states."""
+"""What drives a load path of a vertex: a torque on creases, or a factor of the forces that a scene states.
+
+`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`sheet.PatternDriver`).
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
-from origami_nlp.path import ParameterLine, load_line
-from origami_nlp.pattern import Scene, dead_loads
-from origami_nlp.programme import Model, Parameters
+from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.kkt import Classification, follow
+from origami_nlp.minima import find_minima, full_scene
+from origami_nlp.path import Node, ParameterLine, Steps, load_line
+from origami_nlp.pattern import Scene, dead_loads, scene_from_dict, scene_to_dict
+from origami_nlp.programme import Model, Parameters, Programme
+from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
+
+STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
+"""Such that curves look smooth."""
+SIDE = 0.01
+"""Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
+
+
+class Driver(Protocol):
+    """What a load path asks of what drives it: what the load t is, what it works on, and states without it.
+
+    `line` are the programmes over t, `down` leads from the end of a stable state to the next one (or says why not), and
+    `states_at` are stable states at one load by a search that knows nothing of the path.
+    """
+
+    lazy: bool
+    WAY: str
+
+    @property
+    def label(self) -> str: ...  # noqa: D102
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def unit(self) -> str: ...  # noqa: D102
+    @property
+    def coordinate(self) -> str: ...  # noqa: D102
+    @property
+    def creases(self) -> tuple[int, ...]: ...  # noqa: D102
+    @property
+    def farthest(self) -> float: ...  # noqa: D102
+    @property
+    def arm(self) -> float: ...  # noqa: D102
+    @property
+    def unloaded(self) -> Any: ...  # noqa: D102
+    def conjugate(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def line(self) -> ParameterLine: ...  # noqa: D102
+    def full_line(self) -> ParameterLine | None: ...  # noqa: D102
+    def steps(self, steps: Steps | None) -> Steps: ...  # noqa: D102
+    def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]: ...  # noqa: D102
+    def down(  # noqa: D102
+        self, programme: Programme, node: Node, near: float
+    ) -> tuple[np.ndarray, Classification] | str: ...
+    def beside(self, t: float) -> float: ...  # noqa: D102
+    def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray] | None: ...  # noqa: D102
+    def to_dict(self) -> dict[str, Any]: ...  # noqa: D102
+    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
+    def poser(self) -> Poser: ...  # noqa: D102
+
+
+FramedState = tuple[str, Sequence[float], dict[str, Any]]
+"""Title, fold angles, and what else is known of a state."""
+Poser = tuple[
+    Body,
+    Callable[[Sequence[float]], Folded],
+    Callable[[Sequence[float]], np.ndarray],
+    Callable[..., Any],
+]
+"""What is folded; what puts a state into space, says from where it is seen, and makes a track of several."""
 
 
 @dataclass(frozen=True)
-class Driver:
+class VertexDriver:
     """A torque t on a crease and its images under the symmetry of the scene, or t times the scene's own forces.
 
     Attributes
@@ -27,6 +94,9 @@ class Driver:
 
     scene: Scene
     crease: int | None
+    lazy = False
+    WAY = ""
+    arm = 1.0
 
     def __post_init__(self) -> None:
         n = self.scene.degree
@@ -105,8 +175,20 @@ class Driver:
         work = -dead.energy(np.array(self.scene.vertex.sector_angles), phi)
         return work / float(np.linalg.norm(dead.forces))
 
-    def line(self, scene: Scene) -> ParameterLine:
-        """Return the programmes of `scene`, which is the driver's with its symmetry or without, over t."""
+    @property
+    def label(self) -> str:
+        """What is loaded."""
+        return self.scene.label or repr(self.scene.vertex)
+
+    def line(self) -> ParameterLine:
+        """Return the programmes of the scene over t."""
+        return self._line(self.scene)
+
+    def full_line(self) -> ParameterLine | None:
+        """Return those without the symmetry; None where there is none."""
+        return None if self.scene.group.is_trivial else self._line(full_scene(self.scene))
+
+    def _line(self, scene: Scene) -> ParameterLine:
         model = Model(scene)
         p = model.parameters
         if self.crease is not None:
@@ -129,3 +211,67 @@ class Driver:
         preload = np.array(self.scene.preload or np.zeros(self.scene.degree))
         preload[np.array(self.creases) - 1] += t
         return replace(self.scene, preload=tuple(preload.tolist()), name=name)
+
+    def steps(self, steps: Steps | None) -> Steps:
+        """Return the steps of the tracer."""
+        return steps or STEPS
+
+    def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]:
+        """Return the number of the minimum that is loaded, and its variables."""
+        result = find_minima(self.scene_at(0.0), prove=False, **search)
+        if not result.minima:
+            raise OptionError("no minimum was found at load 0")
+        check_whole("state", state, 1, len(result.minima))
+        found = np.array(result.minima[state - 1].fold_angles)
+        return state, Model(self.scene).reduce(found)
+
+    def down(
+        self, programme: Programme, node: Node, near: float
+    ) -> tuple[np.ndarray, Classification] | str:
+        """Descend from the end of a state to a minimum farther away than `near` [rad], or say why there is none."""
+        try:
+            end = follow(programme, node.point[:-1])
+        except ValueError as why:
+            return str(why)
+        if end.what.verdict == "minimum" and np.abs(end.end - node.point[:-1]).max() > near:
+            return end.end, end.what
+        return ""
+
+    def beside(self, t: float) -> float:
+        """Return the distance between a snap at t and the searches beside it."""
+        return SIDE * (Model(self.scene).scale if self.crease else abs(t))
+
+    def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray]:
+        """Return the fold angles of the minima at t."""
+        result = find_minima(self.scene_at(t), prove=False, **search)
+        return [np.array(m.fold_angles) for m in result.minima]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what is loaded as plain data; see `read_driver`."""
+        return {"scene": scene_to_dict(self.scene)}
+
+    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
+        """Return states as frames of FOLD data (spec 1.1)."""
+        frames = [folded_frame(self.scene, phi, title, **more) for title, phi, more in states]
+        return frames_to_fold(self.scene, frames)
+
+    def poser(self) -> Poser:
+        """Return what is folded, and how its states are shown."""
+        vertex, energy = self.scene.vertex, self.unloaded.energy
+
+        def track(title: str, states: list[Any], loads: list[float], label: str) -> Any:
+            energies = [float(energy(phi)) for phi in states]
+            return vertex_track(vertex, title, states, energies, parameter=loads, label=label)
+
+        return (
+            vertex_body(vertex),
+            lambda phi: vertex_folded(vertex, phi, float(energy(phi))),
+            lambda phi: vertex_view(vertex, phi),
+            track,
+        )
+
+
+def read_vertex(data: dict[str, Any]) -> VertexDriver:
+    """Return a driver from the plain data of a load path."""
+    creases = data["parameter"]["creases"]
+    return VertexDriver(scene_from_dict(data["scene"]), int(creases[0]) if creases else None)

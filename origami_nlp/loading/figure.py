@@ -14,18 +14,23 @@ from matplotlib.lines import Line2D
 from origami_nlp.arguments import check_type
 from origami_nlp.atlas import COLOURS, MARKS
 from origami_nlp.files import save_figure
-from origami_nlp.loading.result import LoadedPath
+from origami_nlp.kkt import State, contact_forces
+from origami_nlp.loading.result import LoadPath
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets import SheetContact, draw_sheet, told_contact
 from origami_nlp.show import label_text
 
 PICTURE_WIDTH = 9.6
 """Of a picture [inches]."""
+TALL, MOST_DRAWN = 2.9, 4
+"""Of the row of sheets [inches], and how many stand there."""
 OTHER_MARK = "P"
-"""Of events that only sheets have."""
+"""Of events that only patterns have."""
 OTHER, PATH, SNAP = "#cc79a7", "#222222", "#c1121f"
 
 
-def draw_load(path: LoadedPath, target: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw load against angle, and the energy of the states that are passed.
+def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> Figure:
+    """Draw load against angle, and the energy of the states that are passed; of a pattern also the sheet round snaps.
 
     Parameters
     ----------
@@ -38,22 +43,70 @@ def draw_load(path: LoadedPath, target: str | os.PathLike[str] | None = None) ->
     -------
     matplotlib.figure.Figure
         Left the load over what it works on: the path in grey, snaps as red arrows, events with their numbers, which the
-        lines below name.  Right the energy without the load.
+        lines below name.  Right the energy without the load.  Of a pattern, below, the first sheets of the path, with
+        rings where facets touch, full where they push.
 
     Raises
     ------
     OptionError
         If `path` is none, or the file cannot be written.
     """
-    check_type("path", path, LoadedPath)
-    figure = Figure(figsize=(PICTURE_WIDTH, load_height(path)), dpi=110, facecolor="white")
-    place_load(figure, path)
+    check_type("path", path, LoadPath)
+    height, tall = _height(path), 0.0 if path.pattern is None else TALL
+    figure = Figure(figsize=(PICTURE_WIDTH, height + tall), dpi=110, facecolor="white")
+    upper: Any = figure
+    if path.pattern is not None:
+        upper, lower = figure.subfigures(2, 1, height_ratios=(height, tall))  # type: ignore[misc]
+        _place_sheets(lower, path, path.pattern)
+    _place(upper, path)
     if target is not None:
         save_figure(figure, target)
     return figure
 
 
-def _lines(path: LoadedPath) -> tuple[list[str], float]:
+def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
+    """Draw the sheet at the start, on both sides of snaps, and at the ends of legs that do not snap."""
+    unit = path.driver.unit
+    shown = [
+        (f"at {p.t:.4g} {unit}", p.fold_angles, p.t)
+        for leg in path.legs[:1]
+        for p in leg.points[:1]
+    ]
+    for number, leg in enumerate(path.legs, start=1):
+        if leg.snap is None:
+            last = leg.points[-1]
+            shown.append((f"end of leg {number}, {last.t:.4g} {unit}", last.fold_angles, last.t))
+            continue
+        snap = path.snaps[leg.snap - 1]
+        shown.append((f"before snap {leg.snap}, {snap.t:.4g} {unit}", snap.before, snap.t))
+        shown.append((f"after snap {leg.snap}", snap.after, snap.t))
+    line = path.driver.line()
+    for k, (title, phi, t) in enumerate(shown[:MOST_DRAWN]):
+        axes = figure.add_axes(
+            (
+                (k + 0.02) / min(len(shown), MOST_DRAWN),
+                0.02,
+                0.96 / min(len(shown), MOST_DRAWN),
+                0.82,
+            )
+        )
+        state = np.array(phi)
+        draw_sheet(axes, pattern, state, contacts=carried_at(line.at(t), state))
+        axes.set_title(title, fontsize=9)
+
+
+def carried_at(sheet: Any, phi: np.ndarray) -> tuple[SheetContact, ...]:
+    """Return the closed contacts of an equilibrium [n] and what they carry; none of sheets too large for a kernel."""
+    if sheet.sparse:
+        return ()
+    found = sheet.closed(phi)
+    contacts = tuple(
+        dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
+    )
+    return tuple(told_contact(sheet, c) for c in contact_forces(State(sheet, phi), contacts))
+
+
+def _lines(path: LoadPath) -> tuple[list[str], float]:
     """Return what is said of each event, and how tall it is [inches]."""
     shown = _shown_events(path)
     lines = [f"{e.id}  {e.type} {e.t:.9g}" + (f": {e.contact}" if e.contact else "") for e in shown]
@@ -63,34 +116,15 @@ def _lines(path: LoadedPath) -> tuple[list[str], float]:
     return lines, 0.17 * tall
 
 
-def load_height(path: LoadedPath) -> float:
-    """Return the height of the picture of a load path [inches].
-
-    Parameters
-    ----------
-    path
-        Of a vertex or of a sheet.
-
-    Returns
-    -------
-    float
-        Inches, for a width of `PICTURE_WIDTH`.
-    """
+def _height(path: LoadPath) -> float:
+    """Return the height of the curves of a load path [inches]."""
     return 4.6 + _lines(path)[1]
 
 
-def place_load(figure: Any, path: LoadedPath) -> None:
-    """Draw a load path into a figure, or a part of one, of the width `PICTURE_WIDTH` and the height of `load_height`.
-
-    Parameters
-    ----------
-    figure
-        Of matplotlib.
-    path
-        Of a vertex or of a sheet.
-    """
+def _place(figure: Any, path: LoadPath) -> None:
+    """Draw the curves of a load path into a figure, or a part of one."""
     lines, tall = _lines(path)
-    height = load_height(path)
+    height = _height(path)
     bottom = (0.55 + tall) / height
     left, right = (
         figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
@@ -108,7 +142,7 @@ def place_load(figure: Any, path: LoadedPath) -> None:
         figure.text(0.085 + 0.47 * k, (tall + 0.06) / height, text, fontsize=7.5, va="top")
 
 
-def _range(path: LoadedPath) -> tuple[float, float]:
+def _range(path: LoadPath) -> tuple[float, float]:
     """Loads that are shown: those of the path, but not far beyond its last event."""
     loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
     low, high = min(loads), max(loads)
@@ -119,18 +153,18 @@ def _range(path: LoadedPath) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _shown_events(path: LoadedPath) -> list[Any]:
+def _shown_events(path: LoadPath) -> list[Any]:
     """Events at loads that are shown."""
     low, high = _range(path)
     return [e for e in path.events if low <= e.t <= high]
 
 
-def _angles(path: LoadedPath, fold_angles: Any) -> np.ndarray:
+def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
     value = path.driver.conjugate(np.array(fold_angles))
     return np.degrees(value) if path.driver.coordinate.endswith("[rad]") else value
 
 
-def _curve(axes: Any, path: LoadedPath, shown: list[int]) -> None:
+def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     for branch in path.branches:
         t = np.array([p.t for p in branch.points])
         x = _angles(path, [p.fold_angles for p in branch.points])
@@ -189,7 +223,7 @@ def _curve(axes: Any, path: LoadedPath, shown: list[int]) -> None:
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
 
 
-def _energy(axes: Any, path: LoadedPath) -> None:
+def _energy(axes: Any, path: LoadPath) -> None:
     for leg in path.legs:
         axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
     energy = path.driver.unloaded.energy

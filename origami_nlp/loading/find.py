@@ -1,74 +1,80 @@
-"""Follow a minimum under a load: as far as it is stable, through snaps, and back."""
+"""Follow a stable state under a load: as far as it is stable, through snaps, and back."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, shown
+from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import Work
 from origami_nlp.kkt import State, classify
-from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.driver import Driver, VertexDriver
 from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
-from origami_nlp.minima import find_minima, full_scene
+from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, Steps, Web
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene, as_pattern
+from origami_nlp.sheets import SheetState
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
-STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
-"""Such that curves look smooth."""
-SIDE = 0.01
-"""Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
 
 
 def load_path(
-    scene: Scene,
-    crease: int | None = None,
+    what: Scene | Pattern | str | Path,
+    load: int | Sequence[int] | Work | None = None,
     *,
     to: float | str = "snap",
-    state: int = 1,
+    state: int | SheetState = 1,
     back: bool = False,
     confirm: bool = True,
     full_space: bool = True,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
+    starts: int = 40,
     steps: Steps | None = None,
 ) -> LoadPath:
-    """Load a minimum by a torque on a crease, or by the forces that the scene states, and follow it.
+    """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
     Where the state ends in a fold it snaps: it descends, at the load at which it ends, to the next minimum, from where
     the path goes on.
 
     Parameters
     ----------
-    scene
-        What is folded.
-    crease
-        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; its images under the symmetry
-        bear the same.  None: t times the forces of the scene's loads.
+    what
+        A scene, or a pattern: the name of an example such as ``"miura:4x4"``, or a FOLD file.
+    load
+        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; of a scene its images under
+        the symmetry bear the same, and None is t times the forces of the scene's loads.  Of a pattern also several
+        numbers, t on each of them, or a `Torque`, `Pull` or `DeadForce` of it.
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the minimum at load 0.
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_states` gave.
     back
-        Whether the load then falls back to 0.
+        Whether the load then falls back to 0, from where it came to; of a pattern also from where it snapped.
     confirm
-        Whether both sides of each snap are confirmed by searches.
+        Whether both sides of each snap are confirmed by searches; of patterns under torques only.
     full_space
-        Whether the path ends where the state loses stability without its symmetry.
-    effort, seed, max_starts
+        Whether the path ends where the state loses stability without its symmetry; of scenes.
+    effort, max_starts
+        Of the searches of scenes.
+    seed
         Of the searches.
+    starts
+        Of the searches of patterns, see `find_states`.
     steps
-        Of the tracer.
+        Of the tracer; of a pattern lengths are root mean squares over creases.
 
     Returns
     -------
@@ -78,7 +84,7 @@ def load_path(
     Raises
     ------
     OptionError
-        If an argument is not what it must be, or the scene has no such minimum.
+        If an argument is not what it must be, or there is no such stable state.
 
     Examples
     --------
@@ -86,28 +92,33 @@ def load_path(
     >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05)
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
+    >>> path = o.load_path(o.examples.pattern("metasheet", 3, 3), [1, 2], to=0.05)
+    >>> [round(leg.points[-1].t, 6) for leg in path.legs]
+    [0.05]
     """
-    check_type("scene", scene, Scene)
-    driver = Driver(scene, crease)
+    driver: Driver
+    search: dict[str, Any]
+    if isinstance(what, Scene):
+        driver = VertexDriver(what, load)  # type: ignore[arg-type]
+        search = {"effort": effort, "seed": seed, "max_starts": max_starts}
+    else:
+        driver = PatternDriver(work_on(as_pattern(what), load))
+        search = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
     for name, flag in (("back", back), ("confirm", confirm), ("full_space", full_space)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search: dict[str, Any] = {"effort": effort, "seed": seed, "max_starts": max_starts}
-    result = find_minima(driver.scene_at(0.0), prove=False, **search)
-    if not result.minima:
-        raise OptionError("no minimum was found at load 0")
-    check_whole("state", state, 1, len(result.minima))
+    number, x = driver.begin(state, search)
     job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps)
-    x = job.web.line.programme.reduce(np.array(result.minima[state - 1].fold_angles))  # type: ignore[attr-defined]
-    job.begin(x, 0.0)
     for end in ends:
         arrived = job.go(x, 0.0, end, once=to == "snap")
         if back and arrived is not None:
+            job.between(0.0, end)
             job.go(*arrived, 0.0, once=False)
-    return job.path(state, search if confirm else None)
+            job.between(*ends)
+    return job.path(number, search if confirm else None)
 
 
 class _Job:
@@ -116,15 +127,19 @@ class _Job:
     def __init__(
         self, driver: Driver, low: float, high: float, full_space: bool, steps: Steps | None
     ) -> None:
-        self.driver, scene = driver, driver.scene
+        self.driver, self.low, self.high = driver, low, high
         self.over = Over(driver.name, low, high, driver.unit, False)
-        line = driver.line(scene)
-        self._full = None
-        if full_space and not scene.group.is_trivial:
-            self._full = driver.line(full_scene(scene))
+        self._full = driver.full_line() if full_space else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
-        self.web = Web(line, low, high, steps=steps or STEPS, functions=functions)
+        self.web = Web(
+            driver.line(),
+            low,
+            high,
+            steps=driver.steps(steps),
+            functions=functions,
+            lazy=driver.lazy,
+        )
         self.ways: list[tuple[Way, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
@@ -134,7 +149,7 @@ class _Job:
         if self._full is None:
             return math.nan
         if id(frame) not in self._known:
-            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)
+            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)  # type: ignore[attr-defined]
             self._known[id(frame)] = frame, value
         return self._known[id(frame)][1]
 
@@ -164,16 +179,22 @@ class _Job:
             return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
         return "stable", None
 
-    def begin(self, x: np.ndarray, s: float) -> None:
-        """Follow all that comes of the minimum x at s."""
+    def between(self, *ends: float) -> None:
+        """Follow in the range of load that these and 0 span."""
+        if self.driver.lazy:
+            self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
+
+    def begin(self, x: np.ndarray, s: float, toward: float) -> None:
+        """Follow what comes of the minimum x at s: all of it, or what leads in one direction of the load at first."""
         if position(self.web, x, s) is None:
-            self.web.add(x, s, "minimum")
+            self.web.add(x, s, "minimum", toward if self.driver.lazy else 0.0)
 
     def go(
         self, x: np.ndarray, s: float, end: float, *, once: bool
     ) -> tuple[np.ndarray, float] | None:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives."""
         toward = 1.0 if end > s else -1.0
+        self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
             way = walk(self.web, x, s, toward, end, self.across)
             if way is None:
@@ -183,20 +204,22 @@ class _Job:
                 self.ways.append((way, toward, None))
                 last = way.frames[-1]
                 return (last.state, last.s) if way.why == "range" else None
-            landed = let_go(self.web, way.node, toward)
-            if landed is None:
+            landed = let_go(self.web, way.node, toward, self.driver)
+            if isinstance(landed, str):
                 self.ways.append((way, toward, None))
                 where = self.web.nodes[way.node].s
-                self.alarms.append(f"no certified minimum was reached from the end at {where:.9g}")
+                self.alarms.append(
+                    f"no certified minimum was reached from the end at {where:.9g}: {landed}"
+                )
                 return None
             x, s, what = landed
             self.falls.append((way.node, s, x, str(what.kind), what.reason))
             self.ways.append((way, toward, len(self.falls)))
             if not self.web.low <= s <= self.web.high:
                 return None
-            self.begin(x, s)
+            self.begin(x, s, toward)
             if once:
-                return None
+                return (x, s) if self.driver.lazy else None
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
@@ -213,8 +236,8 @@ class _Job:
         snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
         legs = tuple(self._leg(way, toward, snap) for way, toward, snap in self.ways)
         return LoadPath(
-            self.driver, state, web.low, web.high, legs, snaps, branches, events,
-            tuple(dict.fromkeys(self.alarms)), web.tally.steps, web.tally.evaluations, self.driver.scene,
+            self.driver, state, self.low, self.high, legs, snaps, branches, events,
+            tuple(dict.fromkeys(self.alarms)), web.tally.steps, web.tally.evaluations,
         )  # fmt: skip
 
     def _leg(self, way: Way, toward: float, snap: int | None) -> Leg:
@@ -266,22 +289,25 @@ class _Job:
             None if search is None else self._confirmed(k, landed, s, search),
         )
 
-    def _confirmed(self, k: int, landed: np.ndarray, s: float, search: dict[str, Any]) -> Confirmed:
+    def _confirmed(
+        self, k: int, landed: np.ndarray, s: float, search: dict[str, Any]
+    ) -> Confirmed | None:
         """Search on both sides of a snap for the states that the path has there."""
         way, toward = next((w, d) for w, d, snap in self.ways if snap == k + 1)
         at = self.web.nodes[way.node].s
-        scale = self.web.line.programme.scale if self.driver.crease else abs(at)
-        loads = (at - toward * SIDE * scale, at + toward * SIDE * scale)
+        side = toward * self.driver.beside(at)
+        loads = (at - side, at + side)
         onward = walk(self.web, landed, s, toward, loads[1])
         after = None if onward is None else self._nearest(onward, loads[1])
         known = self._nearest(way, loads[0]), after
         minima, found = [], []
         for t, state in zip(loads, known, strict=True):
-            result = find_minima(self.driver.scene_at(t), prove=False, **search)
-            minima.append(len(result.minima))
-            angles = np.array([m.fold_angles for m in result.minima])
-            apart = np.abs(angles - state).max(axis=1, initial=0.0) if state is not None else []
-            found.append(bool(len(apart)) and float(min(apart)) <= SETTLED)
+            states = self.driver.states_at(t, search)
+            if states is None:
+                return None
+            minima.append(len(states))
+            apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []
+            found.append(min(apart, default=math.inf) <= SETTLED)
         return Confirmed(loads, (minima[0], minima[1]), (found[0], found[1]))
 
     def _nearest(self, way: Way, t: float) -> np.ndarray | None:

@@ -1,23 +1,24 @@
 """A load path: legs of stable states, snaps between them, branches and events around them.
 
-JSON schema ``origami-nlp/load/1``: angles in radians, torques in N m, energies in J (the scene's units).
+JSON schema ``origami-nlp/load/1``: angles in radians, torques in N m, energies in J (the units of springs); with a
+``scene``, or with a ``pattern`` and its ``load``.
 """
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
-from origami_nlp.folding import folded_frame, frames_to_fold
-from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.driver import Driver, FramedState, read_vertex
 from origami_nlp.loading.records import Leg, Snap
-from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.loading.sheet import read_pattern_driver
+from origami_nlp.numerics import TYPED
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import (
     Content,
     Piece,
@@ -47,15 +48,15 @@ MOST_ANGLES = 12
 
 
 @dataclass(frozen=True, repr=False)
-class LoadedPath(Told, Turnable):
-    """What a load path of a vertex and one of a sheet have in common.
+class LoadPath(Told, Turnable):
+    """A state of a vertex or of a pattern under a load that grows, through contacts and snaps.
 
     Attributes
     ----------
     driver
         What the load is: its `name`, its `unit`, and the `coordinate` that it works on.
     state
-        Number (1-based) of the unloaded minimum that is loaded.
+        Number (1-based) of the unloaded minimum that is loaded; 0 where it was given itself.
     low, high
         Range of the load.
     legs, snaps
@@ -66,9 +67,20 @@ class LoadedPath(Told, Turnable):
         What does not fit together, in words; empty where everything does.
     steps, evaluations
         What following cost.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15, confirm=False)
+    >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
+    ([-0.13815], ['snap', 'range'])
+    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(0.01, 1.2)
+    >>> path = o.load_path(sheet, 2, to=0.02)
+    >>> [leg.why for leg in path.legs], len(path.snaps)
+    (['range'], 0)
     """
 
-    driver: Any
+    driver: Driver
     state: int
     low: float
     high: float
@@ -80,13 +92,22 @@ class LoadedPath(Told, Turnable):
     steps: int
     evaluations: int
 
-    WAY: ClassVar[str] = ""
-    TURNED: ClassVar[str] = ""
+    PICTURE, TURNED, READ = "draw_load", "turn_path", SCHEMA
 
     @property
-    @abstractmethod
     def label(self) -> str:
         """What is loaded."""
+        return self.driver.label
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene, as stated; None of a pattern."""
+        return getattr(self.driver, "scene", None)
+
+    @property
+    def pattern(self) -> Pattern | None:
+        """The pattern, as stated; None of a scene."""
+        return getattr(self.driver, "pattern", None)
 
     @property
     def dissipated(self) -> float:
@@ -140,15 +161,22 @@ class LoadedPath(Told, Turnable):
             yield f"energy lost in snaps: {self.dissipated:.6g} J"
         else:
             yield "no snap"
-        if self.WAY:
-            yield self.WAY
+        if self.driver.WAY:
+            yield self.driver.WAY
         yield from self._more()
         yield Words(f"{self.steps} steps, {self.evaluations} evaluations of the KKT system", "dim")
         yield from (Words(line, "bold") for line in self.alarms)
 
     def _more(self) -> Iterator[str]:
-        """What else is to be told."""
-        yield from ()
+        if self.scene is not None and not self.scene.group.is_trivial:
+            yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
+        for number, leg in enumerate(self.legs, start=1):
+            at = [p.angle for p in leg.points]
+            if len(at) > 1 and max(at) - min(at) <= TYPED * self.driver.arm:
+                yield (
+                    f"leg {number}: the load does no work, what it works on stays as it is ({self.driver.coordinate}: "
+                    f"{at[0]:.6g}); no motion that is free there changes it to first order"
+                )
 
     def _snap_lines(self, number: int) -> Iterator[str]:
         snap, unit = self.snaps[number - 1], f" {self.driver.unit}" if self.driver.unit else ""
@@ -167,9 +195,28 @@ class LoadedPath(Told, Turnable):
                 f"{c.minima[1]} at {c.t[1]:.6g}{unit}, the one after {words[1]}"
             )
 
-    def _plain(self) -> dict[str, Any]:
-        """Return all but what is loaded as plain JSON data."""
+    def states(self) -> Iterator[FramedState]:
+        """Yield the stable states of all legs in order: title, fold angles, and what else is known of each.
+
+        Yields
+        ------
+        tuple
+            For frames of a FOLD file.
+        """
+        for number, leg in enumerate(self.legs, start=1):
+            for p in leg.points:
+                title = f"leg {number}, {self.driver.name} = {p.t:.9g} {self.driver.unit}".rstrip()
+                yield title, p.fold_angles, {"leg": number, "parameter": p.t, "energy": p.energy}
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
+        return self.driver.to_fold(list(self.states()))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data."""
         return {
+            "schema": SCHEMA,
+            **self.driver.to_dict(),
             "parameter": {
                 "name": self.driver.name,
                 "unit": self.driver.unit,
@@ -201,106 +248,23 @@ class LoadedPath(Told, Turnable):
                 }
                 yield row | {f"phi_{i + 1}": a for i, a in enumerate(p.fold_angles)}
 
-
-@dataclass(frozen=True, repr=False)
-class LoadPath(LoadedPath):
-    """A state under a load that grows, through contacts and snaps.
-
-    Attributes
-    ----------
-    driver
-        What the load is.
-    state
-        Number (1-based) of the minimum of the unloaded scene that is loaded.
-    low, high
-        Range of the load.
-    legs, snaps
-        What the state does, in order.
-    branches, events
-        All equilibria that were followed, unstable ones included, and where they change.
-    alarms
-        What does not fit together, in words; empty where everything does.
-    steps, evaluations
-        What following cost.
-    scene
-        As stated.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15, confirm=False)
-    >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
-    ([-0.13815], ['snap', 'range'])
-    """
-
-    driver: Driver
-    scene: Scene
-
-    PICTURE, TURNED, READ = "draw_load", "turn_path", SCHEMA
-
-    @property
-    def label(self) -> str:
-        """What is loaded."""
-        return self.scene.label or repr(self.scene.vertex)
-
-    def _more(self) -> Iterator[str]:
-        if not self.scene.group.is_trivial:
-            yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
-
-    def to_fold(self) -> dict[str, Any]:
-        """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
-        frames = []
-        for number, leg in enumerate(self.legs, start=1):
-            for p in leg.points:
-                title = f"leg {number}, {self.driver.name} = {p.t:.9g} {self.driver.unit}".rstrip()
-                more = {"leg": number, "parameter": p.t, "energy": p.energy}
-                frames.append(folded_frame(self.scene, p.fold_angles, title, **more))
-        return frames_to_fold(self.scene, frames)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        return {"schema": SCHEMA, "scene": scene_to_dict(self.scene), **self._plain()}
-
     @classmethod
     def _read(cls, data: dict[str, Any]) -> Self:
-        scene = scene_from_dict(data["scene"])
-        creases = data["parameter"]["creases"]
-        driver = Driver(scene, int(creases[0]) if creases else None)
-        return cls(driver=driver, scene=scene, **read_path(data))
+        unbounded = {"range": math.inf}
 
+        def read(kind: type[T], key: str) -> tuple[T, ...]:
+            return tuple(from_plain(kind, entry, unbounded) for entry in data[key])
 
-def read_path(data: dict[str, Any]) -> dict[str, Any]:
-    """Return all but what is loaded, and the driver, of a load path from its plain data.
-
-    Parameters
-    ----------
-    data
-        Of `LoadPath.to_dict`, or of that of a sheet.
-
-    Returns
-    -------
-    dict
-        Arguments of the class.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        If an entry is missing or wrong.
-    """
-    unbounded = {"range": math.inf}
-
-    def read(kind: type[T], key: str) -> tuple[T, ...]:
-        return tuple(from_plain(kind, entry, unbounded) for entry in data[key])
-
-    return {
-        "state": int(data["state"]),
-        "low": float(data["parameter"]["from"]),
-        "high": float(data["parameter"]["to"]),
-        "legs": read(Leg, "legs"),
-        "snaps": read(Snap, "snaps"),
-        "branches": read(PathBranch, "branches"),
-        "events": read(PathEvent, "events"),
-        "alarms": tuple(map(str, data["alarms"])),
-        "steps": int(data["cost"]["steps"]),
-        "evaluations": int(data["cost"]["evaluations"]),
-    }
+        return cls(
+            driver=read_vertex(data) if "scene" in data else read_pattern_driver(data),
+            state=int(data["state"]),
+            low=float(data["parameter"]["from"]),
+            high=float(data["parameter"]["to"]),
+            legs=read(Leg, "legs"),
+            snaps=read(Snap, "snaps"),
+            branches=read(PathBranch, "branches"),
+            events=read(PathEvent, "events"),
+            alarms=tuple(map(str, data["alarms"])),
+            steps=int(data["cost"]["steps"]),
+            evaluations=int(data["cost"]["evaluations"]),
+        )

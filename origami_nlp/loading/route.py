@@ -8,14 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, follow
+from origami_nlp.kkt import Classification
+from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import Equilibrium, Web
 
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
 rest at a certified minimum."""
-WALL = ("refused", "singular")
+WALL = ("refused", "singular", "touches")
 """Where nothing is known of what lies beyond."""
 
 
@@ -50,20 +51,18 @@ def walk(
 ) -> Way | None:
     """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
 
-    None where it is not in the web.  across: smallest eigenvalue across the symmetry; where it changes sign to below
-    zero the way ends.
+    None where it is not in the web.  What was left of it (`Web.resume`) is followed where the way goes on there.
+    across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.
     """
-    arcs = [
-        k for k, f in web.states_at(s) if not f.index and np.abs(f.state - start).max() <= SETTLED
-    ]
-    ahead = [k for k in arcs if _far(web, k, toward) * toward > s * toward + SETTLED * abs(toward)]
+    ahead = _ahead(web, start, s, toward)
     if not ahead:
         known = position(web, start, s)
         if known is None:
             return None
         node = web.arcs[known[0]].end
         near = min((web.arcs[known[0]].start, node), key=lambda k: abs(web.nodes[k].s - s))
-        return Way((known[1],), near, _why(web, near, end))
+        if not web.resume(near, toward) or not (ahead := _ahead(web, start, s, toward)):
+            return Way((known[1],), near, _why(web, near, end))
     k = ahead[0]
     here = web.arcs[k].at(s, web.tally)
     frames = [] if here is None else [here]
@@ -75,18 +74,33 @@ def walk(
         frames += [f for f in run if (f.s - last) * toward > 0]
         node = arc.end if forward else arc.start
         why = _why(web, node, end)
-        onward = [
-            j
-            for j, other in enumerate(web.arcs)
-            if j != k and node in (other.start, other.end) and not other.index
-            and (_far(web, j, toward) - web.nodes[node].s) * toward > 0
-        ]  # fmt: skip
+        onward = _onward(web, node, k, toward)
+        if not onward and why != "range" and web.resume(node, toward):
+            onward = _onward(web, node, k, toward)
         if why == "range" or not onward:
             return Way(tuple(frames), node, why)
         k = onward[0]
         beyond = web.arcs[k].frames
         if why == "breaks-symmetry" and across(beyond[len(beyond) // 2]) < 0:
             return Way(tuple(frames), node, why)
+
+
+def _ahead(web: Web, start: np.ndarray, s: float, toward: float) -> list[int]:
+    """Return the arcs of stable states that lead on from a state."""
+    arcs = [
+        k for k, f in web.states_at(s) if not f.index and np.abs(f.state - start).max() <= SETTLED
+    ]
+    return [k for k in arcs if _far(web, k, toward) * toward > s * toward + SETTLED * abs(toward)]
+
+
+def _onward(web: Web, node: int, arc: int, toward: float) -> list[int]:
+    """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
+    return [
+        j
+        for j, other in enumerate(web.arcs)
+        if j != arc and node in (other.start, other.end) and not other.index
+        and (_far(web, j, toward) - web.nodes[node].s) * toward > 0
+    ]  # fmt: skip
 
 
 def _far(web: Web, arc: int, toward: float) -> float:
@@ -98,24 +112,28 @@ def _why(web: Web, node: int, end: float) -> str:
     found = web.nodes[node]
     if abs(found.s - end) <= SETTLED * (1 + abs(end)):
         return "range"
-    if found.type in WALL:
+    if (
+        found.type in WALL
+        or (found.type == "slides" and not found.located)
+        or found.type == "closes"
+    ):
         return f"stopped: {found.why or 'closure or contacts lose rank'}"
     return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"
 
 
-def let_go(web: Web, node: int, toward: float) -> tuple[np.ndarray, float, Classification] | None:
-    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate."""
-    point = web.nodes[node].point
+def let_go(
+    web: Web, node: int, toward: float, driver: Driver
+) -> tuple[np.ndarray, float, Classification] | str:
+    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
+    point, why = web.nodes[node].point, ""
     span = max(abs(float(point[-1])), 1e-3 * (web.high - web.low))
     for share in OVER:
         s = float(point[-1]) + toward * share * span
-        try:
-            end = follow(web.line.at(s), point[:-1])
-        except ValueError:
-            continue
-        if end.what.verdict == "minimum" and np.abs(end.end - point[:-1]).max() > 10 * share:
-            return end.end, s, end.what
-    return None
+        end = driver.down(web.line.at(s), web.nodes[node], 10 * share)
+        if not isinstance(end, str):
+            return end[0], s, end[1]
+        why = end or why
+    return why or "no lower state was reached"
 
 
 def restabilises(web: Web, node: int) -> int | None:
@@ -128,7 +146,8 @@ def restabilises(web: Web, node: int) -> int | None:
                 other = arc.end if here == arc.start else arc.start
                 if other in seen:
                     continue
-                if any(not a.index and other in (a.start, a.end) for a in web.arcs):
+                left = web.nodes[other].left
+                if any(not a.index and other in (a.start, a.end) for a in web.arcs) or left:
                     return other
                 seen.add(other)
                 todo.append(other)

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
 from origami_nlp.atlas import turn_paths
-from origami_nlp.loading.result import LoadedPath, LoadPath
-from origami_nlp.show import (
-    Body,
-    Content,
-    Folded,
-    Panel,
-    Station,
-    Track,
-    vertex_body,
-    vertex_folded,
-    vertex_track,
-    vertex_view,
-)
+from origami_nlp.loading.result import LoadPath
+from origami_nlp.show import Content, Panel, Station
 
 MOST_ANGLES = 24
 """Fold angles that are listed beside a state."""
-Angles = Sequence[float]
 
 
 def turn_path(path: LoadPath) -> Content:
-    """Return the stable states of a vertex's load path, for a page that can be turned.
+    """Return the stable states of a load path, of a vertex or of a pattern, for a page that can be turned.
 
     Parameters
     ----------
@@ -37,49 +23,10 @@ def turn_path(path: LoadPath) -> Content:
     Returns
     -------
     Content
-        Of `turn_loaded`.
-    """
-    vertex, energy = path.scene.vertex, path.driver.unloaded.energy
-
-    def folded(phi: Angles) -> Folded:
-        return vertex_folded(vertex, phi, float(energy(phi)))
-
-    def track(title: str, states: list[Angles], loads: list[float], label: str) -> Track:
-        energies = [float(energy(phi)) for phi in states]
-        return vertex_track(vertex, title, states, energies, parameter=loads, label=label)
-
-    def view(phi: Angles) -> np.ndarray:
-        return vertex_view(vertex, phi)
-
-    return turn_loaded(path, vertex_body(vertex), folded, view, track)
-
-
-def turn_loaded(
-    path: LoadedPath,
-    body: Body,
-    folded: Callable[[Angles], Folded],
-    view: Callable[[Angles], np.ndarray],
-    track: Callable[[str, list[Angles], list[float], str], Track],
-) -> Content:
-    """Return the stable states of a load path, of a vertex or of a sheet, for a page that can be turned.
-
-    Parameters
-    ----------
-    path
-        The path.
-    body
-        What is folded.
-    folded, view
-        A state in space, and from where it is seen.
-    track
-        Makes a track of a title, states, their loads, and what the load is.
-
-    Returns
-    -------
-    Content
         Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
         panel: the load over what it works on.
     """
+    body, folded, view, track = path.driver.poser()
     driver = path.driver
     label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
     named = [

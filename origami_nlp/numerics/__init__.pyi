@@ -1,4 +1,11 @@
 from . import quaternion as quaternion
+from .factors import (
+    SYMMETRIC as SYMMETRIC,
+    Factor as Factor,
+    Matrix as Matrix,
+    Normal as Normal,
+    dense as dense,
+)
 from .linear import (
     extremes as extremes,
     nearest as nearest,
@@ -24,6 +31,7 @@ from .tolerances import (
     EPS as EPS,
     FOLLOWED as FOLLOWED,
     INDEPENDENT as INDEPENDENT,
+    INSIDE as INSIDE,
     LEVEL as LEVEL,
     NEAR_CONTACT as NEAR_CONTACT,
     OUTSIDE as OUTSIDE,

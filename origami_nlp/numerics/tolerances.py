@@ -46,6 +46,9 @@ TYPED = 1e-9
 """Stated angles [rad] and relative stiffnesses that differ by no more are meant to be equal: ten digits were typed."""
 TOUCHES = 1e-8
 """Opening of a closed contact: sqrt(eps / 2)."""
+INSIDE = 1e-6
+"""Share of their size by which features of facets meet inside each other: closer to a border more features meet, and
+sides at less than a thousandth of a turn have no common normal to speak of (its square counts)."""
 RANK = 1e-7
 """Singular values of closure (the largest are about 1) below this count as zero: they grow as the distance to the
 singular state, and a state that touches to `TOUCHES` is within a few times that of it."""

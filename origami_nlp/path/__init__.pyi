@@ -12,8 +12,6 @@ from .curve import (
 from .equilibrium import (
     Equilibrium as Equilibrium,
     EquilibriumCurve as EquilibriumCurve,
-    Hold as Hold,
-    Tally as Tally,
 )
 from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .halves import half_branches as half_branches, is_equilibrium as is_equilibrium
@@ -22,6 +20,7 @@ from .line import (
     line_between as line_between,
     load_line as load_line,
 )
+from .system import Hold as Hold, Tally as Tally
 from .tracer import (
     SINGULAR as SINGULAR,
     End as End,

@@ -1,10 +1,7 @@
 """States of equilibrium over a parameter, as a curve: KKT systems with contacts held closed.
 
-Unknowns are the state x [n], multipliers nu of closure and held contacts, and the parameter s of a line.  The curve
-lives in (y, w s), y = root x: multipliers jump at contact events and can be huge, so lengths leave them out; they
-follow from the state where closure and contacts are independent.
-
-    F = (grad U - C' nu, closure, openings) = 0,      dF = [H -C' F_s; C 0 c_s] (dy, dnu, ds)
+The curve lives in (y, w s), y = root x: multipliers jump at contact events and can be huge, so lengths leave them
+out; they follow from the state, see `system`.
 """
 
 from __future__ import annotations
@@ -16,147 +13,16 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import CURVED, DEPENDENT, ROUNDED, SAME, SETTLED, STATIONARY, null_space
+from origami_nlp.numerics import CLOSES, OUTSIDE, ROUNDED, SAME, STATIONARY
 from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.system import Hold, System, Tally, system_at
 from origami_nlp.path.tracer import ASIDE
 from origami_nlp.programme import Contact, Programme
 
 NEWTON = 10
 """Steps of the corrector: from a predicted point it needs two to four."""
-ASLANT = 10.0
-"""One over the cosine between a curve and where it went before: up to here one factorisation gives a step across it."""
 LONGEST = 0.5
 """A Newton step longer than this has left the neighbourhood of the predicted point."""
-
-
-@dataclass(frozen=True)
-class Hold:
-    """Which equations are kept: contacts held closed, and rows of closure (all, where they are independent)."""
-
-    contacts: tuple[Contact, ...]
-    closure: tuple[int, ...]
-
-
-@dataclass
-class Tally:
-    """What following cost: steps accepted, and evaluations of the KKT system."""
-
-    steps: int = 0
-    evaluations: int = 0
-
-
-class System:
-    """The KKT system of a point (x, s) with contacts held, its matrix and null vector, in the metric."""
-
-    def __init__(self, line: ParameterLine, point: np.ndarray, hold: Hold) -> None:
-        x, s = point[:-1], float(point[-1])
-        self.line, self.hold, self.x = line, hold, x
-        self.programme: Programme = line.at(s)
-        p = self.programme
-        root, local = p.root, p.local(x)
-        rows = slice(None) if len(hold.closure) == p.equation_count else list(hold.closure)
-        closure, jacobian = local.closure[rows], local.closure_jacobian[rows] / root
-        self.values, self.jacobian = closure, jacobian
-        if hold.contacts:
-            values, slopes = local.openings(hold.contacts)
-            self.jacobian = np.concatenate([jacobian, slopes / root])
-            self.values = np.concatenate([closure, values])
-        gradient = local.gradient / root
-        self.size = 1.0 + float(np.abs(gradient).max())
-        self.multipliers = np.linalg.lstsq(self.jacobian.T, gradient, rcond=DEPENDENT)[0]
-        m, kept = p.equation_count, len(closure)
-        full = self.multipliers
-        if kept < m:
-            full = np.zeros(m + len(hold.contacts))
-            full[:m][rows], full[m:] = self.multipliers[:kept], self.multipliers[kept:]
-        self.all_multipliers = full
-        self.hessian = p.lagrangian_hessian(x, full, hold.contacts) / (root[:, None] * root)
-        torque, moved = p.drift(x, full, hold.contacts, line.slope(s))
-        self.drift = torque / root / line.weight
-        moved = moved if kept == m else np.concatenate([moved[:m][rows], moved[m:]])
-        self.moved = moved / line.weight
-        self.imbalance = gradient - self.jacobian.T @ self.multipliers
-
-    @cached_property
-    def seen(self) -> State:
-        """Its state as it is judged: what is asked of it twice is computed once."""
-        return State(self.programme, self.x)
-
-    @cached_property
-    def judged(self) -> Classification:
-        """What `kkt.classify` says of it."""
-        return classify(self.seen)
-
-    @property
-    def residual(self) -> float:
-        """Largest entry of the KKT system, torques relative to the largest."""
-        balance = float(np.abs(self.imbalance).max(initial=0.0)) / self.size
-        return max(balance, float(np.abs(self.values).max(initial=0.0)))
-
-    @property
-    def least(self) -> float:
-        """Smallest singular value of closure and contacts."""
-        return float(np.linalg.svd(self.jacobian, compute_uv=False).min(initial=1.0))
-
-    @cached_property
-    def matrix(self) -> np.ndarray:
-        """Derivative of the system by (y, nu, w s), shape [n + k, n + k + 1]."""
-        k, n = self.jacobian.shape
-        out = np.zeros((n + k, n + k + 1))
-        out[:n, :n], out[:n, n:-1], out[:n, -1] = self.hessian, -self.jacobian.T, self.drift
-        out[n:, :n], out[n:, -1] = self.jacobian, self.moved
-        return out
-
-    @cached_property
-    def null(self) -> np.ndarray | None:
-        """Vector (dy, dnu, w ds) along the curve, of length 1 in (dy, w ds); None where it is not unique."""
-        _, values, vt = np.linalg.svd(self.matrix)
-        if values[-1] <= CURVED * values[0]:
-            return None
-        n = len(self.imbalance)
-        v = vt[-1]
-        size = float(np.hypot(np.linalg.norm(v[:n]), v[-1]))
-        return v / size if size > SETTLED * np.linalg.norm(v) else None
-
-    def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1].
-
-        It is the step under the row `null`, by one factorisation instead of singular values.
-        """
-        n = len(self.imbalance)
-        whole = np.zeros((len(self.matrix) + 1,) * 2)
-        whole[:-1], whole[-1, :n], whole[-1, -1] = self.matrix, along[:n], along[-1]
-        right = np.zeros((len(whole), 2))
-        right[:-1, 0], right[-1, 1] = -np.concatenate([self.imbalance, self.values]), 1.0
-        try:
-            d = np.linalg.solve(whole, right)
-        except np.linalg.LinAlgError:
-            return None
-        step, v = np.vstack([d[:n], d[-1:]]).T  # a step across `along`, and one along the curve
-        step = step - (step @ v) / (v @ v) * v
-        if not (np.isfinite(step).all() and np.linalg.norm(v) <= ASLANT):
-            return None
-        return np.append(step[:n] / self.programme.root, step[-1] / self.line.weight)
-
-    def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
-        """Return Newton's step in (x, s) under one more equation, row . (dy, dnu, w ds) = right.
-
-        short: the shortest one where the matrix is all but singular.
-        """
-        n = len(self.imbalance)
-        whole = np.vstack([self.matrix, row])
-        minus = -np.concatenate([self.imbalance, self.values, [-right]])
-        try:
-            # at a branching the matrix is singular: no step along the other branch
-            if short:
-                d = np.linalg.lstsq(whole, minus, rcond=DEPENDENT)[0]
-            else:
-                d = np.linalg.solve(whole, minus)
-        except np.linalg.LinAlgError:
-            return None
-        if not np.isfinite(d).all():
-            return None
-        return np.append(d[:n] / self.programme.root, d[-1] / self.line.weight)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,11 +80,10 @@ class Equilibrium:
         """Multipliers of the contacts held, scaled energy, positive where they push, [r]."""
         return self.system.multipliers[len(self.hold.closure) :]
 
-    @cached_property
+    @property
     def eigenvalues(self) -> np.ndarray:
         """Of the reduced Hessian, ascending, scaled energy."""
-        z = null_space(self.system.jacobian)
-        return np.linalg.eigvalsh(z.T @ self.system.hessian @ z)
+        return self.system.eigenvalues
 
     @property
     def index(self) -> int:
@@ -232,7 +97,7 @@ class Equilibrium:
 
 
 Row = Callable[[np.ndarray, System], tuple[np.ndarray, float]]
-"""One more equation at (x, s): its row over (dy, dnu, w ds), and what that shall be."""
+"""One more equation at (x, s): its row over (dy, w ds), and what that shall be."""
 BISECTIONS = 45
 """Of a step, down to rounding."""
 Move = Callable[[np.ndarray, System], np.ndarray | None]
@@ -258,18 +123,19 @@ class EquilibriumCurve:
         """Metric of (x, s), [n + 1]."""
         return np.append(self.line.programme.root, self.line.weight)
 
-    def system(self, point: np.ndarray) -> System:
+    def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> System:
         """Evaluate the KKT system at (x, s)."""
         self.tally.evaluations += 1
-        return System(self.line, point, self.hold)
+        return system_at(self.line, point, self.hold, multipliers)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
         return self._newton(point, lambda at, system: system.step(*row(at, system), self.short))
 
     def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, System] | None:
+        carried: np.ndarray | None = None
         for _ in range(NEWTON):
-            system = self.system(point)
+            system = self.system(point, carried)
             step = move(point, system)
             if step is None:
                 return None
@@ -278,22 +144,40 @@ class EquilibriumCurve:
                 return None
             if length <= ROUNDED:
                 break
-            point = point + step
+            point, carried = point + step, system.after
             if length <= SAME:  # its square is rounding
-                system = self.system(point)
-                break
+                system = self.system(point, carried)
+                if system.missing <= self._least:
+                    break
         else:
             return None
+        point, system = self._inside(point, system)
         self.known[:] = [(point, system)]
-        return (point, system) if system.residual <= STATIONARY else None
+        good = system.residual <= STATIONARY and system.missing <= max(self._least, CLOSES)
+        return (point, system) if good else None
+
+    @property
+    def _least(self) -> float:
+        """Closure and openings at which Newton has arrived; off closure a gap is one along a walk, its slope too."""
+        if not self.line.programme.redundant:
+            return np.inf
+        return CLOSES if all(c.is_limit for c in self.hold.contacts) else ROUNDED
+
+    def _inside(self, point: np.ndarray, system: System) -> tuple[np.ndarray, System]:
+        """Put fold angles that are beyond their limits by rounding back onto them: contacts may keep a crease there."""
+        p, x = system.programme, point[:-1]
+        beyond = np.abs(x) - p.bound if p.redundant else np.zeros(1)
+        if not 0.0 < beyond.max(initial=0.0) <= OUTSIDE:
+            return point, system
+        point = np.append(np.clip(x, -p.bound, p.bound), point[-1])
+        return point, self.system(point, system.multipliers)
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move (x, s) [n + 1] onto the curve by steps across it."""
 
         def across(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
-            v = system.null
-            n = len(self.root) - 1
-            return (np.zeros(system.matrix.shape[1]) if v is None else _flat(v, n)), 0.0
+            found = system.direction()
+            return np.zeros(len(self.root)) if found is None else found[0], 0.0
 
         def shortest(point: np.ndarray, system: System) -> np.ndarray | None:
             step = system.shortest_step(self.given[0].tangent) if self.given else None
@@ -323,25 +207,16 @@ class EquilibriumCurve:
 
     def frame_of(self, x: np.ndarray, system: System, along: np.ndarray) -> Equilibrium | None:
         """Return the frame of a point whose system is known."""
-        if system.null is None:
-            return None
-        n = len(self.root) - 1
-        tangent = np.append(system.null[:n], system.null[-1])
-        across = float(tangent @ along)
-        if across == 0.0:
-            return None
-        return Equilibrium(x, tangent * np.sign(across), system)
+        found = system.direction(along)
+        return None if found is None else Equilibrium(x, found[0], system)
 
     def beside(self, frame: Equilibrium, h: float) -> Equilibrium | None:
         """Return the point of the curve whose step from `frame` has length h along its tangent."""
         if h == 0.0:
             return frame
-        n = len(self.root) - 1
-        row = np.zeros(n + len(frame.system.multipliers) + 1)
-        row[:n], row[-1] = frame.tangent[:n], frame.tangent[-1]
 
         def plane(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
-            return row, h - float(frame.tangent @ (self.root * (point - frame.x)))
+            return frame.tangent, h - float(frame.tangent @ (self.root * (point - frame.x)))
 
         ahead = frame.x + h * frame.tangent / self.root
         found = self.solve(ahead, plane)
@@ -353,7 +228,7 @@ class EquilibriumCurve:
         """Return the point of the curve at the parameter s, by Newton from (x, s') nearby."""
 
         def fixed(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
-            row = np.zeros(system.matrix.shape[1])
+            row = np.zeros(len(self.root))
             row[-1] = 1.0
             return row, (s - point[-1]) * self.line.weight
 
@@ -392,17 +267,7 @@ class EquilibriumCurve:
             value, slope = p.local(point[:-1]).openings((contact,))
             none = np.zeros(p.equation_count + 1)
             moved = p.drift(point[:-1], none, (contact,), self.line.slope(float(point[-1])))[1][-1]
-            row = np.zeros(system.matrix.shape[1])
-            row[: len(p.root)] = slope[0] / p.root
-            row[-1] = moved / self.line.weight
-            return row, -float(value[0])
+            return np.append(slope[0] / p.root, moved / self.line.weight), -float(value[0])
 
         found = self.solve(frame.x, shut)
         return None if found is None else self.frame_of(*found, along)
-
-
-def _flat(v: np.ndarray, n: int) -> np.ndarray:
-    """Return a null vector without its multipliers, as a row."""
-    out = np.zeros_like(v)
-    out[:n], out[-1] = v[:n], v[-1]
-    return out

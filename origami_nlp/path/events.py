@@ -5,6 +5,9 @@ branching       an eigenvalue of the reduced Hessian is zero, and the parameter 
 leaves          the multiplier of a held contact is zero
 closes          the opening of another contact is zero
 breaks-symmetry the smallest eigenvalue across the symmetry, in the space without it, is zero
+slides          features of a held contact come to a border, where their gap no longer keeps facets apart: they slip off
+                each other there, or the curve ends
+touches         facets come to touch where no single gap keeps them apart: the curve ends
 
 These, and `singular` (closure or contacts lose rank), are the generic ways in which a one-parameter family of
 programmes changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter back,
@@ -19,11 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.kkt import State
 from origami_nlp.numerics import (
-    BESIDE,
-    ENDS,
-    NEAR_CONTACT,
     SETTLED,
     STATIONARY,
     TOUCHES,
@@ -31,16 +30,14 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.flat import AT_FLAT, crossing, flat_passage
-from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates, touches
+from origami_nlp.path.halves import is_equilibrium
 from origami_nlp.programme import Contact
 
-BISECTIONS, SOON = 24, 7
-"""Of a step in which a state is refused: what then closes is looked for by Newton.  After so many of them what nearly
-touches is what will close."""
+BISECTIONS = 24
+"""Of a step towards a singular state."""
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
-Forces = Callable[[Equilibrium], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +71,7 @@ def found_at(
     return Found(type, frame, contact, value, located, why)
 
 
-def _step(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
+def step_length(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
     return float(a.tangent @ (root * (b.x - a.x)))
 
 
@@ -88,7 +85,7 @@ def root_between(
         frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
         return np.array([np.nan if frame is None else value(frame)])
 
-    h = float(bracketed_roots(at, [0.0], [_step(a, b, curve.root)])[0])
+    h = float(bracketed_roots(at, [0.0], [step_length(a, b, curve.root)])[0])
     return known.get(h)
 
 
@@ -96,7 +93,7 @@ def _towards(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
 ) -> Equilibrium | None:
     """Return the last point before a zero between a and b that Newton reaches; None where it reaches none."""
-    low, high = 0.0, _step(a, b, curve.root)
+    low, high = 0.0, step_length(a, b, curve.root)
     first, last = value(a), value(b)
     best: Equilibrium | None = None
     share = 1.0  # of the way to where the line through both values is zero: Newton may fail there
@@ -107,9 +104,9 @@ def _towards(
             continue
         v = value(frame)
         if (v > 0) != (first > 0):
-            high, last = _step(a, frame, curve.root), v
+            high, last = step_length(a, frame, curve.root), v
             continue
-        low, first, best = _step(a, frame, curve.root), v, frame
+        low, first, best = step_length(a, frame, curve.root), v, frame
         if abs(v) <= POLE:
             break
     return best
@@ -140,19 +137,19 @@ def folds_and_branchings(
     for type, value in others:
         if value(a) * value(b) < 0:
             frame = root_between(curve, a, b, value)
-            if frame is not None and _is_zero(value, frame, a, b):
+            if frame is not None and is_zero(value, frame, a, b):
                 out.append(found_at(type, frame, value(frame)))
             elif not any(e.type == "singular" for e in out):
-                out.append(_pole(curve, a, b, value))
-    return sorted(out, key=lambda e: _step(a, e.frame, curve.root))
+                out.append(pole(curve, a, b, value))
+    return sorted(out, key=lambda e: step_length(a, e.frame, curve.root))
 
 
-def _is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> bool:
+def is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> bool:
     """Tell whether a function that changes sign between a and b does so through zero, and not through infinity."""
     return abs(value(frame)) <= SETTLED * max(abs(value(a)), abs(value(b)))
 
 
-def _pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> Found:
+def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> Found:
     """Return the singular state at which a function passes infinity, as the nearest point that Newton reaches."""
     frame = _towards(curve, a, b, lambda f: 1.0 / value(f)) or a
     event = _contacts_become_one(curve, a, b, frame)
@@ -223,126 +220,7 @@ def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, 
         return float(f.eigenvalues[k])
 
     frame = root_between(replace(curve, short=True), a, b, eigenvalue)
-    if frame is not None and _is_zero(eigenvalue, frame, a, b):
+    if frame is not None and is_zero(eigenvalue, frame, a, b):
         return found_at("branching", _between(frame, a, b), eigenvalue(frame))
     fewer = min(a.index, b.index)  # one side has it as the largest, the other as the smallest
-    return _pole(curve, a, b, lambda f: float(f.eigenvalues[-1 if f.index == fewer else 0]))
-
-
-def first_contact_event(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, Found | None]:
-    """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
-    leaving = _first_leaving(curve, a, b)
-    beyond = b if leaving is None else leaving.frame
-    if not beyond.seen.refused and closes(beyond) and touches(beyond):
-        if leaving is None:
-            return a, Found("refused", a, None, np.nan, False, "no event was found in a step")
-        return leaving.frame, leaving
-    return _closing(curve, a, beyond)
-
-
-def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
-    first: tuple[float, Found] | None = None
-    for k in np.flatnonzero(b.forces < PULLS * b.system.size):
-        frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
-        if frame is None:
-            continue
-
-        def force(f: Equilibrium, k: int = int(k)) -> float:
-            return float(f.forces[k])
-
-        if _is_zero(force, frame, a, b):
-            share = force(frame) / frame.system.size
-            event = found_at("leaves", frame, share, a.hold.contacts[k])
-        else:
-            event = _pole(curve, a, b, force)
-        h = _step(a, event.frame, curve.root)
-        if first is None or h < first[0]:
-            first = h, event
-    return None if first is None else first[1]
-
-
-def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found:
-    """Return where, between a and b, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
-    found: list[Found] = []
-    for piece in b.seen.pieces:
-
-        def forces(f: Equilibrium, piece: tuple[Contact, ...] = piece) -> np.ndarray:
-            return f.seen.on(piece).forces
-
-        for k in np.flatnonzero(forces(b) < PULLS * b.system.size):
-
-            def force(f: Equilibrium, k: int = int(k), forces: Forces = forces) -> float:
-                return float(forces(f)[k]) / f.system.size
-
-            frame = root_between(curve, a, b, force)
-            if frame is not None and _is_zero(force, frame, a, b):
-                found.append(found_at("leaves", frame, force(frame), piece[k]))
-    if not found:
-        why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
-        return Found("singular", a, None, np.nan, False, why)
-    return min(found, key=lambda e: _step(a, e.frame, curve.root))
-
-
-def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
-    """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
-    low, high, good, bad = 0.0, _step(a, b, curve.root), a, b
-    ahead = _guesses(curve, a, good, bad)
-    for k in range(BISECTIONS):
-        inside = [h for h in ahead if low < h < high]
-        middle = inside[0] if inside else 0.5 * (low + high)
-        frame = curve.beside(a, middle)
-        if frame is not None and is_equilibrium(frame):
-            low, good = middle, frame
-        else:
-            high = middle
-            bad = frame or bad
-        if high - low <= NEAR_CONTACT:
-            break
-        if k == SOON:
-            ahead = _guesses(curve, a, good, bad)
-    met: list[tuple[float, float, Equilibrium, Contact]] = []
-    for contact in _candidates(good, bad):
-        frame = curve.where_closed(good, contact, a.tangent)
-        if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > BESIDE:
-            continue
-        if not frame.seen.refused:
-            rate = _rate(curve, frame, contact)
-            met.append((_step(a, frame, curve.root), rate, frame, contact))
-    if not met:
-        why = bad.seen.refused or "closure"
-        return good, Found("refused", good, None, np.nan, False, why)
-    first = min(h for h, *_ in met)
-    # of contacts that close together, the one that does so to first order knows best where
-    _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
-    opening = frame.programme.local(frame.state).openings((contact,))[0][0]
-    return frame, found_at("closes", frame, float(opening), contact)
-
-
-def _guesses(
-    curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
-) -> list[float]:
-    """Return lengths of steps from a just before and just after the next contact closes, as far as Newton tells."""
-    shut = (curve.where_closed(good, c, a.tangent) for c in _candidates(good, bad))
-    first = _step(a, good, curve.root)
-    lengths = [_step(a, f, curve.root) for f in shut if f is not None]
-    return [
-        h + side
-        for h in sorted(h for h in lengths if h > first)[:1]
-        for side in (-0.25 * NEAR_CONTACT, 0.25 * NEAR_CONTACT)
-    ]
-
-
-def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:
-    """Return how fast a contact closes along the curve."""
-    slopes, moved = opening_rates(curve, frame.x, (contact,))
-    return abs(float(slopes[0] @ frame.tangent[:-1] + moved[0] * frame.ahead))
-
-
-def _candidates(good: Equilibrium, bad: Equilibrium) -> list[Contact]:
-    """Return the contacts that may have closed: nearly closed before, or passed."""
-    near = State(good.programme, good.state, BESIDE).contacts
-    rows = [*near.base, *(c for branch in near.branches for option in branch for c in option)]
-    rows += bad.programme.beyond(bad.state, TOUCHES)
-    return [c for c in dict.fromkeys(rows) if c not in good.hold.contacts]
+    return pole(curve, a, b, lambda f: float(f.eigenvalues[-1 if f.index == fewer else 0]))

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from origami_nlp.numerics import CLOSES, RANK, SETTLED, bracketed_roots
-from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, System, Tally
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.system import Hold, System, Tally, system_at
 
 FLAT = 0.1
 """Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
@@ -82,7 +83,7 @@ def free_hold(line: ParameterLine) -> Hold:
 def flat_event(line: ParameterLine, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.programme.size)
-    system = System(line, np.append(still, s), free_hold(line))
+    system = system_at(line, np.append(still, s), free_hold(line))
     frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
     return frame, _balance(system, [])
 
@@ -106,7 +107,7 @@ def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float
     flat, first = np.zeros(line.programme.size), list[np.ndarray]()
 
     def tip(s: float) -> tuple[float, np.ndarray] | None:
-        return _tip(System(line, np.append(flat, s), free_hold(line)), first)
+        return _tip(system_at(line, np.append(flat, s), free_hold(line)), first)
 
     if tip(low) is None or not line.programme.on_sheet(flat):
         return []
@@ -191,9 +192,7 @@ def beside_flat(
         for h in BESIDE_FLAT:
 
             def so_far(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
-                row = np.zeros(system.matrix.shape[1])
-                row[:n] = along[:-1]  # noqa: B023
-                return row, h - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
+                return along, h  # noqa: B023 - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
 
             found = curve.solve(np.append(h * along[:-1] / root, s), so_far)
             frame = None if found is None else curve.frame_of(*found, along)

@@ -14,9 +14,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import BALANCED, DEPENDENT, FOLLOWED, INDEPENDENT, RANK, STATIONARY
-from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, Hold, Tally
+from origami_nlp.numerics import (
+    BALANCED,
+    DEPENDENT,
+    FOLLOWED,
+    INDEPENDENT,
+    INSIDE,
+    RANK,
+    STATIONARY,
+)
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.system import Hold, Tally
 from origami_nlp.path.tracer import ALIGNED, advance
 from origami_nlp.programme import Contact
 
@@ -102,21 +111,21 @@ def _independent(
 
 def _closure(state: State) -> tuple[int, ...]:
     """Return rows of closure that are independent: all of them at a regular state."""
-    if state.regular:
+    if state.programme.redundant or state.regular:
         return tuple(range(len(state.jacobian)))
     return _independent(state, ())[1]
 
 
 def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
-    held, closure = state.on(piece), _closure(state)
+    held, closure, p = state.on(piece), _closure(state), state.programme
     found = held.multiplier_set
     size = 1.0 + float(np.abs(state.gradient).max())
     if found.residual > BALANCED * size:
         return
     must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
     optional = [k for k in range(len(piece)) if k not in must]
-    most = len(state.x) - len(closure)
+    most = state.kernel.shape[1] if p.redundant else len(state.x) - len(closure)
     sets = (
         (*must, *some)
         for count in range(min(len(optional), most - len(must)), -1, -1)
@@ -124,7 +133,9 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     )
     for chosen in itertools.islice(sets, MOST_SETS):
         jacobian = np.vstack([state.jacobian[list(closure)], held.slopes[list(chosen)]])
-        if np.linalg.svd(jacobian, compute_uv=False).min(initial=1.0) <= RANK:
+        # rows of a pattern's closure depend on each other: what counts is what they leave free
+        rows = held.slopes[list(chosen)] @ state.kernel if p.redundant else jacobian
+        if np.linalg.svd(rows, compute_uv=False).min(initial=1.0) <= RANK:
             continue
         nu = np.linalg.lstsq(jacobian.T, state.gradient, rcond=DEPENDENT)[0]
         left = np.abs(state.gradient - jacobian.T @ nu).max()
@@ -142,20 +153,18 @@ def _along(
     """Yield the directions in which the states that hold these contacts are equilibria."""
     curve = EquilibriumCurve(line, hold, tally)
     system = curve.system(point)
-    null = system.null
-    if null is None:
+    found = system.direction()
+    if found is None:
         return
-    n = len(point) - 1
     others = tuple(c for c in piece if c not in hold.contacts)
     slopes, moved = opening_rates(curve, point, others)
     weak = system.multipliers[len(hold.closure) :] <= BALANCED * system.size
     for sign in (1.0, -1.0):
-        v = sign * null
-        force, opening = v[n : n + len(system.multipliers)], slopes @ v[:n] + moved * v[-1]
+        along, force = (sign * v for v in found)
+        opening = slopes @ along[:-1] + moved * along[-1]
         force = force[len(hold.closure) :][weak]
         if (force < -INDEPENDENT * system.size).any() or (opening < -INDEPENDENT).any():
             continue
-        along = np.append(v[:n], v[-1])
         frame = Equilibrium(point, along, system)
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
         half = goes_on(curve, Half(frame, signed), others)
@@ -180,10 +189,10 @@ def _frozen(
     """Yield the directions in which a state that nothing moves keeps its verdict."""
     curve = EquilibriumCurve(line, hold, tally)
     system = curve.system(point)
-    n = len(point) - 1
-    if system.null is None or len(system.values) < n:
+    found = system.direction()
+    if found is None or system.free:
         return
-    along = np.append(system.null[:n], system.null[-1])
+    along = found[0]
     for sign in (1.0, -1.0):
         half = goes_on(curve, Half(Equilibrium(point, sign * along, system), False))
         if half is not None:
@@ -192,12 +201,9 @@ def _frozen(
 
 def branching_halves(curve: EquilibriumCurve, frame: Equilibrium) -> list[Half]:
     """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
-    n = len(frame.state)
-    whole = np.vstack([frame.system.matrix, np.zeros(frame.system.matrix.shape[1])])
-    whole[-1, :n], whole[-1, -1] = frame.tangent[:-1], frame.tangent[-1]
-    v = np.linalg.svd(whole)[2][-1]
-    across = np.append(v[:n], v[-1])
-    across = across / np.linalg.norm(across)
+    across = frame.system.other_direction(frame.tangent)
+    if across is None:
+        return []
     both = (
         goes_on(curve, Half(Equilibrium(frame.x, sign * across, frame.system), True))
         for sign in (1.0, -1.0)
@@ -270,14 +276,22 @@ def balances(frame: Equilibrium) -> bool:
 
 def is_equilibrium(frame: Equilibrium) -> bool:
     """Tell whether a point is admissible and all its contacts touch and push."""
-    pulls = (frame.forces < PULLS * frame.system.size).any()
-    good = not pulls and not frame.seen.refused and closes(frame)
+    good = pushes(frame) and not frame.seen.refused and closes(frame)
     return good and touches(frame)
 
 
+def pushes(frame: Equilibrium) -> bool:
+    """Tell whether no contact that is held pulls."""
+    return not (frame.forces < PULLS * frame.system.size).any()
+
+
 def touches(frame: Equilibrium) -> bool:
-    """Tell whether contacts held touch: a crease may lie in the plane of a facet, but beside it."""
-    held = {c for c in frame.hold.contacts if not c.is_limit}
+    """Tell whether contacts held touch: a crease may lie in the plane of a facet, but beside it, or slip off a border."""
+    p, x = frame.programme, frame.state
+    margins = {c: p.margin(c, x) for c in frame.hold.contacts if not c.is_limit}
+    if any(m is not None and m <= INSIDE for m in margins.values()):
+        return False
+    held = {c for c, m in margins.items() if m is None}
     if not held:
         return True
     found = frame.seen.contacts

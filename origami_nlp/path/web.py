@@ -15,14 +15,9 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
-from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, System, Tally
-from origami_nlp.path.events import (
-    Found,
-    first_contact_event,
-    flat_crossed,
-    folds_and_branchings,
-    other_piece_leaves,
-)
+from origami_nlp.path.contact_events import first_contact_event, other_piece_leaves
+from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.path.events import Found, flat_crossed, folds_and_branchings
 from origami_nlp.path.flat import AT_FLAT, beside_flat, flat_roots, passes
 from origami_nlp.path.halves import (
     Half,
@@ -34,6 +29,7 @@ from origami_nlp.path.halves import (
     turned,
 )
 from origami_nlp.path.line import ParameterLine
+from origami_nlp.path.system import Tally, system_at
 from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
 from origami_nlp.programme import Contact
 
@@ -41,7 +37,7 @@ STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
-START, RANGE, EVENT = "start", "range", "event"
+START, RANGE, EVENT, PAUSED = "start", "range", "event", "paused"
 
 
 @dataclass(eq=False)
@@ -49,12 +45,14 @@ class Node:
     """A state at which arcs end.
 
     type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
-    ``start`` (of a state given), ``range`` (an end of what is followed) or ``corner`` (the contacts held change, the
-    states do not turn) where nothing happens.
+    ``slides``, ``touches``; ``start`` (of a state given), ``range`` (an end of what is followed), ``corner`` (the
+    contacts held change, the states do not turn) or ``paused`` (not followed further yet) where nothing happens.
     point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
     system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
     values of s between which it lies, where only that is known.
-    halves: in which directions equilibria go on.  used: those that were followed, or come from there.
+    held: contacts that are held on the way there.
+    halves: in which directions equilibria go on.  used: those that were followed, or come from there.  left: those that
+    may be followed later.
     """
 
     type: str
@@ -65,8 +63,10 @@ class Node:
     located: bool = True
     why: str = ""
     between: tuple[float, float] | None = None
+    held: tuple[Contact, ...] = ()
     halves: list[Half] = field(default_factory=list)
     used: list[int] = field(default_factory=list)
+    left: list[int] = field(default_factory=list)
 
     @property
     def s(self) -> float:
@@ -133,6 +133,9 @@ class Web:
         Whether unstable states beyond a fold are followed.
     functions
         Further functions of a state whose zeros are events, by type.
+    lazy
+        Whether stable states beyond unstable ones, and what branches off, are left until they are asked for
+        (`resume`).
 
     Attributes
     ----------
@@ -151,7 +154,9 @@ class Web:
         steps: Steps = STEPS,
         through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
+        lazy: bool = False,
     ) -> None:
+        self.lazy = lazy
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, most=MOST_STEPS)
         self.through_folds, self.functions = through_folds, tuple(functions)
@@ -179,14 +184,14 @@ class Web:
             if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
         ]
 
-    def add(self, x: np.ndarray, s: float, verdict: str = "") -> bool:
+    def add(self, x: np.ndarray, s: float, verdict: str = "", toward: float = 0.0) -> bool:
         """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
         none.
 
-        verdict: of a state that no multipliers judge, see `half_branches`.
+        verdict: of a state that no multipliers judge, see `half_branches`.  toward: 1 or -1: only where s grows or
+        falls at first; the other way is left.
         """
         point = np.append(x, s)
-        before = len(self.arcs)
         node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
         self.nodes.append(node)
         ends = {1.0: self.high, -1.0: self.low}
@@ -201,7 +206,13 @@ class Web:
                 "singular",
                 "no equilibrium goes on from there: a state of this value alone",
             )
-        todo = [(len(self.nodes) - 1, k) for k in inside]
+        node.left = [k for k in inside if node.halves[k].frame.ahead * toward < 0]
+        self._follow_all([(len(self.nodes) - 1, k) for k in inside if k not in node.left])
+        return bool(inside)
+
+    def _follow_all(self, todo: list[tuple[int, int]]) -> None:
+        """Follow half-branches, as positions of node and half, and all that comes of them."""
+        before = len(self.arcs)
         while todo and len(self.arcs) - before < MOST_ARCS:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
@@ -209,7 +220,16 @@ class Web:
                 todo += self._follow(number, self.nodes[number].halves[k])
         if todo:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
-        return bool(inside)
+
+    def resume(self, number: int, toward: float) -> bool:
+        """Follow what was left at a node and leads to larger (1) or smaller s (-1); False where nothing does."""
+        node = self.nodes[number]
+        onward = [
+            k for k in node.left if node.halves[k].frame.ahead * toward > 0 and k not in node.used
+        ]
+        node.left = [k for k in node.left if k not in onward]
+        self._follow_all([(number, k) for k in onward])
+        return bool(onward)
 
     def add_flat(self) -> None:
         """Follow the minima that are born where curves pass the flat state."""
@@ -238,7 +258,7 @@ class Web:
                     self._arrive(number, event.frame)
                     return todo
                 begun, here = [event.frame], number
-                if event.type == "branching":
+                if event.type == "branching" and not self.lazy:
                     self.nodes[number].halves = branching_halves(curve, event.frame)
                     todo += [(number, k) for k in range(len(self.nodes[number].halves))]
                 if event.type == "fold" and not self.through_folds:
@@ -253,6 +273,11 @@ class Web:
             return todo
         number, _ = self._node(stop)
         self._arc(begun, here, number, half.signed)
+        if stop.type == PAUSED:
+            node = self.nodes[number]
+            node.halves.append(replace(half, frame=stop.frame))
+            node.left.append(len(node.halves) - 1)
+            return todo
         return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
 
     def _between(
@@ -312,7 +337,22 @@ class Web:
             stop.append(event)
             return event.frame
 
+        unstable = [bool(half.frame.index)]
+
+        def before_stable(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                unstable[0] |= bool(f.index)
+                if unstable[0] and not f.index:
+                    return k
+            return len(frames)
+
+        def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            stop.append(Found(PAUSED, b, None, 0.0, True))
+            return b
+
         ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
+        if self.lazy:
+            ends.append(End(before_stable, EVENT, meet_stable))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
         if stop:
             frames[-1:-1] = between
@@ -366,6 +406,7 @@ class Web:
             event.located,
             event.why,
             between=event.between,
+            held=event.frame.hold.contacts,
         )
         self.nodes.append(node)
         return len(self.nodes) - 1, False
@@ -373,7 +414,7 @@ class Web:
     def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
         first, point = frames[0], self.nodes[start].point
         if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
-            system = System(self.line, point, first.hold)
+            system = system_at(self.line, point, first.hold)
             frames = [Equilibrium(point, first.tangent, system), *frames]
         self.arcs.append(Arc(tuple(frames), start, end, signed))
 
@@ -405,7 +446,10 @@ class Web:
         if node.type == "nonsmooth-fold" and not self.through_folds:
             node.why = "not followed through folds"
             return []
-        return [(number, k) for k in onward if k not in node.used]
+        onward = [k for k in onward if k not in node.used]
+        if self.lazy and half.frame.index:
+            node.left += [k for k in onward if not node.halves[k].frame.index]
+        return [(number, k) for k in onward if k not in node.left]
 
     def _go_on_beyond(
         self, node: Node, number: int, half: Half, beyond: Equilibrium

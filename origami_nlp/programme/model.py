@@ -335,6 +335,10 @@ class Model(Posed):
         """Say who touches in a contact that is closed at x [n]."""
         return contact_words(self, contact, lambda: self.rays(x))
 
+    def margin(self, contact: Contact, x: np.ndarray) -> float | None:
+        """None: which contacts meet inside each other is what `closed` says."""
+        return None
+
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce) -> tuple[Contact, ...]:
         """Guess which contacts an answer x [n] of a solver closes: slack smaller than force, or both tiny.
 

@@ -43,6 +43,7 @@ class Posed(Full):
     """
 
     sparse = False
+    redundant = False
 
     def __init__(self, scene: Scene) -> None:
         check_type("scene", scene, Scene)

@@ -20,7 +20,8 @@ from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairFor
 class Programme(Protocol):
     """Shapes and units are those of `Model`, where each of these is described.
 
-    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.
+    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.  Where closure is
+    `redundant` its rows depend on each other as a rule, and curves of equilibria need what `Redundant` has.
     """
 
     multiplicity: np.ndarray
@@ -30,6 +31,8 @@ class Programme(Protocol):
     def parameters(self) -> Parameters: ...  # noqa: D102
     @property
     def sparse(self) -> bool: ...  # noqa: D102
+    @property
+    def redundant(self) -> bool: ...  # noqa: D102
     @property
     def size(self) -> int: ...  # noqa: D102
     @property
@@ -93,6 +96,7 @@ class Programme(Protocol):
     def name(self, contact: Contact) -> str: ...  # noqa: D102
     def weight(self, contact: Contact) -> float: ...  # noqa: D102
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
+    def margin(self, contact: Contact, x: np.ndarray) -> float | None: ...  # noqa: D102
     def guess(  # noqa: D102
         self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
     ) -> tuple[Contact, ...]: ...
@@ -134,3 +138,12 @@ class Sparse(Programme, Protocol):
     def multipliers(  # noqa: D102
         self, x: np.ndarray, held: Iterable[int] = ()
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+
+
+class Redundant(Programme, Protocol):
+    """What curves of equilibria need besides where rows of closure depend on each other; matrices are sparse where large."""
+
+    def kernel(self, x: np.ndarray, held: Iterable[int] = ()) -> np.ndarray: ...  # noqa: D102
+    def curvature(  # noqa: D102
+        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]
+    ) -> Any: ...

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from origami_nlp.facets import Sheet, dense
-from origami_nlp.numerics import CLOSES
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import CLOSES, dense
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.interpolant import Interpolant, second
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Sheet, dense
-from origami_nlp.numerics import CLOSES, null_space
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import CLOSES, dense, null_space
 
 STEP = 0.05
 """Largest step of a walk [rad], in the norm over creases divided by the square root of their number."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from origami_nlp.facets import Factor, Normal, Sheet
-from origami_nlp.numerics import CLOSES, ROUNDED
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import CLOSES, ROUNDED, Factor, Normal
 
 TRUST = 0.3
 """First and largest step [rad]."""

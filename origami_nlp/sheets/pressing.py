@@ -18,8 +18,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Sheet, Touch, choices
-from origami_nlp.numerics import CLOSES, null_space
+from origami_nlp.facets import MOST_DENSE, Placed, Sheet, Touch, choices
+from origami_nlp.numerics import CLOSES, INSIDE, null_space
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.judgement import classified
 from origami_nlp.sheets.rows import (

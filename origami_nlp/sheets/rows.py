@@ -11,10 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Normal, Placed, Sheet, Touch, dense
+from origami_nlp.facets import Placed, Sheet, Touch
 from origami_nlp.numerics import (
     CLOSES,
     ROUNDED,
+    Normal,
+    dense,
     nearest,
     nonnegative_least_squares,
     null_space,

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Sheet, dense
-from origami_nlp.numerics import RANK
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import RANK, dense
 
 
 @dataclass(frozen=True, eq=False)

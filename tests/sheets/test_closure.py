@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import MOST_DENSE, Closure, Crossings, Sheet, dense
+from origami_nlp.facets import MOST_DENSE, Closure, Crossings, Sheet
+from origami_nlp.numerics import dense
 from origami_nlp.sheets import list_branches
 from tests.sheets.patterns import metasheet, miura, miura_angles, strip
 

@@ -1,4 +1,4 @@
-"""Linear systems of closure whose rows may depend on each other, dense for small patterns and sparse for large ones.
+"""Linear systems with rows that may depend on each other, dense for small matrices and sparse for large ones.
 
 No step decides on a rank: closure multipliers carry a small weight, and what it leaves is taken up by another step.
 """
@@ -6,15 +6,17 @@ No step decides on a rank: closure multipliers carry a small weight, and what it
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy import sparse
 from scipy.linalg import lapack
 from scipy.sparse.linalg import splu
 
-from origami_nlp.facets.closure import Matrix
-from origami_nlp.numerics import EPS
+from origami_nlp.numerics.tolerances import EPS
+
+Matrix: TypeAlias = np.ndarray | sparse.csr_array
+"""Dense, or sparse where that is worth it."""
 
 WEIGHT = 1e-10
 """Of closure multipliers in linear systems, beside squares of singular values of closure."""
@@ -31,29 +33,33 @@ STALLS = 0.9
 
 
 class Factor:
-    """Factors of [matrix J'; J -eps].
+    """Factors of [matrix C; J -eps].
 
     Parameters
     ----------
     matrix
-        Symmetric, [n, n].
+        Of shape [n, n].
     jacobian
         J, [m, n].
+    across
+        C, [n, m]; J' by default.
     """
 
-    def __init__(self, matrix: Matrix, jacobian: Matrix) -> None:
+    def __init__(self, matrix: Matrix, jacobian: Matrix, across: Matrix | None = None) -> None:
         m = jacobian.shape[0]
+        if across is None:
+            across = jacobian.T
         self._solve: Any  # LAPACK itself: checks of `scipy.linalg` cost more than small systems
         if isinstance(jacobian, np.ndarray):
             n = jacobian.shape[1]
             whole = np.zeros((n + m, n + m), order="F")
-            whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), jacobian.T, jacobian
+            whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), across, jacobian
             whole.T.flat[n * (n + m + 1) :: n + m + 1] = -WEIGHT
             lu, pivots, _ = lapack.dgetrf(whole, overwrite_a=True)
             self._solve = lambda b: lapack.dgetrs(lu, pivots, b)[0]
         else:
             damping = -WEIGHT * sparse.eye_array(m)
-            blocks = [[sparse.csr_array(matrix), jacobian.T], [jacobian, damping]]
+            blocks = [[sparse.csr_array(matrix), sparse.csr_array(across)], [jacobian, damping]]
             self._solve = splu(sparse.block_array(blocks, format="csc")).solve
 
     def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

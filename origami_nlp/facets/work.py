@@ -18,7 +18,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Poses
+from origami_nlp.facets.poses import Poses
 from origami_nlp.numerics import cross
 from origami_nlp.pattern import Pattern
 
@@ -348,3 +348,53 @@ def _longest(pattern: Pattern) -> float:
 
 Work: TypeAlias = Torque | Pull | DeadForce
 """What drives a load path of a sheet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Worked:
+    """The load t on what it works on as a term of the energy, -t w(phi): dead loads of a pattern (`Parameters.dead`).
+
+    Attributes
+    ----------
+    work
+        What the load works on.
+    t
+        The load, over the scale of the programme.
+    """
+
+    work: Work
+    t: float
+
+    @property
+    def vector(self) -> np.ndarray:
+        """The load, [1]."""
+        return np.array([self.t])
+
+    def times(self, factor: float) -> Worked:
+        """Return `factor` times the load."""
+        return replace(self, t=factor * self.t)
+
+    def divided(self, by: float) -> Worked:
+        """Return the load over a number; inf leaves nothing of it."""
+        return replace(self, t=self.t / by)
+
+    def moved(self, change: Worked, s: float) -> Worked:
+        """Return the load with s times another one added."""
+        return replace(self, t=self.t + s * change.t)
+
+    def energy(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the energy of states [..., n], shape [...]."""
+        return -self.t * self.work.conjugate(x)
+
+    def energy_change(self, sectors: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the energy at y less that at x, [...]."""
+        return -self.t * (self.work.conjugate(y) - self.work.conjugate(x))
+
+    def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return the gradient of the energy at a state [n], same shape."""
+        return -self.t * self.work.gradient(x)
+
+    def hessian(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray | None:
+        """Return its Hessian, [n, n]; None where that is zero."""
+        bent = self.work.hessian(x)
+        return None if bent is None else -self.t * bent

@@ -1,5 +1,0 @@
-"""Load paths of sheets: stable states of patterns under a growing torque or force."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
