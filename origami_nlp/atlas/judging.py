@@ -38,6 +38,8 @@ def parts_of(arc: Arc) -> list[Part]:
     if arc.index:
         return [Part(0, last, "saddle", "")]
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
+    if last == 1:
+        inner = [arc.middle]
     known = {k: _judged(arc.frames[k]) for k in inner}
     cuts = [0]
     for a, b in itertools.pairwise(inner):

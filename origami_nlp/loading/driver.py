@@ -19,7 +19,7 @@ from origami_nlp.kkt import Classification, follow
 from origami_nlp.minima import find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
 from origami_nlp.pattern import Scene, dead_loads, scene_from_dict, scene_to_dict
-from origami_nlp.programme import Model, Parameters, Programme
+from origami_nlp.programme import Model, Parameters
 from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
 
 STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
@@ -60,7 +60,7 @@ class Driver(Protocol):
     def steps(self, steps: Steps | None) -> Steps: ...  # noqa: D102
     def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]: ...  # noqa: D102
     def down(  # noqa: D102
-        self, programme: Programme, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
     def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray] | None: ...  # noqa: D102
@@ -226,11 +226,11 @@ class VertexDriver:
         return state, Model(self.scene).reduce(found)
 
     def down(
-        self, programme: Programme, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend from the end of a state to a minimum farther away than `near` [rad], or say why there is none."""
+        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why there is none."""
         try:
-            end = follow(programme, node.point[:-1])
+            end = follow(line.at(s), node.point[:-1])
         except ValueError as why:
             return str(why)
         if end.what.verdict == "minimum" and np.abs(end.end - node.point[:-1]).max() > near:

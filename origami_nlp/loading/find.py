@@ -21,7 +21,7 @@ from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
 from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, Steps, Web
+from origami_nlp.path import Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
 from origami_nlp.pattern import Pattern, Scene, as_pattern
 from origami_nlp.sheets import SheetState
 
@@ -267,8 +267,12 @@ class _Job:
         programme = web.line.at(found.s)
         after, on_path = landed, position(web, landed, s)
         if on_path is not None:  # the same state at the load of the snap itself
-            same = web.arcs[on_path[0]].at(found.s, web.tally)
-            after = landed if same is None else same.state
+            frame = on_path[1]
+            curve = EquilibriumCurve(web.line, frame.hold, web.tally)
+            same = web.arcs[on_path[0]].at(found.s, web.tally) or curve.at(
+                frame.x, found.s, frame.tangent
+            )
+            after = landed if same is None or not is_equilibrium(same) else same.state
         phi = programme.expand(before)
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - phi).max())

@@ -129,7 +129,7 @@ def let_go(
     span = max(abs(float(point[-1])), 1e-3 * (web.high - web.low))
     for share in OVER:
         s = float(point[-1]) + toward * share * span
-        end = driver.down(web.line.at(s), web.nodes[node], 10 * share)
+        end = driver.down(web.line, s, web.nodes[node], 10 * share)
         if not isinstance(end, str):
             return end[0], s, end[1]
         why = end or why

@@ -17,7 +17,7 @@ from origami_nlp.loading.driver import SIDE, STEPS, FramedState, Poser
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
-from origami_nlp.programme import Parameters, Programme
+from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
     Descended,
     SheetState,
@@ -139,14 +139,14 @@ class PatternDriver:
         return number, state.fold_angles
 
     def down(
-        self, programme: Programme, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend from the end of a state to one farther away than `near` [rad], or say why there is none."""
-        loaded: Any = programme
+        """Descend at s from the end of a state to one farther away than `near` [rad], or say why there is none."""
+        loaded: Any = line.at(s)
         phi, touching = node.point[:-1], any(not c.is_limit for c in node.held)
         begun: np.ndarray | None = phi
         if node.type == "slides":  # lower states are beside where a facet ends, unless others hold
-            begun = classify(State(loaded, phi)).lower
+            begun = classify(State(line.at(node.s), phi)).lower
         if begun is None:
             return ""
         end = _descended(loaded, begun, touching)

@@ -143,11 +143,14 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
         if k == SOON:
             ahead = _guesses(curve, a, good, bad)
     back = curve.beside(a, max(0.0, low - LATE * (high - low))) or good
+    passed = b.programme.beyond(b.state) if b.programme.redundant else ()
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, Found]] = []
     for contact in _candidates(curve, good, bad, back):
         frame = curve.where_closed(good, contact, a.tangent)
-        if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > BESIDE:
+        # beside singular states Newton may fail before a limit that is passed all the same
+        reach = step_length(a, b, curve.root) if contact in passed else BESIDE
+        if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > reach:
             continue
         if _margin(frame, contact) <= 0.0:
             continue

@@ -140,7 +140,7 @@ class EquilibriumCurve:
             if step is None:
                 return None
             length = float(np.linalg.norm(self.root * step))
-            if length > LONGEST:
+            if length > self._longest:
                 return None
             if length <= ROUNDED:
                 break
@@ -155,6 +155,12 @@ class EquilibriumCurve:
         self.known[:] = [(point, system)]
         good = system.residual <= STATIONARY and system.missing <= max(self._least, CLOSES)
         return (point, system) if good else None
+
+    @cached_property
+    def _longest(self) -> float:
+        """Newton's longest step; of a pattern as a root mean square over creases."""
+        p = self.line.programme
+        return LONGEST * (np.sqrt(p.size) if p.redundant else 1.0)
 
     @property
     def _least(self) -> float:

@@ -35,6 +35,8 @@ from origami_nlp.programme import Contact
 
 BISECTIONS = 24
 """Of a step towards a singular state."""
+NEARLY = 1e-2
+"""Fold angles [rad] of a state that is called flat in words."""
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]
@@ -168,6 +170,33 @@ def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) 
     )
     least = frame.system.least
     return Found("singular", frame, None, least, False, why, b, between=between)
+
+
+def multipliers_pass_infinity(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
+) -> Found | None:
+    """Return the last state before one at which closure loses rank, and multipliers pass infinity; None if they do not.
+
+    Ways cross there, at the flat state for one: closure does not balance what pulls along another of them, and the
+    curve on the other side is not where the state must go.
+    """
+    if float(a.system.multipliers @ b.system.multipliers) >= 0:
+        return None
+    low, high, last, grown = 0.0, step_length(a, b, curve.root), a, np.inf
+    for _ in range(BISECTIONS):
+        here = curve.beside(a, 0.5 * (low + high))
+        if here is not None:
+            grown = float(np.abs(here.system.multipliers).max())
+        if here is None or float(a.system.multipliers @ here.system.multipliers) <= 0:
+            high = 0.5 * (low + high)
+        else:
+            low, last = 0.5 * (low + high), here
+    if grown <= max(float(np.abs(f.system.multipliers).max()) for f in (a, b)):
+        return None  # they pass zero
+    flat = float(np.abs(last.state).max()) < NEARLY
+    where = "the flat state" if flat else "creases are aligned"
+    why = f"{where}: closure loses rank, ways cross, and the load pulls along another one"
+    return Found("singular", last, None, np.nan, False, why)
 
 
 def flat_crossed(

@@ -17,7 +17,12 @@ import numpy as np
 from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
 from origami_nlp.path.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.path.events import Found, flat_crossed, folds_and_branchings
+from origami_nlp.path.events import (
+    Found,
+    flat_crossed,
+    folds_and_branchings,
+    multipliers_pass_infinity,
+)
 from origami_nlp.path.flat import AT_FLAT, beside_flat, flat_roots, passes
 from origami_nlp.path.halves import (
     Half,
@@ -97,9 +102,17 @@ class Arc:
         return max(self.frames[0].s, self.frames[-1].s)
 
     @property
+    def middle(self) -> int:
+        """Position of a frame in the middle; of two ends of the one that is less degenerate."""
+        if len(self.frames) > 2:
+            return (len(self.frames) - 1) // 2
+        first, last = (abs(min(f.eigenvalues, default=np.inf)) for f in self.frames)
+        return int(last > first)
+
+    @property
     def index(self) -> int:
         """Number of directions in which the energy falls."""
-        return self.frames[(len(self.frames) - 1) // 2].index
+        return self.frames[self.middle].index
 
     def at(self, s: float, tally: Tally) -> Equilibrium | None:
         """Return its state at s, by Newton; None outside."""
@@ -337,6 +350,17 @@ class Web:
             stop.append(event)
             return event.frame
 
+        before_it = [half.frame]
+
+        def before_pole(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                passed = multipliers_pass_infinity(curve, before_it[0], f)
+                if passed is not None:
+                    stop.append(passed)
+                    return k
+                before_it[0] = f
+            return len(frames)
+
         unstable = [bool(half.frame.index)]
 
         def before_stable(frames: Sequence[Equilibrium]) -> int:
@@ -351,6 +375,8 @@ class Web:
             return b
 
         ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
+        if self.line.programme.redundant:
+            ends.append(End(before_pole, EVENT, lambda a, b: stop[-1].frame))
         if self.lazy:
             ends.append(End(before_stable, EVENT, meet_stable))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
@@ -491,4 +517,5 @@ def _change_of_verdict(
         else:
             high = middle
     why = f"{verdict} before, {other} beyond: by bisection on the verdict"
-    return good, Found("singular", good, None, np.nan, False, why)
+    ends = verdict == "minimum" and other in ("saddle", "not stationary")
+    return good, Found("branching" if ends else "singular", good, None, np.nan, False, why)

@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.errors import OptionError
-from origami_nlp.loading import Driver
+from origami_nlp.loading import VertexDriver
 from origami_nlp.path import Steps
 from tests.command_line import run
 from tests.independent.rotations import fold
@@ -150,7 +150,7 @@ def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
     gained = leg.points[-1].energy - leg.points[0].energy
     force = np.linalg.norm(PUSHED.loads[0].force)
     assert force * work_of(leg) == pytest.approx(gained, rel=1e-3)
-    way = Driver(PUSHED, None).conjugate(np.array(leg.points[0].fold_angles))
+    way = VertexDriver(PUSHED, None).conjugate(np.array(leg.points[0].fold_angles))
     assert way == pytest.approx(leg.points[0].angle, abs=1e-15)
 
 
@@ -184,11 +184,11 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        ({"crease": 7}, "1 to 6"),
-        ({"crease": None}, "no \\[\\[loads\\]\\]"),
-        ({"crease": 1, "to": "far"}, "'snap'"),
-        ({"crease": 1, "to": 0}, "other than 0"),
-        ({"crease": 1, "to": 0.01, "state": 9}, "state"),
+        ({"load": 7}, "1 to 6"),
+        ({"load": None}, "no \\[\\[loads\\]\\]"),
+        ({"load": 1, "to": "far"}, "'snap'"),
+        ({"load": 1, "to": 0}, "other than 0"),
+        ({"load": 1, "to": 0.01, "state": 9}, "state"),
     ],
 )
 def test_bad_arguments_are_refused_by_name(arguments, word):

@@ -269,7 +269,7 @@ def test_the_shortest_step_is_the_one_across_the_null_vector():
         for _ in range(10):
             point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
             system = System(line, point, Hold(contacts, (0, 1)))
-            null = system.null
+            null = system.direction()
             row = np.zeros_like(null)
             row[: len(x)], row[-1] = null[: len(x)], null[-1]
             along = np.append(null[: len(x)], null[-1]) + 0.3 * rng.standard_normal(len(x) + 1)

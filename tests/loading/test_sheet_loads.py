@@ -11,9 +11,8 @@ from scipy.optimize import minimize_scalar
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import DeadForce, Pull, Sheet, Torque
 from origami_nlp.pattern import make_pattern
-from origami_nlp.sheet_loading import DeadForce, LoadedSheet, Pull, SheetLoadPath, Torque
 from origami_nlp.sheets import descend, judge
 from tests.command_line import run
 from tests.sheets.patterns import miura, miura_angles, strip, wheel
@@ -61,7 +60,7 @@ def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
     one = o.load_path(scene, 1, to=to, back=back, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.find_load_path(pattern, 1, to=to, state=start, back=back, confirm=False)
+    path = o.load_path(pattern, 1, to=to, state=start, back=back, confirm=False)
     assert not path.alarms and len(path.snaps) == len(one.snaps) == count
     for ours, theirs in zip(path.snaps, one.snaps, strict=True):
         assert ours.type == theirs.type
@@ -95,7 +94,7 @@ def test_miura_follows_its_law_to_its_snap(size):
     pattern, start = folded_miura(size, size, *SNAPPING)
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
     assert start.verdict == "minimum"
-    path = o.find_load_path(pattern, i + 1, state=start, confirm=False)
+    path = o.load_path(pattern, i + 1, state=start, confirm=False)
     for leg in path.legs:
         for p in leg.points:
             if not 0.05 < abs(p.fold_angles[i]) < math.pi - 0.05:
@@ -123,10 +122,10 @@ def test_a_path_stops_where_the_sheet_is_flat():
     """It would go on through the flat state, where other ways are open that lead down."""
     pattern, start = folded_miura(3, 3)
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    path = o.find_load_path(pattern, i + 1, to=60.0, state=start)
+    path = o.load_path(pattern, i + 1, to=60.0, state=start)
     (leg,) = path.legs
     assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
-    found = judge(LoadedSheet(Sheet(pattern), path.driver, leg.points[-1].t), np.zeros(12))
+    found = judge(Sheet(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
     assert found.verdict == "not a minimum"
 
 
@@ -136,7 +135,7 @@ def test_strips_snap_where_trigonometry_says(seed):
     pattern = strip(seed)
     state, shared = strip_states(pattern)
     start = o.find_states(pattern, starts=0, contact=False).minima[0]
-    path = o.find_load_path(pattern, 1, state=start, confirm=False)
+    path = o.load_path(pattern, 1, state=start, confirm=False)
     darts = min(
         product((False, True), repeat=2),
         key=lambda d: np.abs(
@@ -170,7 +169,7 @@ def _or_far(phi):
 def test_a_path_stops_where_all_creases_shut_at_once():
     pattern, start = folded_miura(2, 3)
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    path = o.find_load_path(pattern, i + 1, to=-40.0, state=start)
+    path = o.load_path(pattern, i + 1, to=-40.0, state=start)
     assert "shut at once" in path.legs[0].why and not path.snaps
 
 
@@ -181,7 +180,7 @@ def test_springs_take_up_the_work_of_the_load():
         DeadForce(pattern, 19, (0.1, 0.5, 1.0), 1),
         Torque(pattern, (2, 5)),
     ):
-        path = o.find_load_path(pattern, work, to=2.0, state=start)
+        path = o.load_path(pattern, work, to=2.0, state=start)
         (leg,) = path.legs
         t, w, e = (np.array([getattr(p, n) for p in leg.points]) for n in ("t", "angle", "energy"))
         fine = np.linspace(t[0], t[-1], 20_001)
@@ -192,7 +191,7 @@ def test_springs_take_up_the_work_of_the_load():
 
 def test_the_load_falls_back_to_zero_and_no_further():
     pattern, start = folded_miura(2, 2)
-    path = o.find_load_path(pattern, Pull(pattern, (0, 8)), state=start, back=True)
+    path = o.load_path(pattern, Pull(pattern, (0, 8)), state=start, back=True)
     assert [leg.toward for leg in path.legs] == [-1, 1, 1, -1]
     assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
     for leg in path.legs[1::2]:
@@ -210,7 +209,7 @@ def test_the_load_falls_back_from_a_snap():
     quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
     one = o.load_path(scene, 1, to=-0.2, back=True, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.find_load_path(pattern, 1, state=start, back=True, confirm=False)
+    path = o.load_path(pattern, 1, state=start, back=True, confirm=False)
     there, again = path.legs[:2]
     assert (there.why, again.why, again.toward) == ("snap", "snap", 1)
     last = next(k for k, leg in enumerate(one.legs) if leg.toward == 1)
@@ -242,7 +241,7 @@ def test_derivatives_against_differences(make):
     assert np.abs(slope - work.gradient(phi)).max() < 1e-8
     exact = work.hessian(phi)
     assert np.abs(np.array(bend) - (0.0 if exact is None else exact)).max() < 1e-8
-    loaded = LoadedSheet(Sheet(pattern), work, -3.0)
+    loaded = Sheet(pattern).under(work, -3.0)
     assert loaded.scaled_energy(phi) > 0
 
 
@@ -261,14 +260,14 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     pattern, start = folded_cross()
     assert start.verdict == "minimum"
     pull = Pull(pattern, (1, 3))
-    path = o.find_load_path(pattern, pull, state=start, confirm=False)
+    path = o.load_path(pattern, pull, state=start, confirm=False)
     (event,) = path.events
     assert event.type == "branching" and event.located and not path.alarms
     assert "the load does no work" in str(path) and len(path.snaps) == 1
     for share, verdict in ((0.999, "minimum"), (1.001, "not a minimum")):
-        under = LoadedSheet(Sheet(pattern), pull, event.t * share)
+        under = Sheet(pattern).under(pull, event.t * share)
         assert judge(under, start.fold_angles).verdict == verdict
-    under = LoadedSheet(Sheet(pattern), pull, event.t * 1.001)
+    under = Sheet(pattern).under(pull, event.t * 1.001)
     after = np.array(path.snaps[0].after)
     assert np.abs(after - start.fold_angles).max() > 0.01
     assert under.scaled_energy(after) < under.scaled_energy(start.fold_angles)
@@ -279,7 +278,7 @@ def test_vertices_that_lie_on_each_other_have_no_pull():
     x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
     one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
     with pytest.raises(OptionError, match="lie on each other"):
-        o.find_load_path(pattern, Pull(pattern, (one, two)), state=start)
+        o.load_path(pattern, Pull(pattern, (one, two)), state=start)
 
 
 def test_a_load_that_does_no_work_is_told():
@@ -293,12 +292,12 @@ def test_a_load_that_does_no_work_is_told():
         axes.append(float(ends[0] - ends[1]) / 2e-5)
     across = np.cross(axes, [1.0, 2.0, 3.0])
     words = "the load does no work"
-    path = o.find_load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
+    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
     assert (
         words in str(path)
         and np.abs(path.legs[0].points[-1].fold_angles - start.fold_angles).max() < 1e-8
     )
-    path = o.find_load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
+    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
     assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
 
 
@@ -332,8 +331,8 @@ def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
     place = [sides[tuple(e)] for e in other.ends.tolist()]
     again = settled(other, start.fold_angles[place])
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    one = o.find_load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
-    two = o.find_load_path(other, place.index(i) + 1, to=30.0, state=again, confirm=False)
+    one = o.load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
+    two = o.load_path(other, place.index(i) + 1, to=30.0, state=again, confirm=False)
     assert two.snaps[0].t == pytest.approx(one.snaps[0].t, rel=1e-11)
     assert np.array(two.snaps[0].before) == pytest.approx(
         np.array(one.snaps[0].before)[place], abs=1e-9
@@ -355,7 +354,7 @@ def test_what_is_refused_is_named():
         (Torque(miura(2, 2), (1,)), {}, "another pattern"),
     ):
         with pytest.raises(OptionError, match=word):
-            o.find_load_path(pattern, load, **{"state": start, **options})
+            o.load_path(pattern, load, **{"state": start, **options})
     with pytest.raises(OptionError, match="one facet"):
         Pull(pattern, (0, 1))
     with pytest.raises(OptionError, match="held"):
@@ -369,10 +368,10 @@ def test_what_is_refused_is_named():
 
 def test_a_path_comes_back_from_its_file(tmp_path):
     pattern, start = folded_miura(3, 3)
-    path = o.find_load_path(pattern, [1, 2], to=1.0, state=start)
+    path = o.load_path(pattern, [1, 2], to=1.0, state=start)
     o.save(path, tmp_path / "load.json")
     back = o.load(tmp_path / "load.json")
-    assert isinstance(back, SheetLoadPath)
+    assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
 
@@ -387,7 +386,7 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert code == 0, err
     assert "stable to the end of the range" in out
     data = json.loads(files["json"].read_text())["load"]
-    assert data["schema"] == "origami-nlp/sheet-load/1" and data["parameter"]["unit"] == "N"
+    assert data["schema"] == "origami-nlp/load/1" and data["parameter"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())
