@@ -269,14 +269,10 @@ def test_the_shortest_step_is_the_one_across_the_null_vector():
         for _ in range(10):
             point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
             system = System(line, point, Hold(contacts, (0, 1)))
-            null = system.direction()
-            row = np.zeros_like(null)
-            row[: len(x)], row[-1] = null[: len(x)], null[-1]
-            along = np.append(null[: len(x)], null[-1]) + 0.3 * rng.standard_normal(len(x) + 1)
+            row, _ = system.direction()
+            along = row + 0.3 * rng.standard_normal(len(x) + 1)
             step = system.shortest_step(along)
             assert step == pytest.approx(system.step(row, 0.0), abs=1e-12)
             across = np.linalg.svd(along[None])[2][-1]  # perpendicular to `along`
-            off = system.shortest_step(
-                across - (across @ row[[*range(len(x)), -1]]) * row[[*range(len(x)), -1]]
-            )
+            off = system.shortest_step(across - (across @ row) * row)
             assert off is None

@@ -27,13 +27,15 @@ def results():
     found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
     found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, 31)]
     quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 16}
-    found += [o.load_path(scene, 1, to=0.01, **quick), o.find_modes(result, state=1)]
+    loaded = [o.load_path(scene, 1, to=0.01, **quick)]
+    found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
     states = o.find_states(sheet, starts=1)
     found += [states, o.overview(sheet), o.find_motion(sheet)]
-    found.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
+    loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))
-    return {type(one).__name__ + " of a pattern" * hasattr(one, "of_pattern"): one for one in found}
+    named = {type(one).__name__: one for one in found}
+    return {**named, "LoadPath": loaded[0], "LoadPath of a pattern": loaded[1]}
 
 
 KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
@@ -55,7 +57,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "SheetResult": (lambda r: len(r.minima), True, True, True),
     "Overview": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.phi), True, True, True),
-    "SheetLoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
+    "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
 }
 by_kind = pytest.mark.parametrize("kind", KINDS)
 
