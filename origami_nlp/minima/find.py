@@ -30,11 +30,11 @@ from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
-from origami_nlp.minima.proved import check_prove, prove_complete
+from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import effort_of
+from origami_nlp.minima.windings import finish_all, jobs_of, join_reports, prove_each
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
@@ -84,7 +84,7 @@ def find_minima(
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
-    """Find and classify the energy minima of a scene among states of its symmetry.
+    """Find and classify the energy minima of a scene among states of its symmetry, of each of its `Scene.windings`.
 
     Parameters
     ----------
@@ -147,9 +147,9 @@ def find_minima(
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
-    job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress, until)
-    finish([job.work(guesses, workers)])
-    return _result(job, effort, prove, full)
+    jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
+    finish_all([jobs], guesses, workers)
+    return _result(jobs, effort, prove, full)
 
 
 def find_minima_of_each(
@@ -194,26 +194,34 @@ def find_minima_of_each(
     check_prove("prove", prove)
     for scene in scenes:
         check_type("scenes", scene, Scene)
-    jobs = [Job(Model(scene), seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
-    finish([job.work([], 1) for job in jobs])
-    return [_result(job, effort, prove, False) for job in jobs]
+    each = [jobs_of(scene, seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    finish_all(each)
+    return [_result(jobs, effort, prove, False) for jobs in each]
 
 
-def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> MinimaResult:
-    """Close orbits, prove, decide in the full space, as far as asked, and report."""
-    model, record = job.model, job.record
-    for answer in record.minima:
-        close_orbit(model, record, answer)
-    completeness = prove_complete(model, record, prove)
-    minima, others, outcomes = _sort_out(model, record)
+def _result(
+    jobs: Sequence[Job], effort: str, prove: bool | float | None, full: bool
+) -> MinimaResult:
+    """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
+    model, minima, reports = jobs[0].model, list[Minimum](), []
+    for job in jobs:
+        for answer in job.record.minima:
+            close_orbit(job.model, job.record, answer)
+    completeness = prove_each(jobs, prove)
+    for job in jobs:
+        some, others, outcomes = _sort_out(job.model, job.record)
+        minima += some
+        seconds = time.perf_counter() - job.begin
+        reports.append(job.report(others, outcomes, seconds, effort))
+    # ties (mirror images of one another) in a fixed order
+    minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     if full:
         minima = _in_full_space(model.scene, minima)
-    report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)
-    return MinimaResult(model.scene, model, tuple(minima), report, completeness)
+    return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)
 
 
 def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
-    """Return minima and other states, each in order of energy, and how many starts ended at which verdict."""
+    """Return minima, other states in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
     for answer in record.answers:
         energy = model.energy(answer.polished.x)
@@ -226,8 +234,6 @@ def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejecte
         else:
             angles = tuple(phi.tolist())
             others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
-    # ties (mirror images of one another) in a fixed order
-    minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
     return minima, others, dict(outcomes)
 
@@ -254,6 +260,7 @@ def _minimum(
         solver=solver,
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
+        winding=model.structure.winding,
     )
 
 

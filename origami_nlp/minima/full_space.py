@@ -83,7 +83,7 @@ class FullSpace(Brief):
 
 def full_scene(scene: Scene) -> Scene:
     """Return the same vertex, springs and contact without imposed symmetry."""
-    return replace(scene, symmetry="none", mirror=None)
+    return replace(scene, symmetry="none", mirror=None, winding=None)
 
 
 def judge_in_full_space(

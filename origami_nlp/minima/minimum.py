@@ -56,6 +56,8 @@ class Minimum(Brief):
         determine it.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
+    winding
+        How often the state winds round the axis of the symmetry; 1 without one (`Scene.windings`).
 
     Examples
     --------
@@ -80,6 +82,7 @@ class Minimum(Brief):
     solver: Confirmation | None = None
     moment: tuple[float, float, float] | None = None
     moment_residual: float = math.nan
+    winding: int = 1
 
     @property
     def flags(self) -> StateFlags:

@@ -14,6 +14,7 @@ from origami_nlp.kkt import Solve, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import Answer, Record, judge, listed
 from origami_nlp.numerics import BESIDE, CLOSES, SAME
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 from origami_nlp.proof import (
     Cluster,
@@ -64,7 +65,8 @@ def prove_complete(
     Completeness or None
         None where it was not tried.
     """
-    if wanted is False or (wanted is None and not _cheap(model)):
+    once = model.structure.winding == 1  # other windings are tried where this one is
+    if wanted is False or (wanted is None and once and not is_cheap(model)):
         return None
     refused = why_not(model)
     if refused:
@@ -84,14 +86,15 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
-    if model.freedom <= 0:
+    if model.freedom <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
     if model.freedom > MOST_FREEDOMS:
         return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
-def _cheap(model: Model) -> bool:
+def is_cheap(model: Model) -> bool:
+    """Tell whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
     return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
 
@@ -164,7 +167,19 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
             Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist()))
             for a in added
         ),
+        over=_ranges_over(model.scene),
     )
+
+
+def _ranges_over(scene: Scene) -> str:
+    """Say over which states a proof ranges, where a symmetry is imposed."""
+    if scene.group.is_trivial:
+        return ""
+    windings = scene.windings
+    wind = ""
+    if len(windings) > 1 or windings != (1,):
+        wind = f", winding {' or '.join(map(str, windings))} times round its axis"
+    return f"among closed states that keep {scene.group.name}{wind}"
 
 
 def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:

@@ -219,6 +219,8 @@ class MinimaResult(Told, Turnable):
 
 def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     data = {**to_plain(m), "flags": m.flags.to_dict()}
+    if m.winding == 1:
+        del data["winding"]
     for contact in data["contacts"]:  # who touches: creases or facets
         del contact["facets" if contact["creases"] else "creases"]
     for name in ("full_space", "solver"):

@@ -96,6 +96,8 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
     for number, m in enumerate(minima, start=1):
         angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
         lines.append(f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}")
+        if m.winding > 1:
+            lines.append(f"   winds {m.winding} times round the axis of {scene.group.name}")
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")

@@ -71,6 +71,9 @@ class Scene(Full):
     held_facet
         Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
         depends on it.
+    winding
+        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
+        a search looks at all of `windings`; whatever poses one programme of the scene takes states that wind once.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -113,6 +116,7 @@ class Scene(Full):
     preload: tuple[float, ...] = ()
     loads: tuple[Load, ...] = ()
     held_facet: int | None = None
+    winding: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -178,6 +182,42 @@ class Scene(Full):
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
+        if self.winding is not None:
+            self._check_winding(self.winding)
+
+    def _check_winding(self, winding: object) -> None:
+        known = replace(self, winding=None).windings
+        if isinstance(winding, bool) or winding not in known:
+            raise SceneError(
+                f"winding = {shown(winding)} must be one of {', '.join(map(str, known))}: symmetry {self.group.name}, "
+                f"contact = '{self.contact}'"
+            )
+
+    @property
+    def windings(self) -> tuple[int, ...]:
+        """How often states of the scene may wind round the axis of their symmetry.
+
+        The product T of the folds of a period of C_n, or of two wedges of D_n, is repeated n times round the vertex, and
+        the whole is paper where T^n = -1: T turns by w 2 pi/n, w odd, w <= n.  Facets that must not cross leave w = 1
+        (`docs/windings.md`).
+
+        Examples
+        --------
+        >>> from origami_nlp import Scene, Vertex
+        >>> star = Vertex(("pi/4",) * 8)
+        >>> [Scene(star, (1, 2) * 4, (1,) * 8, "D4", contact).windings for contact in ("full", "fold-limits")]
+        [(1,), (1, 3)]
+        """
+        if self.winding is not None:
+            return (self.winding,)
+        return tuple(range(1, 2 if self.contact == "full" else self.group.order + 1, 2))
+
+    @property
+    def of_each_winding(self) -> tuple[Scene, ...]:
+        """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
+        if self.winding is not None:
+            return (self,)
+        return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
     def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
         """Read preload, loads and the facet that is held."""
