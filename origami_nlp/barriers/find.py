@@ -8,6 +8,7 @@ sets of the energy first meet; Newton on the KKT system makes the top of each lo
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,8 @@ def find_barriers(
     seed: int = 0,
 ) -> Barriers:
     """Find the lowest pass between every two minima of a scene with two symmetric freedoms.
+
+    Of states that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
 
     Parameters
     ----------
@@ -81,7 +84,11 @@ def find_barriers(
     check_freedoms(scene)
     model = Model(scene)
     if result is None:
-        result = find_minima(scene, seed=seed, full=full, prove=False)
+        result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False)
+    # no path within the symmetry leads from one winding to another
+    here = tuple(m for m in result.minima if m.winding == model.structure.winding)
+    if len(here) < len(result.minima):
+        result = replace(result, minima=here)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
     )

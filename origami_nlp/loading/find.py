@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ def load_path(
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the minimum at load 0.
+        Number (1-based) of the minimum at load 0; the path keeps its winding round the axis (`Scene.windings`).
     back
         Whether the load then falls back to 0.
     confirm
@@ -100,8 +101,11 @@ def load_path(
     if not result.minima:
         raise OptionError("no minimum was found at load 0")
     check_whole("state", state, 1, len(result.minima))
+    start = result.minima[state - 1]
+    if len(scene.windings) > 1:  # a path keeps the winding of its first state
+        driver = Driver(replace(scene, winding=start.winding), crease)
     job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps)
-    x = job.web.line.programme.reduce(np.array(result.minima[state - 1].fold_angles))  # type: ignore[attr-defined]
+    x = job.web.line.programme.reduce(np.array(start.fold_angles))  # type: ignore[attr-defined]
     job.begin(x, 0.0)
     for end in ends:
         arrived = job.go(x, 0.0, end, once=to == "snap")

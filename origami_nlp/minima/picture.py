@@ -94,7 +94,7 @@ def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figu
     scene = chart.scene
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
-    places = [chart.place(m.fold_angles) for m in shown] if panels.groups else []
+    places = [chart.place(m.fold_angles, m.winding) for m in shown] if panels.groups else []
     rows, width, end = _rows(scene, shown, panels)
     width = max(width, 6.0)
     title = _title(scene, minima)
@@ -323,7 +323,8 @@ def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π."
+            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π, "
+            "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN
     if more > 0:

@@ -109,6 +109,12 @@ class MinimaResult(Told, Turnable):
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
 
+    def model_of(self, minimum: Minimum) -> Model:
+        """Return the programme that a minimum is a state of: that of its winding."""
+        if minimum.winding == self.model.structure.winding:
+            return self.model
+        return Model(replace(self.scene, winding=minimum.winding))
+
     def table(self) -> Table:
         """Return one row a minimum."""
         return states_table(self.scene, self.minima, self.model.freedom)

@@ -18,6 +18,7 @@ from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern.windings import check_winding, windings_of
 
 Contact = Literal["full", "fold-limits", "none"]
 MOST_CREASES = 1_000
@@ -182,41 +183,21 @@ class Scene(Full):
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
-        if self.winding is not None:
-            self._check_winding(self.winding)
-
-    def _check_winding(self, winding: object) -> None:
-        known = replace(self, winding=None).windings
-        if isinstance(winding, bool) or winding not in known:
-            raise SceneError(
-                f"winding = {shown(winding)} must be one of {', '.join(map(str, known))}: symmetry {self.group.name}, "
-                f"contact = '{self.contact}'"
-            )
+        check_winding(self.winding, self.group, self.contact)
 
     @property
     def windings(self) -> tuple[int, ...]:
-        """How often states of the scene may wind round the axis of their symmetry.
+        """How often states of the scene may wind round the axis of their symmetry: `windings_of`, or the one asked for."""
+        return (self.winding,) if self.winding else windings_of(self.group, self.contact)
 
-        The product T of the folds of a period of C_n, or of two wedges of D_n, is repeated n times round the vertex, and
-        the whole is paper where T^n = -1: T turns by w 2 pi/n, w odd, w <= n.  Facets that must not cross leave w = 1
-        (`docs/windings.md`).
-
-        Examples
-        --------
-        >>> from origami_nlp import Scene, Vertex
-        >>> star = Vertex(("pi/4",) * 8)
-        >>> [Scene(star, (1, 2) * 4, (1,) * 8, "D4", contact).windings for contact in ("full", "fold-limits")]
-        [(1,), (1, 3)]
-        """
-        if self.winding is not None:
-            return (self.winding,)
-        return tuple(range(1, 2 if self.contact == "full" else self.group.order + 1, 2))
+    @property
+    def of_one_winding(self) -> Scene:
+        """The scene with one winding: the one asked for, else 1."""
+        return replace(self, winding=1) if len(self.windings) > 1 else self
 
     @property
     def of_each_winding(self) -> tuple[Scene, ...]:
         """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
-        if self.winding is not None:
-            return (self,)
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
     def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:

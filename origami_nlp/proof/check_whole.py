@@ -16,15 +16,12 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from flint import arb, ctx, fmpz_poly
 
 from origami_nlp.pattern import Scene
 from origami_nlp.proof.check_points import Refused
-
-if TYPE_CHECKING:
-    from origami_nlp.proof.check_wedges import SymmetricPiece
 
 BITS = 256
 """To which roots are known: more than anything is computed with."""
@@ -86,7 +83,19 @@ def whole_vertex(scene: Scene, sectors: Sequence[Any], angles: Sequence[Any]) ->
     return q
 
 
-def check_identity(scene: Scene, piece: SymmetricPiece) -> None:
+class Numbered(Protocol):
+    """A piece of a vertex: `count` fold angles, its number c, and the whole vertex that it makes."""
+
+    count: int
+
+    def number(self, angles: Sequence[Any]) -> Any:
+        """Return c at balls of fold angles."""
+
+    def vertex(self, angles: Sequence[Any]) -> list[Any]:
+        """Return the product of all folds, [w, x, y, z]."""
+
+
+def check_identity(scene: Scene, piece: Numbered) -> None:
     """Compare the scalar of the whole vertex with -T_n of the piece's number, at fold angles drawn at random.
 
     Raises

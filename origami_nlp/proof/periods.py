@@ -56,7 +56,7 @@ class Period:
         winding: int = 1,
     ) -> None:
         n = self.size = len(sectors)
-        self.level = math.cos(winding * math.pi / order)
+        self.order, self.level = order, math.cos(winding * math.pi / order)
         self.sectors = np.asarray(sectors, float)
         self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
         self.minor_creases = tuple(itertools.combinations(range(n), 2))

@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import find, proved
+from origami_nlp.minima import proved, windings
 from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
@@ -41,7 +41,7 @@ def forget(monkeypatch, chosen):
             forgotten.append(model.expand(answer.polished.x))
         return true(model, record, wanted)
 
-    monkeypatch.setattr(find, "prove_complete", forgetful)
+    monkeypatch.setattr(windings, "prove_complete", forgetful)
     return forgotten
 
 
@@ -112,7 +112,7 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
         return true(model, record, wanted)
 
     with monkeypatch.context() as patch:
-        patch.setattr(find, "prove_complete", prove_wrong)
+        patch.setattr(windings, "prove_complete", prove_wrong)
         result = find_minima(scene, prove=True)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason
