@@ -6,7 +6,7 @@ import multiprocessing
 import os
 import signal
 import threading
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor
 from multiprocessing.context import SpawnContext, SpawnProcess
 
 
@@ -35,6 +35,14 @@ def worker_pool(workers: int | None = None) -> ProcessPoolExecutor:
     pipe that their siblings keep open: without more, those of a parent that is killed (-9) would wait for ever.
     """
     return ProcessPoolExecutor(workers, mp_context=_Context(), initializer=_end_with_parent)
+
+
+def stop_workers(pool: Executor) -> None:
+    """End the processes of a pool now: nobody waits for what they are at."""
+    processes = list((getattr(pool, "_processes", None) or {}).values())
+    pool.shutdown(wait=False, cancel_futures=True)
+    for process in processes:
+        process.terminate()
 
 
 def _end_with_parent() -> None:
