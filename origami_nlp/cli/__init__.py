@@ -1,5 +1,5 @@
-"""The command line: one file a command; `entry` lists them."""
+"""The command line: one file a command; `entry` lists them, `start` is there before they are loaded."""
 
-from origami_nlp.cli.entry import app, main
+import lazy_loader
 
-__all__ = ["app", "main"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

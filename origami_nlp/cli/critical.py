@@ -12,10 +12,12 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import examples
 
 
+@bounded
 @takes_scene(o.SceneUnlessPanels)
 def critical(
     scene: Source | None = None,

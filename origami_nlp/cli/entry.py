@@ -67,8 +67,8 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def main() -> None:
-    """Run the command line; bad input, and output that nobody takes, end with one line and exit code 2."""
+def run() -> None:
+    """Run the command that was asked for; `start.main` calls it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")

@@ -28,6 +28,7 @@ def minima(
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
+    seconds: o.Seconds = None,
     full: o.Full = False,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
@@ -59,6 +60,7 @@ def minima(
         "workers": workers,
         "full": full,
         "prove": o.wanted_proof(prove),
+        "seconds": seconds,
     }
     if scene.is_fold and scene.vertex is None:
         scenes = scene.read_all()
@@ -74,7 +76,9 @@ def minima(
                     raise OptionError(
                         f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
                     )
-            found = find_vertexwise(scenes, find=partial(search, name=scene.name), **options)
+            found = find_vertexwise(
+                scenes, find=partial(search, name=scene.name), found=out.say, **options
+            )
             found.tell(out.console)
             out.write("json", found.to_dict)
             out.turn(*found.results)

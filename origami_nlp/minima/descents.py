@@ -12,6 +12,7 @@ facet stops there and holds it.  What comes out are candidates: polishing and ju
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -84,6 +85,8 @@ class Descents:
         The posed scene.
     springs
         Where samples of several scenes of one vertex descend together, those of each; see `Closing`.
+    until
+        Time of `time.monotonic` after which they stop where they are, and have not converged.
 
     Attributes
     ----------
@@ -91,7 +94,10 @@ class Descents:
         What brings states onto their strata, and what tells where they cross something.
     """
 
-    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
+    def __init__(
+        self, model: Model, springs: Sequence[Parameters] = (), until: float = math.inf
+    ) -> None:
+        self.until = until
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = Crossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
@@ -126,7 +132,7 @@ class Descents:
             if step >= LONG:
                 few = np.bincount(s.springs[live], minlength=len(crowd)) * FEW <= crowd
                 live = live[~few[s.springs[live]]]
-            if not len(live):
+            if not len(live) or time.monotonic() > self.until:
                 break
             slotted = s.slots[live].max(axis=1) != OPEN
             apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster

@@ -26,7 +26,7 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import judge_in_full_space
+from origami_nlp.minima.full_space import judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
@@ -109,8 +109,8 @@ def find_minima(
         Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
-        Processor time of this process after which the search judges no further end of a descent (a proof has its own):
-        the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+        Wall time after which the search goes no further, a proof neither, and what is left is not judged in the full
+        space: the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -143,7 +143,7 @@ def find_minima(
     check_prove("prove", prove)
     until = math.inf
     if seconds is not None:
-        until = time.process_time() + check_number("seconds", seconds, 0.0)
+        until = time.monotonic() + check_number("seconds", seconds, 0.0)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
@@ -203,24 +203,27 @@ def _result(
     jobs: Sequence[Job], effort: str, prove: bool | float | None, full: bool
 ) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
-    model, minima, reports = jobs[0].model, list[Minimum](), []
+    model, until, minima, reports = jobs[0].model, jobs[0].until, list[Minimum](), []
     for job in jobs:
         for answer in job.record.minima:
             close_orbit(job.model, job.record, answer)
-    completeness = prove_each(jobs, prove)
+    late = any(job.stopped_by == "time" for job in jobs)
+    completeness = None if late else prove_each(jobs, prove)
     for job in jobs:
-        some, others, outcomes = _sort_out(job.model, job.record)
+        some, others, outcomes = _sort_out(job.model, job.record, until)
         minima += some
         seconds = time.perf_counter() - job.begin
         reports.append(job.report(others, outcomes, seconds, effort))
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     if full:
-        minima = _in_full_space(model.scene, minima)
+        minima = _in_full_space(model.scene, minima, until)
     return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)
 
 
-def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
+def _sort_out(
+    model: Model, record: Record, until: float
+) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
     """Return minima, other states in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
     for answer in record.answers:
@@ -230,7 +233,8 @@ def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejecte
         what = _that_closes(model.scene.vertex, phi, answer.what)
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
-            minima.append(_minimum(model, answer, what, _confirmed(model, answer, record)))
+            solver = _confirmed(model, answer, record) if time.monotonic() <= until else None
+            minima.append(_minimum(model, answer, what, solver))
         else:
             angles = tuple(phi.tolist())
             others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
@@ -287,10 +291,15 @@ def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) 
     return Classification("undecided", None, f"closes only to {residual:.0e}; {what.reason}", 0)
 
 
-def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
-    """Add the verdict in the full space to each minimum."""
+def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:
+    """Add the verdict in the full space to each minimum; undecided, by name, where the time is over."""
     states = tuple(np.array(m.fold_angles) for m in minima)
     return [
-        replace(m, full_space=judge_in_full_space(scene, x, states))
+        replace(
+            m,
+            full_space=judge_in_full_space(scene, x, states)
+            if time.monotonic() <= until
+            else not_judged("interrupted by the time limit before it was judged"),
+        )
         for m, x in zip(minima, states, strict=True)
     ]

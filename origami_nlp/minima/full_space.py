@@ -177,6 +177,11 @@ def group_average(scene: Scene) -> np.ndarray:
     return _average(scene.group.elements, scene.degree)
 
 
+def not_judged(why: str) -> FullSpace:
+    """Return the verdict on a state that was not judged, with the reason."""
+    return FullSpace("undecided", why, None, 0, (), (), None, None, None)
+
+
 @lru_cache(maxsize=64)
 def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
     i = np.arange(n)

@@ -30,6 +30,8 @@ MOST_BATCHED = 24
 one start after the other."""
 FEW_FREEDOMS = 2
 """Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
+JUDGING = 0.3
+"""Share of a time limit that is kept for judging the ends of descents."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -56,6 +58,7 @@ class Job:
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
         self.begin = time.perf_counter()
+        self.turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
 
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
         """List states, and search; guesses: states [N] to start from first."""
@@ -87,7 +90,8 @@ class Job:
             self._one_by_one()
             return
         under = self._under()
-        with Search(self.model, self.record, under, workers, self._tell, self.until) as search:
+        limits = self.turn, self.until
+        with Search(self.model, self.record, under, workers, self._tell, limits) as search:
             search.also_from(flat_minima(self.model))
             search.also_from(folded_minima(self.model, self.foldings))
             if guesses:
@@ -127,7 +131,7 @@ class Job:
 
     def _late(self) -> bool:
         """Tell whether the time is over, and remember it."""
-        if time.process_time() > self.until:
+        if time.monotonic() > self.turn:
             self.stopped_by = "time"
         return self.stopped_by == "time"
 

@@ -47,7 +47,7 @@ def check_prove(name: str, value: object) -> None:
 
 
 def prove_complete(
-    model: Model, record: Record, wanted: bool | float | None
+    model: Model, record: Record, wanted: bool | float | None, left: float | None = None
 ) -> Completeness | None:
     """Try to prove that the minima on record are all; what is missing is added to the record.
 
@@ -59,6 +59,8 @@ def prove_complete(
         Of the search; gets further answers.
     wanted
         True, or seconds that it may take; None: where it is cheap; False: not at all.
+    left
+        Seconds that are left for all; None: no limit.
 
     Returns
     -------
@@ -72,9 +74,10 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     if wanted is None:
-        proof = prove(model, most=UNASKED)
+        proof = prove(model, seconds=left, most=UNASKED)
     else:
-        proof = prove(model, seconds=None if wanted is True else float(wanted))
+        given = math.inf if wanted is True else float(wanted)
+        proof = prove(model, seconds=given if left is None else min(given, left))
     return hold_against(model, record, proof)
 
 

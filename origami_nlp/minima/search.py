@@ -18,7 +18,7 @@ from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
 from origami_nlp.numerics import ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
-from origami_nlp.workers import worker_pool
+from origami_nlp.workers import stop_workers, worker_pool
 
 FIRST_BATCH, BATCH = 256, 4096
 """Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little there),
@@ -45,7 +45,7 @@ class Search:
     found
         Called after each new minimum.
     until
-        Time of `time.process_time` after which no further end is judged.
+        Times of `time.monotonic` after which descents stop, and after which no further end is judged.
     """
 
     def __init__(
@@ -55,23 +55,25 @@ class Search:
         under: tuple[Model, Labels] | None,
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
-        until: float = math.inf,
+        until: tuple[float, float] = (math.inf, math.inf),
     ) -> None:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
-        self._descents = Descents(under[0] if under else model)
+        self._descents = Descents(under[0] if under else model, until=until[0])
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
-        self._workers, self._found, self._until = workers, found, until
+        self._workers, self._found, self._until = workers, found, until[1]
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
 
     def __enter__(self) -> Search:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self._pool is not None and (kind or time.monotonic() > self._descents.until):
+            stop_workers(self._pool)
+        elif self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
     def also_from(self, x: np.ndarray) -> None:
@@ -97,7 +99,7 @@ class Search:
             parts = self._parts(some[feasible])
             made = self._made_by_workers(parts)
             for part in parts:
-                if time.process_time() > self._until:
+                if time.monotonic() > self._descents.until:
                     return
                 ends = next(made) if made else (yield self._descents, part)
                 good = ends.converged | ends.settled
@@ -156,7 +158,7 @@ class Search:
         x, source = ends.samples.x, ends.samples.source
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
-        while len(which) and time.process_time() <= self._until:
+        while len(which) and time.monotonic() <= self._until:
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))

@@ -159,7 +159,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
         return [f"complete: {s.complete}"]
     if s.stopped_by == "time":
         return [
-            "ended for time: not all of these starts were followed down, nor all of their ends judged"
+            "interrupted by the time limit: not all of these starts were followed down, nor all of their ends judged"
         ]
     lines = []
     if s.every_corner:

@@ -77,7 +77,7 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     """Try to prove that the minima on record are all, of every winding; arguments and result as of `prove_complete`."""
     first = jobs[0].model
     if len(jobs) == 1 or (wanted is None and not is_cheap(first)):
-        return prove_complete(first, jobs[0].record, wanted)
+        return prove_complete(first, jobs[0].record, wanted, _left(jobs[0]))
     until = math.inf
     if wanted is not None and not isinstance(wanted, bool):
         until = time.process_time() + wanted
@@ -85,11 +85,16 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     for job in jobs:
         if until < math.inf:
             wanted = max(until - time.process_time(), 0.0)
-        one = prove_complete(job.model, job.record, wanted)
+        one = prove_complete(job.model, job.record, wanted, _left(job))
         if one is None:
             return None
         found.append(one)
     return _joined([job.model.structure.winding for job in jobs], found)
+
+
+def _left(job: Job) -> float | None:
+    """Seconds that a search has left for its proof; None: no limit."""
+    return None if math.isinf(job.until) else max(job.until - time.monotonic(), 0.0)
 
 
 def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completeness:
