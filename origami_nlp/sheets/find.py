@@ -18,14 +18,14 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.facets import OutOfTime, Sheet, round_vertex
+from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
 from origami_nlp.sheets.curve import SHUT, tangents
-from origami_nlp.sheets.curves import Curves, Traced
+from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
@@ -49,7 +49,9 @@ MOST_DRAWN = 10
 MOST_CURVES = 64
 """That are traced, beside images of them."""
 SECONDS = 300.0
-"""Processor time for a search."""
+"""For a search, of wall time."""
+FAILURES = np.linalg.LinAlgError, ArithmeticError
+"""What linear algebra may end in at some start: that start is counted and named, the search goes on."""
 
 
 def find_states(
@@ -74,8 +76,8 @@ def find_states(
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Processor time for the search, give or take a second or two: what was found by then is kept, what was left out
-        is named.
+        Wall time for the search, give or take a second or two: what was found by then is kept, what was left out is
+        named.
 
     Returns
     -------
@@ -123,7 +125,7 @@ class _Search:
     """A search on its way."""
 
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
-        until = time.process_time() + seconds
+        until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
@@ -145,7 +147,16 @@ class _Search:
             self.sheet.until, self.tally.interrupted = -math.inf, True
             self.tally.left_out[what] = None
             return False
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
         return True
+
+    def attempt(self, work: Callable[..., None], *given: Any) -> None:
+        """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
+        try:
+            work(*given)
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
     # ------------------------------------------------------------ states
 
@@ -168,6 +179,9 @@ class _Search:
             return
         for side in (self._side, -self._side):
             end = descend(self.sheet, closed, side=side)
+            better = None if end.arrived else self._polished(end.phi)
+            if better is not None:
+                end = replace(end, phi=better, arrived=True)
             if not end.arrived:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
@@ -178,13 +192,23 @@ class _Search:
             if not end.saddles:
                 return
 
+    def _polished(self, phi: np.ndarray) -> np.ndarray | None:
+        """Solve for the stationary state beside a closed one, creases that are shut kept so; None where it is far."""
+        sheet = self.sheet
+        if sheet.size > MOST_DENSE:
+            return None
+        limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+        better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
+        return None if better is None or np.abs(better - phi).max() >= BESIDE else better
+
     def _judged(self, phi: np.ndarray) -> SheetState:
-        """Judge the end of a descent; where torque is left over, solve for the state beside it."""
+        """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        if state.verdict in ("minimum", "undecided") and state.kkt_residual > STATIONARY:
-            limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-            better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-            if better is not None and np.abs(better - phi).max() < BESIDE:
+        if state.verdict in ("minimum", "undecided") and (
+            state.kkt_residual > STATIONARY or sheet.loose(phi)
+        ):
+            better = self._polished(phi)
+            if better is not None:
                 return judge(sheet, better, self.contact)
         return state
 
@@ -325,7 +349,7 @@ class _Search:
         stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
         scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = 0.5 * (self.sheet.until - time.process_time())
+        seconds = 0.5 * (self.sheet.until - time.monotonic())
         result = find_minima(scene, seed=seed, prove=False, seconds=max(seconds, 0.0))
         if result.search.stopped_by == "time":
             self.tally.left_out[OF_VERTEX] = None
@@ -390,8 +414,11 @@ class _Search:
 
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
+        self.tally.starts += 1
+        self.attempt(self._explore, start)
+
+    def _explore(self, start: np.ndarray) -> None:
         sheet, tally = self.sheet, self.tally
-        tally.starts += 1
         phi = self._closed(start)
         if phi is None:
             tally.open += 1
@@ -423,8 +450,34 @@ class _Search:
     def _along(self, traced: Traced) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
         for well in wells(self.sheet, traced.curve):
-            self.settle(well)
+            self.tally.wells += 1
+            self.attempt(self._settle_well, well)
         if traced.stretches is None:
             return
         for end in press_along(self.sheet, traced.stretches):
-            self.press(end)
+            self.attempt(self.press, end)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
+        self.settle(well)
+        judged = self._is_judged(well, ON_CURVE)
+        if not judged and (closed := self._closed(well)) is not None:
+            beside = self._polished(closed)
+            if beside is not None:
+                if not self.known(beside):
+                    self.add(self._judged(beside))
+                judged = self._is_judged(beside, 10 * SAME)
+        self.tally.resolved += judged
+
+    def _is_judged(self, phi: np.ndarray, within: float) -> bool:
+        """Tell whether a well of a curve is decided: here is a minimum, or one that crosses; none if it is this one.
+
+        Where curves meet, a state that is no minimum says nothing of wells beside it on one of them.
+        """
+        exact = within <= 10 * SAME
+        return any(
+            np.abs(phi - s.fold_angles).max() <= within
+            for s in self.tally.judged
+            if s.verdict in ("minimum", "crosses")
+            or (s.verdict == "not a minimum" and exact and s.freedoms == 1)
+        )

@@ -64,6 +64,13 @@ class SheetSearch:
         Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
+    wells, resolved
+        Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
+        stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
+    coarse
+        Of the curves, those whose polynomials are further from closed states than they are meant to be.
+    failed
+        Starts, wells and parts of the search that linear algebra did not get through, each with its reason.
     left_out
         Parts of the search that its time, or an interruption, ended: what they had found before is listed.
     interrupted
@@ -89,6 +96,10 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
+    wells: int = 0
+    resolved: int = 0
+    coarse: int = 0
+    failed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     interrupted: bool = field(default=False, repr=False)
 
@@ -125,8 +136,17 @@ class SheetSearch:
             yield f"contact: {self.pressed} {what} along states that do not cross"
             for why, many in Counter(self.refused).items():
                 yield f"not decided: {many} of them gave up, {why}"
-        if self.curves == self.complete > 0 and not (self.not_traced or self.left_out):
-            yield "every well on these curves is listed; other curves are sampled only"
+        for why, many in Counter(self.failed).items():
+            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
+        if self.resolved < self.wells:
+            open_ = self.wells - self.resolved
+            yield f"not decided: {open_} of {self.wells} wells of the energy along these curves"
+        lost = self.curves != self.complete or self.coarse or self.resolved < self.wells
+        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+            yield (
+                f"every well of the energy along these curves was judged, {self.wells} in all; other curves are "
+                "sampled only"
+            )
         else:
             yield "sampled, not exhausted: there may be further states"
         if self.since:

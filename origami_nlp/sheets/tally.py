@@ -35,6 +35,9 @@ class Tally:
     pressed: int = 0
     refused: list[str] = field(default_factory=list)
     of_vertex: int = 0
+    wells: int = 0
+    resolved: int = 0
+    failed: list[str] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     interrupted: bool = False
 
@@ -60,6 +63,10 @@ class Tally:
             pressed=self.pressed,
             refused=tuple(self.refused),
             of_vertex=self.of_vertex,
+            wells=self.wells,
+            resolved=self.resolved,
+            coarse=sum(not c.curve.fits for c in found),
+            failed=tuple(self.failed),
             left_out=tuple(self.left_out),
             interrupted=self.interrupted,
         )
