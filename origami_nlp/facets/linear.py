@@ -86,9 +86,11 @@ class Normal:
             square = jacobian @ jacobian.T
             square.flat[:: m + 1] += WEIGHT
             lower, failed = lapack.dpotrf(square.T, lower=True, clean=False, overwrite_a=True)
-            if failed:
-                raise np.linalg.LinAlgError("J J' is not positive definite")
-            self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
+            if failed:  # rows of very different lengths: rounding of the longest exceeds the weight
+                u, values, _ = np.linalg.svd(jacobian, full_matrices=False)
+                self._solve = lambda b: u @ ((u.T @ b) / (values**2 + WEIGHT))
+            else:
+                self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
         else:
             square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
             self._solve = splu(square, **SYMMETRIC).solve

@@ -77,6 +77,7 @@ def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
         loops = sheet.pattern.vertices
         most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
         return most.min(axis=0)
+    sheet.check_time()
     j = np.array([dense(sheet.closure.jacobian(x)) for x in states])
     values = np.linalg.svd(j, compute_uv=False)
     # one crease alone is held by nothing, and meets no other curve

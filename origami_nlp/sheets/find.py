@@ -255,7 +255,7 @@ class _Search:
             )
             return
         tally.lines, tally.families = len(flat.lines), len(flat.families)
-        folded = list_flat_folded(pattern, self.contact)
+        folded = list_flat_folded(pattern, self.contact, self.sheet.check_time)
         states = folded.states
         if folded.reason:
             tally.reasons.append(

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Lying, Normal, Placed, Sheet, Touch, dense
+from origami_nlp.facets import Lying, Normal, Parallel, Placed, Sheet, Touch, dense
 from origami_nlp.numerics import (
     CLOSES,
     INDEPENDENT,
@@ -181,6 +182,7 @@ def _onto(
     last, before, whole = phi, math.inf, False
     phi = phi.copy()
     for count in range(30):
+        sheet.check_time()
         rows = Rows.at(sheet, phi, none, touches)
         miss = np.r_[sheet.closure.values(phi), rows.gaps]
         worst = float(np.abs(miss).max(initial=0.0))
@@ -203,6 +205,8 @@ def put_back(
 ) -> np.ndarray | None:
     """Put a trial state onto closure; limits and gaps that it has passed are met.
 
+    Where two sides that are to be kept apart become parallel there is no gap between them, and no such state is told.
+
     Parameters
     ----------
     sheet, phi
@@ -217,6 +221,14 @@ def put_back(
     numpy.ndarray
         The state [n]; None where there is none near by.
     """
+    with suppress(Parallel):
+        return _put_back(sheet, phi, rows, kept)
+    return None
+
+
+def _put_back(
+    sheet: Sheet, phi: np.ndarray, rows: Rows, kept: Sequence[Touch]
+) -> np.ndarray | None:
     held = np.abs(phi) >= math.pi
     touches = list(kept)
     for _ in range(10):
@@ -257,6 +269,12 @@ def polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.
     numpy.ndarray
         The state [n], to rounding; None where Newton does not arrive.
     """
+    with suppress(Parallel):
+        return _polish(sheet, phi, rows, forces)
+    return None
+
+
+def _polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.ndarray | None:
     loaded = forces > LOADED
     held = np.zeros(sheet.size, bool)
     held[rows.limits[loaded[: len(rows.limits)]]] = True

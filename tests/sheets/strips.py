@@ -76,20 +76,20 @@ class Strip:
         phi, rate = self.at(signs, theta)
         return float(self.pattern.stiffness * (phi - self.pattern.rest) @ rate)
 
-    def wells(self, samples: int = 120) -> Iterator[np.ndarray]:
+    def wells(self, samples: int = 80) -> Iterator[np.ndarray]:
         """Minima of the energy inside the curves, [n] each: a scan that is geometric beside the flat state."""
         grid = np.unique(
             np.r_[np.geomspace(1e-9, 0.1, samples), np.linspace(0.1, math.pi / 2 - 1e-9, samples)]
         )
         for signs in product((1, -1), repeat=len(self.around)):
             for side in (1.0, -1.0):
-                before, last = 0.0, None
-                for theta in side * np.r_[0.0, grid]:
+                before, last, prior = 0.0, np.zeros(self.n), 0.0
+                for theta in (side * grid).tolist():
                     phi, _ = self.at(signs, theta)
-                    if last is not None and np.abs(phi - last).max() > math.pi:
+                    if np.abs(phi - last).max() > math.pi:
                         break  # a crease across has passed its limit
                     here = side * self.slope(signs, theta)
-                    if last is not None and before < 0 <= here:
+                    if before < 0 <= here:
                         x = brentq(lambda t, s=signs: self.slope(s, t), prior, theta, xtol=1e-18)
                         yield self.at(signs, x)[0]
                     before, last, prior = here, phi, theta
