@@ -22,9 +22,8 @@ import numpy as np
 from origami_nlp.facets.poses import Poses
 from origami_nlp.numerics import cross
 
-
 PARALLEL = 1e-6
-"""Sine of the angle between two sides at which they have no common normal to speak of: a gap's slopes go as 1 / sine."""
+"""Sine of the angle of two sides at which they have no common normal to speak of: slopes of gaps go as 1 / sine."""
 
 
 class Parallel(ArithmeticError):

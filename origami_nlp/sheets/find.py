@@ -11,6 +11,8 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +34,8 @@ from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, singular_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
-from origami_nlp.sheets.pressing import UNTOLD
-from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, WAYS_OUT, SheetResult
+from origami_nlp.sheets.pressing import UNTOLD, press
+from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
@@ -46,6 +48,10 @@ ON_PLANE = 1e-6
 """Planes of states that agree to this are one."""
 MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
+POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
+"""Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
+MOST_POPPED = 5
+"""Starts with a vertex popped in all, over the random starts that are to find nothing new."""
 MOST_CURVES = 64
 """That are traced, beside images of them."""
 SECONDS = 300.0
@@ -114,6 +120,7 @@ def find_states(
     for k in range(MOST_DRAWN * starts):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
+    search.part(POPS, search.pop, MOST_POPPED * starts)
     search.part("images of minima under symmetries", search.add_images)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
@@ -230,17 +237,78 @@ class _Search:
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
+        return tuple(s.moved(self._middle) for s in self._by_energy())
+
+    def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return tuple(sorted((s.moved(self._middle) for s in by_key), key=lambda s: s.energy))
+        return sorted(by_key, key=lambda s: s.energy)
+
+    @cached_property
+    def _symmetries(self) -> list[tuple[np.ndarray, float]]:
+        """Symmetries of the sheet with its springs."""
+        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
+        return [
+            (to, sign)
+            for to, sign in self.labels.images
+            if np.abs(k[to] - k).max() <= SAME and np.abs(rest[to] - sign * rest).max() <= SAME
+        ]
+
+    def _from_popped(self, start: np.ndarray) -> None:
+        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
+        sheet, phi = self.sheet, self._closed(start)
+        if phi is None:
+            self.tally.open += 1
+        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
+            self.tally.flat += 1
+        elif not self.contact or sheet.size > MOST_DENSE or sheet.crossings.find(phi):
+            self._enter(phi)
+        elif phi not in self.curves:
+            self.press(press(sheet, phi))
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
-        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
-        for to, sign in self.labels.images:
-            if np.abs(k[to] - k).max() > SAME or np.abs(rest[to] - sign * rest).max() > SAME:
-                continue
+        for symmetry in self._symmetries:
             for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
-                self.settle(image((to, sign), state.fold_angles))
+                self.attempt(self.settle, image(symmetry, state.fold_angles))
+
+    def pop(self, most: int) -> None:
+        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+
+        Motions of paper pass from one side of a vertex to the other at its flat state only (`pops`), so that there are
+        states on either side; those that touching facets hold are seldom met by descents that let facets cross.  Where
+        the sheet has symmetries, one of a minimum and its images is enough.
+        """
+        rank = np.argsort(self.labels.order)
+        creases = sorted(
+            (list(loop.creases) for loop in self.sheet.pattern.vertices),
+            key=lambda c: sorted(rank[c].tolist()),
+        )
+        popped: list[np.ndarray] = []
+        while True:
+            self.sheet.check_time()
+            waiting = [
+                s.fold_angles
+                for s in self._by_energy()
+                if s.verdict == "minimum"
+                and s.fold_angles.any()
+                and not any(np.abs(s.fold_angles - x).max() <= 10 * SAME for x in popped)
+            ]
+            if not waiting:
+                return
+            phi = waiting[0]
+            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for around, (size, share) in product(creases, POPPED):
+                if not phi[around].any():
+                    continue
+                if self.tally.popped == most:
+                    return
+                self.tally.popped += 1
+                start = size * phi
+                start[around] *= share
+                before = self._found()[0]
+                self.tally.starts += 1
+                self.attempt(self._from_popped, start)
+                self.tally.by_pops += self._found()[0] - before
 
     # ------------------------------------------------------------ what is enumerated
 
@@ -418,13 +486,18 @@ class _Search:
         self.attempt(self._explore, start)
 
     def _explore(self, start: np.ndarray) -> None:
-        sheet, tally = self.sheet, self.tally
         phi = self._closed(start)
         if phi is None:
-            tally.open += 1
-        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            tally.flat += 1
-        elif sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+            self.tally.open += 1
+        elif self.sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
+            self.tally.flat += 1
+        else:
+            self._enter(phi)
+
+    def _enter(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, or go downhill from it."""
+        sheet, tally = self.sheet, self.tally
+        if sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
             if tally.traced == MOST_CURVES:

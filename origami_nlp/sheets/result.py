@@ -23,6 +23,7 @@ SCHEMA = "origami_nlp.sheet_states/1"
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
+POPS = "minima with a vertex popped"
 """Parts of a search that its time may end."""
 
 
@@ -64,6 +65,8 @@ class SheetSearch:
         Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
+    popped, by_pops
+        Starts from minima with one vertex popped, its folds turned over; minima that they led to.
     wells, resolved
         Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
         stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
@@ -96,6 +99,8 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
+    popped: int = 0
+    by_pops: int = 0
     wells: int = 0
     resolved: int = 0
     coarse: int = 0
@@ -156,6 +161,10 @@ class SheetSearch:
             )
         elif self.drawn:
             yield "the last drawn start found another minimum or curve: draw more (starts)"
+        if self.popped:
+            what = "minimum" if self.by_pops == 1 else "minima"
+            new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
+            yield f"{self.popped} starts from minima with one vertex popped: {new}"
 
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.complete
