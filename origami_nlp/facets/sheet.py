@@ -67,9 +67,18 @@ class Sheet:
         self.closure = Closure(pattern)
         self.crossings = Crossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
-        self.until = math.inf
+        self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._decomposed: tuple[bytes, np.ndarray, np.ndarray] | None = None
+
+    @property
+    def until(self) -> float:
+        """See above: one for a sheet and all that is made of it, under whatever load."""
+        return self._end[0]
+
+    @until.setter
+    def until(self, end: float) -> None:
+        self._end[0] = end
 
     @property
     def size(self) -> int:

@@ -50,7 +50,7 @@ MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
 POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
 """Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
-MOST_POPPED = 5
+MOST_POPPED = 2
 """Starts with a vertex popped in all, over the random starts that are to find nothing new."""
 MOST_CURVES = 64
 """That are traced, beside images of them."""
