@@ -44,6 +44,7 @@ from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .pieces import pieces_at as pieces_at
 from .pinned import press_along as press_along, press_off as press_off
+from .pops import pop_rows as pop_rows
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows

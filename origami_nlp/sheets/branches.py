@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from itertools import takewhile
 
 import numpy as np
@@ -22,6 +23,8 @@ from origami_nlp.pattern import Pattern
 
 MOST_CHOICES = 10_000
 """Choices of modes of some vertices that are carried on to the others."""
+MOST_NUMBERS = 20_000_000
+"""Of the bases of these choices: 160 MB."""
 SAME_WAY = 1e-5
 """Unit directions that differ by less are one."""
 
@@ -114,24 +117,44 @@ def combine(
         What is left of each choice, and lies in no other.
     """
     n = pattern.creases
-    level = [np.eye(n)]
-    for v in _order(pattern):
-        creases = list(pattern.vertices[v].creases)
+    place: dict[
+        int, int
+    ] = {}  # of creases that were met, in rows of the bases: the others are free
+    level = [np.zeros((0, 0))]
+    for v in by_known(pattern):
+        creases = pattern.vertices[v].creases
+        new = [c for c in creases if c not in place]
+        place.update(zip(new, range(len(place), n), strict=False))
+        rows = [place[c] for c in creases]
         after = []
         for basis in level:
             check()
-            here = basis[creases]
+            wide = _widened(basis, len(new))
+            here = wide[rows]
             for mode in modes[v]:
                 outside = here - mode @ (mode.T @ here)
-                left = basis if np.abs(outside).max() < RANK else basis @ null_space(outside, RANK)
-                if left.shape[1]:
-                    after.append(left)
-        level = _largest(after)
-        if len(level) > MOST_CHOICES:
-            reason = f"more than {MOST_CHOICES:,} choices of modes stay open"
+                if np.abs(outside).max(initial=0.0) < RANK:
+                    after.append(wide)
+                else:
+                    after.append(wide @ null_space(outside, RANK))
+        level = _largest(after, check)
+        if len(level) > MOST_CHOICES or sum(b.size for b in level) > MOST_NUMBERS:
+            most = f"more than {MOST_CHOICES:,}" if len(level) > MOST_CHOICES else "too many"
+            reason = f"{most} choices of modes stay open"
             return Branches(np.zeros((0, n)), (), reason)
+    rest = [c for c in range(n) if c not in place]
+    back = np.argsort([*place, *rest])
+    level = [_widened(b, len(rest))[back] for b in level]
     lines = [b[:, 0] / np.linalg.norm(b) for b in level if b.shape[1] == 1]
     return Branches(np.array(lines).reshape(-1, n), tuple(b for b in level if b.shape[1] > 1))
+
+
+def _widened(basis: np.ndarray, more: int) -> np.ndarray:
+    """Return a basis [k, t] with so many further rows that are free, [k + more, t + more]."""
+    (k, t) = basis.shape
+    wide = np.zeros((k + more, t + more))
+    wide[:k, :t], wide[k:, t:] = basis, np.eye(more)
+    return wide
 
 
 def vertex_modes(axes: np.ndarray) -> list[np.ndarray] | None:
@@ -172,30 +195,42 @@ def vertex_modes(axes: np.ndarray) -> list[np.ndarray] | None:
     return [(u / np.linalg.norm(u))[:, None] for u in lines]
 
 
-def _order(pattern: Pattern) -> list[int]:
-    """Order the vertices so that each shares as many creases as can be with those before it."""
-    left = list(range(len(pattern.vertices)))
+def by_known(pattern: Pattern, cost: Sequence[int] | None = None) -> Iterator[int]:
+    """Go through the vertices so that each shares as many creases as can be with those before it, then by a cost."""
+    around: dict[int, list[int]] = {}
+    for v, loop in enumerate(pattern.vertices):
+        for c in loop.creases:
+            around.setdefault(c, []).append(v)
+    shared = [0] * len(pattern.vertices)
+    waiting = [(0, cost[v] if cost else 0, v) for v in range(len(shared))]
+    heapify(waiting)
+    gone: set[int] = set()
     known: set[int] = set()
-    order = []
-    while left:
-        best = max(left, key=lambda v: (len(known & set(pattern.vertices[v].creases)), -v))
-        left.remove(best)
-        order.append(best)
-        known |= set(pattern.vertices[best].creases)
-    return order
+    while waiting:
+        many, _, v = heappop(waiting)
+        if v in gone or -many != shared[v]:
+            continue  # a later entry has what it shares now
+        gone.add(v)
+        yield v
+        for c in set(pattern.vertices[v].creases) - known:
+            known.add(c)
+            for w in around[c]:
+                shared[w] += 1
+                heappush(waiting, (-shared[w], cost[w] if cost else 0, w))
 
 
-def _largest(subspaces: list[np.ndarray]) -> list[np.ndarray]:
+def _largest(subspaces: list[np.ndarray], check: Callable[[], None]) -> list[np.ndarray]:
     """Keep the subspaces that lie in no other, once: what lies in another leads to nothing else."""
     kept: list[np.ndarray] = []
-    for k in sorted({b.shape[1] for b in subspaces}, reverse=True):
+    for k in sorted({b.shape[1] for b in subspaces if b.shape[1]}, reverse=True):
+        check()
         new = [
             b
             for b in subspaces
             if b.shape[1] == k and all(np.abs(b - c @ (c.T @ b)).max() >= SAME_WAY for c in kept)
         ]
         kept += _distinct(new) if new else []
-    return kept
+    return kept or subspaces[:1]
 
 
 def _distinct(subspaces: list[np.ndarray]) -> list[np.ndarray]:

@@ -77,9 +77,11 @@ def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
         loops = sheet.pattern.vertices
         most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
         return most.min(axis=0)
+    sheet.check_time()
     j = np.array([dense(sheet.closure.jacobian(x)) for x in states])
     values = np.linalg.svd(j, compute_uv=False)
-    return values[:, n - 2] if values.shape[1] > n - 2 else np.full(len(states), np.inf)
+    # one crease alone is held by nothing, and meets no other curve
+    return values[:, n - 2] if 0 <= n - 2 < values.shape[1] else np.full(len(states), np.inf)
 
 
 def _snapped(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:

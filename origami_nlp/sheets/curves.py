@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -71,7 +72,12 @@ class Curves:
     def __init__(self, sheet: Sheet, labels: Labels, contact: bool) -> None:
         self.sheet, self.labels = sheet, labels
         self.found: list[Traced] = []
-        self._clearance = Clearance(sheet) if contact else None
+        self._contact = contact
+
+    @cached_property
+    def _clearance(self) -> Clearance:
+        """Gaps of all pairs of facets: of sheets whose curves are traced."""
+        return Clearance(self.sheet)
 
     def __contains__(self, phi: np.ndarray) -> bool:
         """Tell whether a closed state is on one of the curves."""
@@ -93,7 +99,7 @@ class Curves:
             The curve, and its images that are not known yet.
         """
         curve = interpolate(self.sheet, follow_curve(self.sheet, phi, along, LONG))
-        seen = None if self._clearance is None else self._clearance.along(curve)
+        seen = self._clearance.along(curve) if self._contact else None
         meet = [x for x in dips(self.sheet, curve) if np.abs(np.sin(x)).max() > FLAT]
         new = [Traced(curve, seen, tuple(meet))]
         self.found += new

@@ -299,10 +299,8 @@ def draw_overview(seen: Overview, path: Any = None) -> Figure:
             draw_sheet(axes, p, phi)
         axes.set_title(label_text(title), fontsize=10)
     free = "not known" if seen.freedoms is None else str(seen.freedoms)
-    figure.suptitle(
-        label_text(f"{p.name}: {p.facets} facets, {p.creases} creases, freedoms: {free}"),
-        fontsize=11,
-    )
+    title = f"{p.name}: {p.facets} facets, {p.creases} creases, freedoms: {free}"
+    figure.suptitle(label_text(title), fontsize=11)
     figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
     if path is not None:
         from origami_nlp.files import save_figure

@@ -11,6 +11,8 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,22 +20,22 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.facets import OutOfTime, Sheet, round_vertex
+from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
 from origami_nlp.sheets.curve import SHUT, tangents
-from origami_nlp.sheets.curves import Curves, Traced
+from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, singular_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
-from origami_nlp.sheets.pressing import UNTOLD
-from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, WAYS_OUT, SheetResult
+from origami_nlp.sheets.pressing import UNTOLD, press
+from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
@@ -46,10 +48,16 @@ ON_PLANE = 1e-6
 """Planes of states that agree to this are one."""
 MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
+POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
+"""Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
+MOST_POPPED = 2
+"""Starts with a vertex popped in all, over the random starts that are to find nothing new."""
 MOST_CURVES = 64
 """That are traced, beside images of them."""
 SECONDS = 300.0
-"""Processor time for a search."""
+"""For a search, of wall time."""
+FAILURES = np.linalg.LinAlgError, ArithmeticError
+"""What linear algebra may end in at some start: that start is counted and named, the search goes on."""
 
 
 def find_states(
@@ -74,8 +82,8 @@ def find_states(
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Processor time for the search, give or take a second or two: what was found by then is kept, what was left out
-        is named.
+        Wall time for the search, give or take a second or two: what was found by then is kept, what was left out is
+        named.
 
     Returns
     -------
@@ -112,6 +120,7 @@ def find_states(
     for k in range(MOST_DRAWN * starts):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
+    search.part(POPS, search.pop, MOST_POPPED * starts)
     search.part("images of minima under symmetries", search.add_images)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
@@ -123,7 +132,7 @@ class _Search:
     """A search on its way."""
 
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
-        until = time.process_time() + seconds
+        until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
@@ -145,7 +154,16 @@ class _Search:
             self.sheet.until, self.tally.interrupted = -math.inf, True
             self.tally.left_out[what] = None
             return False
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
         return True
+
+    def attempt(self, work: Callable[..., None], *given: Any) -> None:
+        """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
+        try:
+            work(*given)
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
     # ------------------------------------------------------------ states
 
@@ -168,6 +186,9 @@ class _Search:
             return
         for side in (self._side, -self._side):
             end = descend(self.sheet, closed, side=side)
+            better = None if end.arrived else self._polished(end.phi)
+            if better is not None:
+                end = replace(end, phi=better, arrived=True)
             if not end.arrived:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
@@ -178,13 +199,23 @@ class _Search:
             if not end.saddles:
                 return
 
+    def _polished(self, phi: np.ndarray) -> np.ndarray | None:
+        """Solve for the stationary state beside a closed one, creases that are shut kept so; None where it is far."""
+        sheet = self.sheet
+        if sheet.size > MOST_DENSE:
+            return None
+        limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+        better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
+        return None if better is None or np.abs(better - phi).max() >= BESIDE else better
+
     def _judged(self, phi: np.ndarray) -> SheetState:
-        """Judge the end of a descent; where torque is left over, solve for the state beside it."""
+        """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        if state.verdict in ("minimum", "undecided") and state.kkt_residual > STATIONARY:
-            limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-            better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-            if better is not None and np.abs(better - phi).max() < BESIDE:
+        if state.verdict in ("minimum", "undecided") and (
+            state.kkt_residual > STATIONARY or sheet.loose(phi)
+        ):
+            better = self._polished(phi)
+            if better is not None:
                 return judge(sheet, better, self.contact)
         return state
 
@@ -206,17 +237,78 @@ class _Search:
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
+        return tuple(s.moved(self._middle) for s in self._by_energy())
+
+    def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return tuple(sorted((s.moved(self._middle) for s in by_key), key=lambda s: s.energy))
+        return sorted(by_key, key=lambda s: s.energy)
+
+    @cached_property
+    def _symmetries(self) -> list[tuple[np.ndarray, float]]:
+        """Symmetries of the sheet with its springs."""
+        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
+        return [
+            (to, sign)
+            for to, sign in self.labels.images
+            if np.abs(k[to] - k).max() <= SAME and np.abs(rest[to] - sign * rest).max() <= SAME
+        ]
+
+    def _from_popped(self, start: np.ndarray) -> None:
+        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
+        sheet, phi = self.sheet, self._closed(start)
+        if phi is None:
+            self.tally.open += 1
+        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
+            self.tally.flat += 1
+        elif not self.contact or sheet.size > MOST_DENSE or sheet.crossings.find(phi):
+            self._enter(phi)
+        elif phi not in self.curves:
+            self.press(press(sheet, phi))
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
-        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
-        for to, sign in self.labels.images:
-            if np.abs(k[to] - k).max() > SAME or np.abs(rest[to] - sign * rest).max() > SAME:
-                continue
+        for symmetry in self._symmetries:
             for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
-                self.settle(image((to, sign), state.fold_angles))
+                self.attempt(self.settle, image(symmetry, state.fold_angles))
+
+    def pop(self, most: int) -> None:
+        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+
+        Motions of paper pass from one side of a vertex to the other at its flat state only (`pops`), so that there are
+        states on either side; those that touching facets hold are seldom met by descents that let facets cross.  Where
+        the sheet has symmetries, one of a minimum and its images is enough.
+        """
+        rank = np.argsort(self.labels.order)
+        creases = sorted(
+            (list(loop.creases) for loop in self.sheet.pattern.vertices),
+            key=lambda c: sorted(rank[c].tolist()),
+        )
+        popped: list[np.ndarray] = []
+        while True:
+            self.sheet.check_time()
+            waiting = [
+                s.fold_angles
+                for s in self._by_energy()
+                if s.verdict == "minimum"
+                and s.fold_angles.any()
+                and not any(np.abs(s.fold_angles - x).max() <= 10 * SAME for x in popped)
+            ]
+            if not waiting:
+                return
+            phi = waiting[0]
+            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for around, (size, share) in product(creases, POPPED):
+                if not phi[around].any():
+                    continue
+                if self.tally.popped == most:
+                    return
+                self.tally.popped += 1
+                start = size * phi
+                start[around] *= share
+                before = self._found()[0]
+                self.tally.starts += 1
+                self.attempt(self._from_popped, start)
+                self.tally.by_pops += self._found()[0] - before
 
     # ------------------------------------------------------------ what is enumerated
 
@@ -231,7 +323,7 @@ class _Search:
             )
             return
         tally.lines, tally.families = len(flat.lines), len(flat.families)
-        folded = list_flat_folded(pattern, self.contact)
+        folded = list_flat_folded(pattern, self.contact, self.sheet.check_time)
         states = folded.states
         if folded.reason:
             tally.reasons.append(
@@ -325,7 +417,7 @@ class _Search:
         stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
         scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = 0.5 * (self.sheet.until - time.process_time())
+        seconds = 0.5 * (self.sheet.until - time.monotonic())
         result = find_minima(scene, seed=seed, prove=False, seconds=max(seconds, 0.0))
         if result.search.stopped_by == "time":
             self.tally.left_out[OF_VERTEX] = None
@@ -390,14 +482,22 @@ class _Search:
 
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
-        sheet, tally = self.sheet, self.tally
-        tally.starts += 1
+        self.tally.starts += 1
+        self.attempt(self._explore, start)
+
+    def _explore(self, start: np.ndarray) -> None:
         phi = self._closed(start)
         if phi is None:
-            tally.open += 1
-        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            tally.flat += 1
-        elif sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+            self.tally.open += 1
+        elif self.sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
+            self.tally.flat += 1
+        else:
+            self._enter(phi)
+
+    def _enter(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, or go downhill from it."""
+        sheet, tally = self.sheet, self.tally
+        if sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
             if tally.traced == MOST_CURVES:
@@ -423,8 +523,34 @@ class _Search:
     def _along(self, traced: Traced) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
         for well in wells(self.sheet, traced.curve):
-            self.settle(well)
+            self.tally.wells += 1
+            self.attempt(self._settle_well, well)
         if traced.stretches is None:
             return
         for end in press_along(self.sheet, traced.stretches):
-            self.press(end)
+            self.attempt(self.press, end)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
+        self.settle(well)
+        judged = self._is_judged(well, ON_CURVE)
+        if not judged and (closed := self._closed(well)) is not None:
+            beside = self._polished(closed)
+            if beside is not None:
+                if not self.known(beside):
+                    self.add(self._judged(beside))
+                judged = self._is_judged(beside, 10 * SAME)
+        self.tally.resolved += judged
+
+    def _is_judged(self, phi: np.ndarray, within: float) -> bool:
+        """Tell whether a well of a curve is decided: here is a minimum, or one that crosses; none if it is this one.
+
+        Where curves meet, a state that is no minimum says nothing of wells beside it on one of them.
+        """
+        exact = within <= 10 * SAME
+        return any(
+            np.abs(phi - s.fold_angles).max() <= within
+            for s in self.tally.judged
+            if s.verdict in ("minimum", "crosses")
+            or (s.verdict == "not a minimum" and exact and s.freedoms == 1)
+        )

@@ -70,6 +70,11 @@ class Interpolant:
     ends: tuple[str, str]
     off: float
 
+    @property
+    def fits(self) -> bool:
+        """Whether the polynomials are as close to closed states as they are meant to be."""
+        return self.off <= FITS
+
     def image(self, symmetry: tuple[np.ndarray, float]) -> Interpolant:
         """Return where a symmetry of the paper takes it."""
         return replace(

@@ -89,12 +89,11 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
             blank, verdict="crosses", crossings=crossings, certificate=f"{many} through each other"
         )
     judged = _flat(sheet, blank, contact) if not phi.any() else _mechanics(sheet, blank, contact)
-    if judged.verdict != "minimum":
-        return judged
-    if singular_beside(sheet, phi) is not None:
+    # lower states as well: what closes to rounding may be further off the curve than they are away
+    if judged.verdict in ("minimum", "not a minimum") and singular_beside(sheet, phi) is not None:
         why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
         return replace(judged, verdict="undecided", kind=None, certificate=why)
-    if not contact:
+    if judged.verdict != "minimum" or not contact:
         return judged
     layers = order_layers(sheet, phi)
     if layers.verdict == "ordered":

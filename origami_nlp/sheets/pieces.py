@@ -196,6 +196,7 @@ def judge_pieces(
     out = Pieces()
     waiting: list[Chosen] = [((), {})]
     while waiting:
+        sheet.check_time()
         gaps, above = waiting.pop()
         out.count += 1
         held = rows.with_touches(tree.gaps, tree.rows_of(gaps, above)).needed(z, tree.flat)

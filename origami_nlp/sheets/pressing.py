@@ -22,6 +22,7 @@ from origami_nlp.facets import INSIDE, MOST_DENSE, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, null_space
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.pieces import pieces_at
+from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -84,7 +85,7 @@ class _Press:
 
     def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
         self.sheet, self.features = sheet, sheet.features
-        self.radius = TRUST
+        self.radius, self.pops = TRUST, pop_rows(sheet.pattern)
         self.known: dict[object, Touch] = {}
         self._go(phi)
 
@@ -150,6 +151,8 @@ class _Press:
             kept = [t for t, on in zip(pushing.touches, stay, strict=True) if on]
             new = put_back(sheet, self.phi + share * d, rows, kept)
             fall = share * float(sheet.torque(self.phi) @ d)
+            if new is not None and is_jump(self.pops, self.phi, new):
+                new = None
             if new is not None and sheet.energy(new) < self.energy + 1e-4 * fall:
                 crossed = sheet.crossings.find(new)
                 if not crossed and np.abs(new - self.phi).max() <= 3 * share * length:

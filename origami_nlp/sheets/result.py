@@ -23,6 +23,7 @@ SCHEMA = "origami_nlp.sheet_states/1"
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
+POPS = "minima with a vertex popped"
 """Parts of a search that its time may end."""
 
 
@@ -64,6 +65,15 @@ class SheetSearch:
         Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
+    popped, by_pops
+        Starts from minima with one vertex popped, its folds turned over; minima that they led to.
+    wells, resolved
+        Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
+        stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
+    coarse
+        Of the curves, those whose polynomials are further from closed states than they are meant to be.
+    failed
+        Starts, wells and parts of the search that linear algebra did not get through, each with its reason.
     left_out
         Parts of the search that its time, or an interruption, ended: what they had found before is listed.
     interrupted
@@ -89,6 +99,12 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
+    popped: int = 0
+    by_pops: int = 0
+    wells: int = 0
+    resolved: int = 0
+    coarse: int = 0
+    failed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     interrupted: bool = field(default=False, repr=False)
 
@@ -125,8 +141,17 @@ class SheetSearch:
             yield f"contact: {self.pressed} {what} along states that do not cross"
             for why, many in Counter(self.refused).items():
                 yield f"not decided: {many} of them gave up, {why}"
-        if self.curves == self.complete > 0 and not (self.not_traced or self.left_out):
-            yield "every well on these curves is listed; other curves are sampled only"
+        for why, many in Counter(self.failed).items():
+            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
+        if self.resolved < self.wells:
+            open_ = self.wells - self.resolved
+            yield f"not decided: {open_} of {self.wells} wells of the energy along these curves"
+        lost = self.curves != self.complete or self.coarse or self.resolved < self.wells
+        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+            yield (
+                f"every well of the energy along these curves was judged, {self.wells} in all; other curves are "
+                "sampled only"
+            )
         else:
             yield "sampled, not exhausted: there may be further states"
         if self.since:
@@ -136,6 +161,10 @@ class SheetSearch:
             )
         elif self.drawn:
             yield "the last drawn start found another minimum or curve: draw more (starts)"
+        if self.popped:
+            what = "minimum" if self.by_pops == 1 else "minima"
+            new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
+            yield f"{self.popped} starts from minima with one vertex popped: {new}"
 
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.complete

@@ -119,7 +119,7 @@ def _met_once(sheet: Sheet, d: np.ndarray) -> bool:
         if residual > CLOSES or np.abs(phi / far - d).max() > 10 * BESIDE_FLAT:
             return False
         values = np.linalg.svd(dense(sheet.closure.jacobian(phi)), compute_uv=False)
-        held.append(float(values[sheet.size - 2]) if len(values) > sheet.size - 2 else 0.0)
+        held.append(float(values[sheet.size - 2]) if 0 <= sheet.size - 2 < len(values) else 0.0)
     return held[1] > RANK and held[0] < 3 * held[1]
 
 

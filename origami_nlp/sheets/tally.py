@@ -35,6 +35,11 @@ class Tally:
     pressed: int = 0
     refused: list[str] = field(default_factory=list)
     of_vertex: int = 0
+    popped: int = 0
+    by_pops: int = 0
+    wells: int = 0
+    resolved: int = 0
+    failed: list[str] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     interrupted: bool = False
 
@@ -60,6 +65,12 @@ class Tally:
             pressed=self.pressed,
             refused=tuple(self.refused),
             of_vertex=self.of_vertex,
+            popped=self.popped,
+            by_pops=self.by_pops,
+            wells=self.wells,
+            resolved=self.resolved,
+            coarse=sum(not c.curve.fits for c in found),
+            failed=tuple(self.failed),
             left_out=tuple(self.left_out),
             interrupted=self.interrupted,
         )

@@ -65,11 +65,12 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
             continue
         name, energy, phi, wanted = states[k]
         draw_state(axes, design.scene.vertex, phi, size=7.0)
-        title = f"{label_text(name)}\n{energy:.4g} J"
-        axes.set_title(title, fontsize=9, color="black" if wanted else GREY)
+        axes.set_title(
+            label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color="black" if wanted else GREY
+        )
     what = "verified" if design.verified else "NOT verified"
-    label = label_text(design.scene.label or f"degree {design.scene.degree}")
-    above.suptitle(f"{label}: margin {design.margin:.3g}, {what}", fontsize=11)
+    label = design.scene.label or f"degree {design.scene.degree}"
+    above.suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
     axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _springs(axes[0], axes[1], design)
     _levels(axes[2], design)
@@ -142,7 +143,7 @@ def _levels(axes: Axes, design: Design) -> None:
             textcoords="offset points",
             color="#c1121f",
         )
-    names = [*map(label_text, place), *("extra" for _ in others)]
+    names = [*place, *("extra" for _ in others)]
     axes.set_xticks([2.0 * k for k in range(len(names))])
     axes.set_xticklabels(names, fontsize=8, rotation=30 if max(map(len, names)) > 8 else 0)
     axes.set_ylabel("energy [J]")
