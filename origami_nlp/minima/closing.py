@@ -137,7 +137,7 @@ class Closing:
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
             if self.model.has_limits:
-                over = (np.abs(x[todo]) > math.pi) & (shut[todo] == 0)
+                over = (np.abs(x[todo]) > math.pi + ROUNDED) & (shut[todo] == 0)
                 over &= (length <= SETTLING)[:, None]
                 k, v = todo[over.any(axis=1)], over.any(axis=1)
                 side = np.sign(x[k])
