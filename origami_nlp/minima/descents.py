@@ -24,7 +24,7 @@ from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
-from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse
+from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse, first_largest
 from origami_nlp.programme import OPEN, Model, Parameters
 
 FLAT_SLOPE = 1e-10
@@ -220,7 +220,7 @@ class Descents:
         unstable = (value < SADDLE) & (escapes[where] < ESCAPES)
         where, v = where[unstable], vector[unstable]
         # either side is as good, and what torque is left is rounding: the largest entry goes up
-        side = np.sign(v[np.arange(len(v)), coarse(np.abs(v)).argmax(axis=1)])
+        side = np.sign(v[np.arange(len(v)), first_largest(np.abs(v))])
         d[where] = v * (side * ESCAPE / np.abs(v / root[where]).max(axis=1))[:, None]
         converged[where], escaped[where] = False, True
         return escaped
@@ -232,7 +232,7 @@ class Descents:
         n = s.x.shape[1]
         pull = np.concatenate([s.shut * p.left, -p.multipliers[:, self._m :]], axis=1)
         pull = pull / size[:, None]
-        worst = coarse(pull).argmax(axis=1)
+        worst = first_largest(pull)
         early = np.where(slope <= FLAT_SLOPE, 0.0, np.where(s.hold, math.inf, EARLY * slope))
         released = pull[np.arange(len(s)), worst] > np.maximum(FLAT_SLOPE, early)
         opens = np.zeros_like(p.left)

@@ -9,7 +9,7 @@ from .linear import (
     unbounded as unbounded,
 )
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
-from .rounding import coarse as coarse
+from .rounding import coarse as coarse, first_largest as first_largest, rank as rank
 from .tolerances import (
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,

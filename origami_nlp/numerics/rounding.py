@@ -2,9 +2,60 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from origami_nlp.numerics.tolerances import CHOSEN
+from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED
+
+
+def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
+    """Return what states are sorted by, energy and then fold angles, without the digits that rounding leaves.
+
+    Parameters
+    ----------
+    energy
+        Over the mean stiffness.
+    fold_angles
+        In radians.
+
+    Returns
+    -------
+    tuple of float
+        Nine digits of the energy, seven of each angle: those of states that are degenerate are known to some 1e-8.
+
+    Examples
+    --------
+    >>> from origami_nlp.numerics import rank
+    >>> rank(0.3, (1.0, -1e-17)) == rank(0.1 + 0.2, (1.0 + 1e-15, 0.0))
+    True
+    """
+    return (round(energy, 9) + 0.0, *(round(float(a), 7) + 0.0 for a in fold_angles))
+
+
+def first_largest(a: np.ndarray) -> np.ndarray:
+    """Return where the largest entry of each row stands; of several that are equal but for rounding the first.
+
+    Parameters
+    ----------
+    a
+        Numbers, shape [..., n].
+
+    Returns
+    -------
+    np.ndarray
+        Positions, shape [...].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.numerics import first_largest
+    >>> int(first_largest(np.array([0.0, 0.3, 0.1 + 0.2])))
+    1
+    """
+    most = a.max(axis=-1, keepdims=True)
+    near = np.where(np.isfinite(most), CHOSEN * np.abs(most) + ROUNDED, 0.0)
+    return np.asarray((a >= most - near).argmax(axis=-1))
 
 
 def coarse(a: np.ndarray, to: float = CHOSEN) -> np.ndarray:

@@ -9,6 +9,8 @@ shrink to half its volume is cut in two at the middle of its widest side; both c
 
 Rounding of the contraction: entries of Y A and Y c are sums of at most R products, so they, and the sums over them, are
 off by at most gamma_{R+d+2} sum_r |Y_vr| (|c_r| + sum_j |A_rj| + e_r); four times that is added.
+
+Bounds of xi are then moved outward onto a grid: they, and so all boxes, are the same on every processor.
 """
 
 from __future__ import annotations
@@ -32,6 +34,10 @@ SMALL = 1e-5
 """Boxes whose sides are all shorter [rad] are candidates, for roots or singular states."""
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
+GRID = 2.0**-24
+"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, and no loss."""
+OFF = 0.3
+"""Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
 EXACT = 1e-6
 """Least squares take no row to be more accurate than this, relative to its slopes."""
 KEPT = 0.9
@@ -279,8 +285,9 @@ def _contracted(
         e = np.concatenate([e, np.where(asked, more[2], 1.0)], axis=1)
     low2, high2 = _bounds(a, c, e, _least_squares(a, e))
     # a matrix that came out as NaN bounds nothing
-    low = np.fmax(np.fmax(low, low2), -1.0).T
-    high = np.fmin(np.fmin(high, high2), 1.0).T
+    low, high = np.fmax(low, low2).T, np.fmin(high, high2).T
+    low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
+    high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
     empty = (low > high).any(axis=0)
     free = batch.pins == 0
     # by `WIDER`, and at least to the next double: more than what rounding does to the sum

@@ -20,7 +20,7 @@ import origami_nlp as o
 
 Question = tuple[str, Callable[[], Any]]
 SECONDS = re.compile(r"\d[\d.,]* (s|ms|min)\b")
-RESIDUAL = re.compile(r"\b\d(\.\d+)?e-\d+")
+RESIDUAL = re.compile(r"\b\d(\.\d+)?e[-+]\d+")
 
 
 def generic(degree: int, seed: int, contact: str = "full") -> o.Scene:

@@ -25,6 +25,8 @@ KERNELS: dict[str, dict[str, str]] = {
     "no AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"},
 }
 """Kernels of OpenBLAS, and NumPy without its code for AVX-512: what the environment asks for."""
+MEASURED = ("seconds", "iterations")
+"""Not compared: time, and how many iterations IPOPT made, whose linear solver is its own."""
 NEAR = 1e-6
 """Numbers that differ by no more, absolutely or relatively, are equal: half the digits of a double."""
 
@@ -47,7 +49,7 @@ def differences(one: Any, other: Any, where: str = "") -> Iterator[str]:
     """Where two answers differ: words literally but for seconds and residuals, numbers beyond `NEAR`."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         for key in {**one, **other}:
-            if key != "seconds":
+            if key not in MEASURED:
                 yield from differences(one.get(key), other.get(key), f"{where}.{key}")
     elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         for k, (a, b) in enumerate(zip(one, other, strict=True)):
