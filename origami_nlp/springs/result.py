@@ -238,7 +238,7 @@ class Design(Told):
         rows: list[tuple[str, ...]] = [
             (
                 s.name,
-                f"{s.energy:.9g}",
+                f"{s.energy:.6g}",
                 s.kind or "no minimum",
                 s.full_space or "-",
                 f"{math.degrees(s.moved):.2g}",

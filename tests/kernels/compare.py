@@ -25,8 +25,8 @@ KERNELS: dict[str, dict[str, str]] = {
     "no AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"},
 }
 """Kernels of OpenBLAS, and NumPy without its code for AVX-512: what the environment asks for."""
-MEASURED = ("seconds", "iterations")
-"""Not compared: time, and how many iterations IPOPT made, whose linear solver is its own."""
+MEASURED = ("seconds", "iterations", "cost")
+"""Not compared: time, and how often solvers iterated until rounding stopped them."""
 NEAR = 1e-6
 """Numbers that differ by no more, absolutely or relatively, are equal: half the digits of a double."""
 
