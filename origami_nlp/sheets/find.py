@@ -20,7 +20,7 @@ from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
+from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest, rank
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -207,7 +207,8 @@ class _Search:
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return tuple(sorted((s.moved(self._middle) for s in by_key), key=lambda s: s.energy))
+        moved = (s.moved(self._middle) for s in by_key)
+        return tuple(sorted(moved, key=lambda s: rank(s.energy / self.sheet.scale, ())))
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
