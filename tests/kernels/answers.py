@@ -29,7 +29,8 @@ def generic(degree: int, seed: int, contact: str = "full") -> o.Scene:
     while (sectors := rng.dirichlet(np.full(degree, 6.0)) * 2 * math.pi).max() > 0.9 * math.pi:
         pass
     stiffness, rest = 10 ** rng.uniform(-1, 1, degree), rng.uniform(-math.pi, math.pi, degree)
-    return o.Scene(o.Vertex(tuple(sectors.tolist())), stiffness, rest, "none", contact)
+    name = f"degree {degree}, number {seed}"
+    return o.Scene(o.Vertex(tuple(sectors.tolist())), stiffness, rest, "none", contact, name=name)
 
 
 def panels() -> Iterator[Question]:
@@ -67,7 +68,7 @@ def capabilities() -> Iterator[Question]:
     yield "metasheet 3x3, load path", lambda: o.find_load_path(sheet, [1, 2], to=0.05)
     yield "load path", lambda: o.load_path(e.degree6("5*pi/12"), 1, to=0.05)
     vertex = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
-    wanted = (1.1, -0.7, -1.1, -0.7)
+    wanted = (1.2, -1.2, -0.6, -1.2)
     state = o.find_minima(o.Scene(vertex, (1, 1, 1, 1), wanted)).minima[0].fold_angles
     targets = o.springs.Targets(vertex, (o.springs.Target("folded", state),))
     yield "design", lambda: o.design(targets)
