@@ -284,7 +284,9 @@ class Descents:
             return replace(s, x=s.x + share[:, None] * dx), share
         shut = s.shut.copy()
         room = np.maximum(np.where(dx > 0, math.pi - s.x, math.pi + s.x), 0.0)
-        to = np.where((shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), 1e-300), math.inf)
+        to = np.where(
+            (shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), 1e-300), math.inf
+        )
         nearest = to.min(axis=1)
         first = (to <= nearest[:, None] * NEXT).argmax(axis=1)
         hit = np.flatnonzero(nearest <= share * NEXT)
@@ -368,5 +370,7 @@ def _lowest(h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     fixed = np.cos(np.arange(1, h.shape[1] + 1))
     v = np.einsum("kij,kj,kj->ki", vectors, near, np.einsum("kij,i->kj", vectors, fixed))
     length = np.linalg.norm(v, axis=1)
-    v = np.where((length > CHOSEN)[:, None], v / np.maximum(length, CHOSEN)[:, None], vectors[..., 0])
+    v = np.where(
+        (length > CHOSEN)[:, None], v / np.maximum(length, CHOSEN)[:, None], vectors[..., 0]
+    )
     return values[:, 0], v

@@ -323,7 +323,9 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
     first = min(h for h, *_ in met)
     # of contacts that close together, the one that does so to first order knows best where; of several the first
     together = sorted((m for m in met if m[0] <= first + ENDS), key=lambda m: m[3])
-    _, _, frame, contact = together[int(first_largest(np.array([rate for _, rate, *_ in together])))]
+    _, _, frame, contact = together[
+        int(first_largest(np.array([rate for _, rate, *_ in together])))
+    ]
     opening = frame.programme.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
 

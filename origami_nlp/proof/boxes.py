@@ -36,7 +36,7 @@ SMALL = 1e-5
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
 GRID = 2.0**-12
-"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, and hardly a loss."""
+"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
 OFF = 0.3
 """Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
 EXACT = 1e-3

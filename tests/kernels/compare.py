@@ -101,7 +101,9 @@ def main() -> None:
     told = []
     for group in groups:
         for c in compared(group, list(KERNELS)):
-            row = f"{c.group:14}{c.kernel:12}{c.questions:10}{c.printed:9}{c.data:6}{c.seconds:9.1f}"
+            row = (
+                f"{c.group:14}{c.kernel:12}{c.questions:10}{c.printed:9}{c.data:6}{c.seconds:9.1f}"
+            )
             print(row, flush=True)
             told += [f"{c.kernel}: {name}: {line}" for name, line in c.differing]
     print(*(re.sub(r"\s+", " ", line)[:400] for line in told), sep="\n")
