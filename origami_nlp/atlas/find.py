@@ -82,7 +82,7 @@ def follow(
     >>> import origami_nlp as o
     >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
-    [('leaves', 0.355732)]
+    [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """

@@ -185,7 +185,7 @@ class Atlas(Told, Turnable):
                 "dim",
             )
         yield Words(
-            f"{self.cost.steps} steps, {self.cost.evaluations} evaluations, {self.cost.seconds:.2f} s, and "
+            f"{self.cost.steps} steps, {self.cost.seconds:.2f} s, and "
             f"{self.cost.checks:.2f} s for {len(self.checks)} searches.  States that no check found and no event "
             "leads to (isolated branches between the checks) are not here.",
             "dim",

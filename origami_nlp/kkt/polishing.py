@@ -27,6 +27,7 @@ from origami_nlp.numerics import (
     STATIONARY,
     SUMMED,
     UNPOLISHED,
+    first_largest,
 )
 from origami_nlp.programme import Contact, Local, Programme, fold_limit, held
 
@@ -169,7 +170,7 @@ def _repair(
             rows = tuple(dict.fromkeys((*key, *violated)))
         elif len(multipliers) and multipliers.min() < -ROUNDED * max(1, np.abs(multipliers).max()):
             # it pulls, however little it would open
-            drop = int(multipliers.argmin())
+            drop = int(first_largest(-multipliers))
             rows = key[:drop] + key[drop + 1 :]
         else:
             return result, result.converged

@@ -35,7 +35,7 @@ from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.starts import effort_of
 from origami_nlp.minima.windings import finish_all, jobs_of, join_reports, prove_each
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, rank
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 
@@ -215,7 +215,7 @@ def _result(
         seconds = time.perf_counter() - job.begin
         reports.append(job.report(others, outcomes, seconds, effort))
     # ties (mirror images of one another) in a fixed order
-    minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
+    minima.sort(key=lambda m: rank(m.energy / model.scale, m.fold_angles))
     if full:
         minima = _in_full_space(model.scene, minima, until)
     return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)
@@ -238,7 +238,7 @@ def _sort_out(
         else:
             angles = tuple(phi.tolist())
             others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
-    others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
+    others.sort(key=lambda r: (r.verdict, *rank(r.energy / model.scale, r.fold_angles)))
     return minima, others, dict(outcomes)
 
 

@@ -135,7 +135,7 @@ def search_lines(s: SearchReport) -> list[str]:
         if s.starts
         else f"no start was drawn, {s.seconds:.2f} s",
         *completeness_lines(s),
-        f"IPOPT: {s.solves} solves, {s.iterations} iterations: "
+        f"IPOPT: {s.solves} solves: "
         + (", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())) or "none"),
     ]
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]

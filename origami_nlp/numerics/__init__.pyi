@@ -9,10 +9,12 @@ from .linear import (
     unbounded as unbounded,
 )
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
+from .rounding import coarse as coarse, first_largest as first_largest, rank as rank
 from .tolerances import (
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,
     BESIDE as BESIDE,
+    CHOSEN as CHOSEN,
     CLOSES as CLOSES,
     CURVED as CURVED,
     DEPENDENT as DEPENDENT,

@@ -75,6 +75,11 @@ ENDS = 1e-5
 1e-6."""
 UNPOLISHED = 1e-5
 """Contacts and torques of an answer of IPOPT: its tolerance 1e-7 leaves sqrt(mu) ~ 1e-4.5 at weak contacts."""
+CHOSEN = 2.0**-16
+"""What is chosen by comparison (the largest, the first, a direction to go in) is rounded to this share of the largest
+first: on different processors it differs by rounding, 1e-16, times the condition of what it was solved from, 1e4 as a
+rule and 1e8 next to singular states, so that one comparison in 1e7, or 1e3, is left to that; and steps rounded so still
+gain four digits each."""
 BESIDE = 1e-3
 """Distance of IPOPT's answer from a singular state: the square root of its tolerance, with room."""
 DESIGN_SNAP = 1e-4

@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet, round_vertex
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
+from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest, rank
 from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -241,7 +241,7 @@ class _Search:
 
     def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return sorted(by_key, key=lambda s: s.energy)
+        return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
 
     @cached_property
     def _symmetries(self) -> list[tuple[np.ndarray, float]]:

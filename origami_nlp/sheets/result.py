@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.numerics import STATIONARY
+from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
@@ -179,8 +179,7 @@ class SheetSearch:
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            what = "part of a step" if self.unclear == 1 else "parts of steps"
-            yield f"{self.unclear} {what} along them in which facets may touch and part again unseen"
+            yield "in parts of steps along them facets may touch and part again unseen"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -346,7 +345,8 @@ class SheetResult(Told, Turnable):
         groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
         states = [SheetState.from_dict(s) for group in groups for s in group]
         pattern = pattern_from_dict(data["pattern"])
-        by_energy = tuple(sorted(states, key=lambda s: s.energy))
+        scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        by_energy = tuple(sorted(states, key=lambda s: rank(s.energy / scale, ())))
         return cls(pattern, by_energy, from_plain(SheetSearch, data["search"]))
 
     def _rows(self) -> Iterable[Mapping[str, object]]:

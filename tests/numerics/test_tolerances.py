@@ -43,6 +43,7 @@ BESIDE_THE_TABLE = {
     "minima/closing.(QUADRATIC, SETTLING)": "steps of Gauss-Newton: the square of the first is `EXPLORED`, or less",
     "minima/descents.FLAT_SLOPE": "torque left in explored states, which are polished afterwards",
     "minima/descents.SADDLE": "curvature of explored states, relative to that of the springs",
+    "minima/descents.SINGULAR": "eigenvalues of explored states whose inverses are rounding",
     "minima/descents.TINY": "progress of an explored state",
     "minima/descents.(FIRST_REACH, REACH, SHORTEST)": "lengths of steps",
     "minima/ipopt.TOLERANCE": "accuracy that IPOPT is asked for",
