@@ -20,7 +20,6 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
     State,
@@ -35,8 +34,7 @@ from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import effort_of
-from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
 FEWEST_STARTS = 1
@@ -219,7 +217,7 @@ def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejecte
         energy = model.energy(answer.polished.x)
         phi = model.expand(answer.polished.x)
         assert answer.what is not None
-        what = _that_closes(model.scene.vertex, phi, answer.what)
+        what = answer.what
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
             minima.append(_minimum(model, answer, what, _confirmed(model, answer, record)))
@@ -267,17 +265,6 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     record.statuses[solver.status] += 1
     record.iterations += solver.iterations
     return solver
-
-
-def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) -> Classification:
-    """Let nothing be a minimum whose final numbers do not close, by a product of rotations of their own."""
-    if what.verdict != "minimum":
-        return what
-    _, q = fold_vertex(vertex, fold_angles)
-    residual = float(np.linalg.norm(q[1:]))
-    if residual <= CLOSES:
-        return what
-    return Classification("undecided", None, f"closes only to {residual:.0e}; {what.reason}", 0)
 
 
 def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:

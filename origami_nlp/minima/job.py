@@ -210,6 +210,7 @@ class Job:
             effort=effort,
             by_source={name: count for name, count in r.by_source.items() if count},
             stalled=r.stalled,
+            failed={why: count for why, count in sorted(r.failed.items()) if count},
             seen_once=r.seen_once,
             quiet=0 if self.stopped_by == "time" else r.quiet,
             corners=self.corners[0],

@@ -155,6 +155,8 @@ class SearchReport(Brief):
         Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
     stalled
         Descents that ended nowhere.
+    failed
+        Descents whose end is no state (it does not close), or at which linear algebra broke down, by reason.
     seen_once
         Minima that one drawn start reached.
     quiet
@@ -186,6 +188,7 @@ class SearchReport(Brief):
     effort: str = field(default="normal", kw_only=True)
     by_source: dict[str, int] = field(default_factory=dict, kw_only=True)
     stalled: int = field(default=0, kw_only=True)
+    failed: dict[str, int] = field(default_factory=dict, kw_only=True)
     seen_once: int = field(default=0, kw_only=True)
     quiet: int = field(default=0, kw_only=True)
     corners: int = field(default=0, kw_only=True)

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, State, polish
+from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
 from origami_nlp.minima.samples import Ends, Samples, joined
@@ -25,6 +25,8 @@ FIRST_BATCH, BATCH = 256, 4096
 and at most from then on."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
+BREAKDOWN = "linear algebra broke down on the way"
+"""Why a descent failed that has no end."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
 Work = Generator[tuple[Descents, Samples], Ends, None]
@@ -101,7 +103,9 @@ class Search:
                     return
                 ends = next(made) if made else (yield self._descents, part)
                 good = ends.converged | ends.settled
-                record.stalled += int((~good & (ends.samples.source != GIVEN)).sum())
+                nowhere = ~good & ~ends.broken
+                record.stalled += int((nowhere & (ends.samples.source != GIVEN)).sum())
+                record.failed[BREAKDOWN] += int(ends.broken.sum())
                 self._file(ends, np.flatnonzero(good))
                 record.drawn += int(np.isin(ends.samples.source, DRAWN).sum())
             if starts is not None:
@@ -160,6 +164,8 @@ class Search:
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))
+            if answer.lost:
+                self.record.failed[answer.lost] += len(hit)
             answer.hits += int(counted[hit].sum())
             answer.in_rounds += int(drawn[hit].sum())
             if answer.first == 0 and drawn[hit].any():
@@ -179,7 +185,7 @@ class Search:
             if apart[nearest] <= ALIKE:
                 return self._answer_of[nearest], False
         end = Solve(self._stated(x), "", 0, math.nan, np.abs(self._stated(s.shut[k] + 0.0)), None)
-        answer, new = self.record.file(self.model, polish(self.model, end, self._held(s, k)))
+        answer, new = self.record.settle(self.model, end, self._held(s, k))
         if new:
             judge(self.model, answer)
             if answer.is_minimum:
@@ -242,7 +248,7 @@ def _split(ends: Ends, lengths: list[int]) -> list[Ends]:
     """Return the ends of each of some searches, as if it had descended alone."""
     own = replace(ends.samples, springs=np.zeros(len(ends.samples), dtype=int))
     cuts = np.split(np.arange(len(own)), np.cumsum(lengths)[:-1])
-    return [Ends(own[k], ends.converged[k], ends.settled[k]) for k in cuts]
+    return [replace(ends, samples=own)[k] for k in cuts]
 
 
 def _gap_under(model: Model, other: Model, labels: Labels) -> np.ndarray:
