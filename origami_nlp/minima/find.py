@@ -99,7 +99,8 @@ def find_minima(
         Starts before the stopping rule is believed.
     guesses
         States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
-        enter the stopping rule.
+        enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
+        `SearchReport.refused` says why another guess is none.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.

@@ -169,6 +169,8 @@ class SearchReport(Brief):
         With full contact and without symmetry: which strata with touches were started, by class.
     complete
         Why nothing is missing, where that is known; "" elsewhere.
+    refused
+        Guesses at which no minimum is listed, each with the reason (`hits` is 0).
     rejected
         Distinct answers that are no minimum, with the reason and hits.
     undecided
@@ -195,5 +197,6 @@ class SearchReport(Brief):
     every_corner: bool = field(default=False, kw_only=True)
     complete: str = field(default="", kw_only=True)
     strata: tuple[StrataCount, ...] = field(default=(), kw_only=True)
+    refused: tuple[Rejected, ...] = field(default=(), repr=False)
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
     undecided: tuple[Rejected, ...] = field(default=(), repr=False)

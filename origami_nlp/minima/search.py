@@ -15,7 +15,7 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
 from origami_nlp.minima.samples import Ends, Samples, joined
 from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
-from origami_nlp.numerics import ROUNDED, SAME
+from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.workers import worker_pool
@@ -145,11 +145,23 @@ class Search:
         gap, _ = crossings.of(at, starts.x, starts.shut)
         return good & (gap == OPEN)
 
-    def closed(self, x: np.ndarray) -> Samples:
-        """Return free samples at states [K, n] of the scene, closed; those that do not close are dropped."""
+    def closed(self, x: np.ndarray, *, touching: bool = False) -> Samples:
+        """Return samples at states [K, n] of the scene, closed; those that do not close are dropped.
+
+        touching: hold the contacts that are closed there until they pull, so that the first step runs into none.
+        """
         x = np.array([self._under(state) for state in x]).reshape(x.shape)
         x = np.clip(x, -self.model.bound, self.model.bound)
-        s = self._descents.closing.close(Samples.on(x, source=GIVEN), 12, ROUNDED)
+        s = Samples.on(x, source=GIVEN)
+        for k in range(len(x) * touching):
+            for contact in State(self._descents.model, x[k], NEAR_CONTACT).pieces[0]:
+                if contact.is_limit:
+                    s.x[k, contact.index] = contact.side * math.pi
+                    s.shut[k, contact.index] = contact.side
+                elif OPEN in s.slots[k]:
+                    slot = s.slots[k].tolist().index(OPEN)
+                    s.slots[k, slot], s.sides[k, slot] = contact.index, contact.side
+        s = self._descents.closing.close(s, 12, ROUNDED)
         value, _ = self._descents.closing.kinematics.closure(
             self._descents.closing.kinematics.fold(s.x)
         )

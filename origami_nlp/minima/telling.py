@@ -136,6 +136,9 @@ def search_lines(s: SearchReport) -> list[str]:
         f"IPOPT: {s.solves} solves, {s.iterations} iterations: "
         + (", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())) or "none"),
     ]
+    for r in s.refused:
+        angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+        lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
     if s.failed:
         reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
         lines.append(f"ends of descents that are no state: {reasons}")
