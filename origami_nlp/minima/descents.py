@@ -144,7 +144,9 @@ class Descents:
             apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
             for who in (live[~slotted], live[slotted]) if apart else (live,):
                 before = s[who]
-                new, now = self._step(joined(before), reach[who], escapes[who])  # of a copy: it is put in place
+                new, now = self._step(
+                    joined(before), reach[who], escapes[who]
+                )  # of a copy: it is put in place
                 left = before.hold & ~new.hold
                 settled[who] |= left
                 put(kept, who[left], before[left])

@@ -111,9 +111,7 @@ class Ends:
     def of(cls, parts: Sequence[Ends]) -> Ends:
         """Return ends one after the other."""
         samples = joined(*(part.samples for part in parts))
-        rest = (
-            np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)[1:]
-        )
+        rest = (np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)[1:])
         return cls(samples, *rest)
 
     def __getitem__(self, which: np.ndarray) -> Ends:

@@ -17,9 +17,9 @@ Two kinds of strata of a vertex of degree five are curves, or empty, and are lef
   beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
 - Ray k on facet k+2 and ray k+2 on facet k+4 at once, where sectors k and k+1 make less than pi.  If these rays differ,
   the great circles of both facets pass through both and are one circle, so that creases k+3 and k+4 are at 0 or +-pi.
-  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are one arc that is
-  longer than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one, crease
-  k+1 is shut between equal sectors: the case before.
+  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are one arc longer
+  than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one, crease k+1 is
+  shut between equal sectors: the case before.
 
 Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
 meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
@@ -68,7 +68,7 @@ from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 MOST = 5_000
 """Small boxes of a set of touches from which on they are no isolated points."""
 MOST_BOXES = 1_000_000
-"""Boxes for all sets of touches together: 20 seconds, and three times what vertices within 1e-6 of a regular one need."""
+"""Boxes for all sets of touches together: 20 seconds, twice what vertices within 1e-6 of a regular one need."""
 
 
 @dataclass(frozen=True, eq=False)
