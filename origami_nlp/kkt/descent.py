@@ -201,7 +201,7 @@ def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
 
 
 def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:
-    """Polish the end of a path: it may stand a contact tolerance inside a closed contact, so a little below the state."""
+    """Polish the end of a path: it may stand a contact tolerance inside a closed contact, so a little lower."""
     most = RISE * max(model.energy(x), model.scale)
     ends = (p.x for p in polished_nearby(model, x) if model.energy_change(x, p.x) <= most)
     return next(ends, None)

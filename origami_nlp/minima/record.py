@@ -58,7 +58,8 @@ class Record:
     """Everything a search did, failures included.
 
     answers: distinct states.  starts: drawn.  feasible_starts: admissible among them.  stalled: descents that ended
-    nowhere.  failed: those whose end is no state, or at which linear algebra broke down, by reason.  by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
+    nowhere.  failed: those whose end is no state, or at which linear algebra broke down, by reason.
+    by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
     statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
     """
 

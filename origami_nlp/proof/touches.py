@@ -17,7 +17,7 @@ Two kinds of strata of a vertex of degree five are curves, or empty, and are lef
   beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
 - Ray k on facet k+2 and ray k+2 on facet k+4 at once, where sectors k and k+1 make less than pi.  If these rays differ,
   the great circles of both facets pass through both and are one circle, so that creases k+3 and k+4 are at 0 or +-pi.
-  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are one arc longer
+  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are an arc longer
   than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one, crease k+1 is
   shut between equal sectors: the case before.
 
