@@ -7,7 +7,11 @@ from .classification import (
     classify as classify,
     of_image as of_image,
 )
-from .descent import Followed as Followed, follow as follow
+from .descent import (
+    Followed as Followed,
+    follow as follow,
+    polished_nearby as polished_nearby,
+)
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
 from .neighbours import search_spheres as search_spheres

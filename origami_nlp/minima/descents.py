@@ -127,8 +127,20 @@ class Descents:
     def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
 
-        The hold of a sample ends once its stratum is reached: contacts that pull are let go then.
+        The hold of a sample ends once its stratum is reached: contacts that pull are let go then.  A sample at which
+        linear algebra breaks down is found by halving, and ends where it started, as one that went nowhere; the others
+        go on.
         """
+        try:
+            return self._run(starts)
+        except np.linalg.LinAlgError:
+            if len(starts) <= 1:
+                none = np.zeros(len(starts), dtype=bool)
+                return Ends(starts, none, none, ~none)
+            halves = np.array_split(np.arange(len(starts)), 2)
+            return Ends.of([self.run(starts[half]) for half in halves])
+
+    def _run(self, starts: Samples) -> Ends:
         k, live = len(starts), np.arange(len(starts))
         s, kept = joined(starts), joined(starts)  # copies
         reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
@@ -145,7 +157,9 @@ class Descents:
             apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
             for who in (live[~slotted], live[slotted]) if apart else (live,):
                 before = s[who]
-                new, now = self._step(before, reach[who], escapes[who])
+                new, now = self._step(
+                    joined(before), reach[who], escapes[who]
+                )  # of a copy: it is put in place
                 left = before.hold & ~new.hold
                 settled[who] |= left
                 put(kept, who[left], before[left])
@@ -157,7 +171,8 @@ class Descents:
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(settled & ~converged)
         put(s, back, kept[back])
-        return Ends(self.closing.close(s, to=ROUNDED), converged, settled)
+        broken = np.zeros(k, dtype=bool)
+        return Ends(self.closing.close(s, to=ROUNDED), converged, settled, broken)
 
     def _step(
         self, s: Samples, reach: np.ndarray, escapes: np.ndarray

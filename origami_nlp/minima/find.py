@@ -20,7 +20,6 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
     State,
@@ -35,8 +34,8 @@ from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.starts import effort_of
 from origami_nlp.minima.windings import finish_all, jobs_of, join_reports, prove_each
-from origami_nlp.numerics import CLOSES, rank
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.numerics import rank
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
 FEWEST_STARTS = 1
@@ -101,7 +100,8 @@ def find_minima(
         Starts before the stopping rule is believed.
     guesses
         States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
-        enter the stopping rule.
+        enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
+        `SearchReport.refused` says why another guess is none.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
@@ -230,7 +230,7 @@ def _sort_out(
         energy = model.energy(answer.polished.x)
         phi = model.expand(answer.polished.x)
         assert answer.what is not None
-        what = _that_closes(model.scene.vertex, phi, answer.what)
+        what = answer.what
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
             solver = _confirmed(model, answer, record) if time.monotonic() <= until else None
@@ -278,17 +278,6 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     record.statuses[solver.status] += 1
     record.iterations += solver.iterations
     return solver
-
-
-def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) -> Classification:
-    """Let nothing be a minimum whose final numbers do not close, by a product of rotations of their own."""
-    if what.verdict != "minimum":
-        return what
-    _, q = fold_vertex(vertex, fold_angles)
-    residual = float(np.linalg.norm(q[1:]))
-    if residual <= CLOSES:
-        return what
-    return Classification("undecided", None, f"closes only to {residual:.0e}; {what.reason}", 0)
 
 
 def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:

@@ -158,6 +158,8 @@ class SearchReport(Brief):
         Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
     stalled
         Descents that ended nowhere.
+    failed
+        Descents whose end is no state (it does not close), or at which linear algebra broke down, by reason.
     seen_once
         Minima that one drawn start reached.
     quiet
@@ -170,6 +172,8 @@ class SearchReport(Brief):
         With full contact and without symmetry: which strata with touches were started, by class.
     complete
         Why nothing is missing, where that is known; "" elsewhere.
+    refused
+        Guesses at which no minimum is listed, each with the reason (`hits` is 0).
     rejected
         Distinct answers that are no minimum, with the reason and hits.
     undecided
@@ -189,11 +193,13 @@ class SearchReport(Brief):
     effort: str = field(default="normal", kw_only=True)
     by_source: dict[str, int] = field(default_factory=dict, kw_only=True)
     stalled: int = field(default=0, kw_only=True)
+    failed: dict[str, int] = field(default_factory=dict, kw_only=True)
     seen_once: int = field(default=0, kw_only=True)
     quiet: int = field(default=0, kw_only=True)
     corners: int = field(default=0, kw_only=True)
     every_corner: bool = field(default=False, kw_only=True)
     complete: str = field(default="", kw_only=True)
     strata: tuple[StrataCount, ...] = field(default=(), kw_only=True)
+    refused: tuple[Rejected, ...] = field(default=(), repr=False)
     rejected: tuple[Rejected, ...] = field(default=(), repr=False)
     undecided: tuple[Rejected, ...] = field(default=(), repr=False)

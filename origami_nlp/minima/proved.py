@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.kkt import Solve, polish, project
+from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
-from origami_nlp.minima.record import Answer, Record, judge, listed
+from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
 from origami_nlp.numerics import BESIDE, CLOSES, SAME
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -73,12 +73,15 @@ def prove_complete(
     refused = why_not(model)
     if refused:
         return Completeness("not-proved", refused)
-    if wanted is None:
-        proof = prove(model, seconds=left, most=UNASKED)
-    else:
-        given = math.inf if wanted is True else float(wanted)
-        proof = prove(model, seconds=given if left is None else min(given, left))
-    return hold_against(model, record, proof)
+    try:
+        if wanted is None:
+            proof = prove(model, seconds=left, most=UNASKED)
+        else:
+            given = math.inf if wanted is True else float(wanted)
+            proof = prove(model, seconds=given if left is None else min(given, left))
+        return hold_against(model, record, proof)
+    except BREAKDOWNS as error:
+        return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
 
 def why_not(model: Model) -> str:
@@ -205,10 +208,18 @@ def _leaves(point: CriticalPoint) -> bool:
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
-def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
-    """Polish, file and judge a state; tells whether it is new."""
+def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer | None, bool]:
+    """Polish, file and judge a state; tells whether it is new.
+
+    The middle of a box is no state: where it cannot be polished there is none.
+    """
     end = Solve(x, "", 0, math.nan, np.ones(model.size), None)
-    answer, new = record.file(model, polish(model, end))
+    state = polish(model, end)
+    if not state.converged:
+        state = exact_beside(model, state)
+    if not (state.converged and closes(model, state.x)):
+        return None, False
+    answer, new = record.file(model, state)
     if new:
         answer.listed = True
         judge(model, answer)
@@ -286,8 +297,9 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
     if not inside:
         answer, new = _file(model, record, middle)
-        added += [answer] * (new and answer.is_minimum)
-        inside = [answer] if _within(answer.polished.x, lower, upper) else []
+        if answer is not None:
+            added += [answer] * (new and answer.is_minimum)
+            inside = [answer] if _within(answer.polished.x, lower, upper) else []
     verdicts = {a.what.verdict for a in inside if a.what is not None}
     exact = None if inside else _singular(model, middle)
     if exact is not None and _within(exact, lower, upper):

@@ -138,17 +138,23 @@ def search_lines(s: SearchReport) -> list[str]:
         f"IPOPT: {s.solves} solves: "
         + (", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())) or "none"),
     ]
+    for r in s.refused:
+        angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+        lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
+    if s.failed:
+        reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
+        lines.append(f"ends of descents that are no state: {reasons}")
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
     if ended:
         lines.append("starts ended at: " + ", ".join(ended))
-    reasons: dict[tuple[str, str], int] = {}
+    rejected: dict[tuple[str, str], int] = {}
     for r in s.rejected:
         if r.hits:
             key = (r.verdict, r.reason)
-            reasons[key] = reasons.get(key, 0) + 1
+            rejected[key] = rejected.get(key, 0) + 1
     lines += [
         f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
-        for (verdict, reason), count in sorted(reasons.items())
+        for (verdict, reason), count in sorted(rejected.items())
     ]
     return lines
 
