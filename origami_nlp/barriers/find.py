@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
-from origami_nlp.barriers.merge_tree import MergeTree
+from origami_nlp.numerics import MergeTree
 from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted

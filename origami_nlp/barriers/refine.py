@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.barriers.graph import grow
-from origami_nlp.barriers.merge_tree import Merge, MergeTree, merge_tree
+from origami_nlp.numerics import Merge, MergeTree, merge_tree
 from origami_nlp.barriers.passes import (
     Critical,
     Descent,

@@ -26,6 +26,7 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
+from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
@@ -206,6 +207,7 @@ def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> Mi
         close_orbit(model, record, answer)
     completeness = prove_complete(model, record, prove)
     minima, others, outcomes = _sort_out(model, record)
+    minima = with_escapes(model, minima)
     if full:
         minima = _in_full_space(model.scene, minima)
     report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)
@@ -254,6 +256,7 @@ def _minimum(
         solver=solver,
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
+        softest_mode=() if what.mode is None else tuple(model.expand(what.mode).tolist()),
     )
 
 

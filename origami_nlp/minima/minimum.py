@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from origami_nlp.files import Brief
-from origami_nlp.kkt import ContactForce, Kind
+from origami_nlp.kkt import ContactForce, Escape, Kind
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
@@ -56,6 +56,11 @@ class Minimum(Brief):
         determine it.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
+    softest_mode
+        Fold angles [N] of the mode with the smallest of `hessian_eigenvalues`, of unit length, its largest entry
+        positive; empty where there is no stiffness, or more than one mode has it.
+    escape
+        How much energy it takes to leave the state; None where it was not asked for.
 
     Examples
     --------
@@ -80,6 +85,18 @@ class Minimum(Brief):
     solver: Confirmation | None = None
     moment: tuple[float, float, float] | None = None
     moment_residual: float = math.nan
+    softest_mode: tuple[float, ...] = field(default=(), repr=False)
+    escape: Escape | None = None
+
+    @property
+    def softest(self) -> float:
+        """Smallest stiffness [N m/rad], per unit length of all N fold angles; inf where contacts leave nothing free."""
+        return min(self.hessian_eigenvalues, default=math.inf)
+
+    @property
+    def shallow(self) -> bool:
+        """Whether a way out is known that climbs next to nothing, see `Escape.shallow`."""
+        return self.escape is not None and self.escape.shallow
 
     @property
     def flags(self) -> StateFlags:
@@ -90,6 +107,7 @@ class Minimum(Brief):
             multipliers_not_unique=not all(c.unique for c in self.contacts),
             touching_without_moment=self.kind == "contact-touching",
             isolated=self.local_dimension == 0,
+            shallow=self.shallow,
             solver_disagrees=self.solver is not None and not self.solver.agrees,
             residual_above_tolerance=self.closure_residual > CLOSES
             or self.kkt_residual > STATIONARY,

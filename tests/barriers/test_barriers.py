@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.graph import parabola_top, side_of_flat
-from origami_nlp.barriers.merge_tree import merge_tree
+from origami_nlp.numerics import merge_tree
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points

@@ -1,0 +1,360 @@
+"""How much energy it takes to leave a stable state: passes between states, and upper bounds of them from descents.
+
+Written for whatever has states, energies and descents (`Terrain`).  The **escape barrier** of a state is the least
+energy that a path to a state of no higher energy has to climb; that of a state that has none such, to another one that
+is not shallow itself (the elder rule of merge trees: of two states that a ripple parts, the higher one is shallow).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple, Protocol
+
+import numpy as np
+
+from origami_nlp.files import Brief
+from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW
+
+TRACED, TREE, BOUND, OPEN, ALONE = (
+    "exact (traced)",
+    "merge tree",
+    "upper bound (descents)",
+    "not determined",
+    "isolated",
+)
+Method = Literal[
+    "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
+]
+SECTIONS, ROUNDS = 9, 2
+"""States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
+MOST_CONFIRMED = 3
+"""Ways out of a state that are gone down carefully, the one of the least height first."""
+
+
+@dataclass(frozen=True, repr=False)
+class Escape(Brief):
+    """What it takes to leave a stable state.
+
+    Attributes
+    ----------
+    barrier
+        Energy that has to be put in [the scene's units]; inf where no way leads to another state; nan where it is not
+        determined.
+    method
+        ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
+        ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:
+        geometry holds it), or ``not determined``.
+    why
+        What that rests on.
+    to
+        Number (1-based) of the state that the way leads to; 0 for none, or one that is not listed.
+    top
+        Fold angles where the way is highest [rad], shape [N]; empty where that is not known.
+    shallow
+        Whether the barrier is below `SHALLOW` of the energy that it takes to fold every crease by pi.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.miura("pi/3"))
+    >>> result.minima[1].escape.method
+    'exact (traced)'
+    """
+
+    barrier: float
+    method: Method
+    why: str
+    to: int = 0
+    top: tuple[float, ...] = field(default=(), repr=False)
+    shallow: bool = False
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a number."""
+        return math.isfinite(self.barrier)
+
+    def words(self) -> str:
+        """Say it in a cell of a table: "0.0123", "<= 0.013", "none" (no way out), "?" (not determined)."""
+        if not self.known:
+            return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no way out")
+        return f"<= {rounded_up(self.barrier)}" if self.method == BOUND else f"{self.barrier:.3g}"
+
+
+def rounded_up(value: float) -> str:
+    """Return a positive number with two digits, not below it: an upper bound stays one."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0 else 1.0
+    # what rounding, and the accuracy of a bisection, may change does not show
+    return f"{math.ceil(value / unit * (1 - 1e-6)) * unit:.2g}"
+
+
+def energy_scale(stiffness: np.ndarray) -> float:
+    """Return the energy that it takes to fold every crease by pi from rest: what barriers are measured by.
+
+    Parameters
+    ----------
+    stiffness
+        Of all creases, [N].
+
+    Returns
+    -------
+    float
+        sum k pi^2 / 2, in the units of the stiffness.
+    """
+    return float(np.sum(stiffness)) * math.pi**2 / 2
+
+
+class Way(NamedTuple):
+    """A way out of a state: how high it climbs over it, where, and number of the listed state it leads to, or -1."""
+
+    height: float
+    top: np.ndarray
+    to: int
+
+
+class Terrain(Protocol):
+    """States with descents between them; states of `minima` [M, n] by number."""
+
+    minima: np.ndarray
+
+    def rays(self, k: int) -> Sequence[np.ndarray]:
+        """Closed admissible states [S, n] along some ways out of state k, each from the state itself."""
+
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies of states [S, n] over that of state k, [S]."""
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state [n] has less energy than state k, by more than rounding."""
+
+    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
+
+    def land(self, states: np.ndarray) -> np.ndarray:
+        """Where descents from states [S, n] end, fast: what is not known to end is nan."""
+
+    def path_down(
+        self, state: np.ndarray, until: Callable[[np.ndarray], bool]
+    ) -> np.ndarray:
+        """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
+
+    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """Stationary states near two states that go down to different sides."""
+
+
+def ways_out(terrain: Terrain, which: Sequence[int]) -> dict[int, Way]:
+    """Find a way out of states of a terrain that climbs little.
+
+    Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
+    gone down step by step, which is the way: an upper bound of the barrier.  Descents from either side of where they
+    part stay together up to next to a pass; where Newton finds that, the way goes over it.
+
+    Parameters
+    ----------
+    terrain
+        States, energies and descents.
+    which
+        Numbers of the states.
+
+    Returns
+    -------
+    dict
+        A way by number, where one was found.
+    """
+    partings = _partings(terrain, which)
+    _sharpen(terrain, [p for parts in partings.values() for p in parts[:MOST_CONFIRMED]])
+    ways = {}
+    for k, parts in partings.items():
+        lowest = sorted(parts[:MOST_CONFIRMED], key=lambda p: p.height)
+        found = (_way(terrain, part) for part in lowest)
+        way = next(filter(None, found), None)
+        if way is not None:
+            ways[k] = way
+    return ways
+
+
+@dataclass
+class _Parting:
+    """A ray of state k whose descents end there up to `low`, elsewhere from `high` on; before: its states up to `low`.
+
+    height: the largest energy up to `high`.
+    """
+
+    k: int
+    before: list[np.ndarray]
+    low: np.ndarray
+    high: np.ndarray
+    height: float
+
+
+def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting]]:
+    """Return where descents along rays begin to end elsewhere, by state, the lowest first."""
+    rays = [(k, ray) for k in which for ray in terrain.rays(k) if len(ray) > 1]
+    starts = [(k, x) for k, ray in rays for x in ray[1:]]
+    out: dict[int, list[_Parting]] = {}
+    away = iter(_away(terrain, starts).tolist())
+    for k, ray in rays:
+        gone = [False, *(next(away) for _ in ray[1:])]
+        if True not in gone:
+            continue
+        first = gone.index(True)
+        top = float(terrain.rise(k, ray[: first + 1]).max())
+        before = list(ray[:first])
+        part = _Parting(k, before, before[-1], ray[first], top)
+        out.setdefault(k, []).append(part)
+    return {k: sorted(parts, key=lambda p: p.height) for k, parts in out.items()}
+
+
+def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
+    """Tell of some states whether descents from them end elsewhere than at the state, of some number, that they left."""
+    away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
+    todo = np.flatnonzero(~away)
+    if len(todo):
+        ends = terrain.land(np.array([starts[i][1] for i in todo]))
+        own = terrain.minima[[starts[i][0] for i in todo]]
+        known = np.isfinite(ends).all(axis=1)
+        away[todo] = known & (np.abs(ends - own).max(axis=1) > BESIDE)
+    return away
+
+
+def _sharpen(terrain: Terrain, parts: Sequence[_Parting]) -> None:
+    """Cut the steps in which descents part finer, those of several states together."""
+    even = np.arange(1, SECTIONS + 1) / (SECTIONS + 1)
+    narrow = 4.0 ** np.arange(-SECTIONS, 0)  # what is left in the first step may be left much sooner
+    for _ in range(ROUNDS):
+        inner = {
+            i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)
+            for i, p in enumerate(parts)
+        }
+        cut = {i: x for i, x in inner.items() if x is not None}
+        away = iter(_away(terrain, [(parts[i].k, x) for i, xs in cut.items() for x in xs]).tolist())
+        for i, xs in cut.items():
+            p, points = parts[i], [parts[i].low, *xs, parts[i].high]
+            first = [False, *(next(away) for _ in xs), True].index(True)
+            p.low, p.high = points[first - 1], points[first]
+    for p in parts:
+        states = np.array([*p.before, p.low, p.high])
+        p.height = float(terrain.rise(p.k, states).max())
+
+
+EVEN = np.arange(1, 9) / 8
+"""Shares of a step at which a way is looked at."""
+NARROW = np.unique(np.concatenate([0.5 ** np.arange(12), 1 - 0.5 ** np.arange(12)]))[1:]
+"""And where either end may stand in a basin much narrower than the step."""
+
+
+def _way(terrain: Terrain, part: _Parting) -> Way | None:
+    """Follow the way over a parting, state by state; None where it does not lead elsewhere."""
+    k = part.k
+    down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
+    lower = terrain.is_lower(k, down[-1])
+    # it went on until it was lower: where that leads is what descents in batches say
+    last = terrain.land(down[-1:])[0] if lower else down[-1]
+    to = _listed(terrain, last) if np.isfinite(last).all() else -1
+    if not lower and to in (k, -1):
+        return None
+    ways = []
+    straight = _filled(terrain, np.array([*part.before, part.low, part.high]))
+    if straight is not None:
+        ways.append(straight)
+    back = terrain.path_down(part.low, lambda x: _apart(down, x) > 3 * TOGETHER)
+    ways += _over_passes(terrain, back, down)
+    found = [(terrain.rise(k, states), states) for states in ways]
+    if not found:
+        return None
+    rise, states = min(found, key=lambda pair: float(pair[0].max()))
+    return Way(float(rise.max()), states[int(rise.argmax())], -1 if to == k else to)
+
+
+def _apart(states: np.ndarray, x: np.ndarray) -> float:
+    return float(np.linalg.norm(states - x, axis=1).min())
+
+
+def _listed(terrain: Terrain, x: np.ndarray) -> int:
+    apart = np.abs(terrain.minima - x).max(axis=1)
+    nearest = int(apart.argmin())
+    return nearest if apart[nearest] <= BESIDE else -1
+
+
+def _filled(terrain: Terrain, states: np.ndarray) -> np.ndarray | None:
+    """Return a way with states between its own; None where one does not close, or is not admissible."""
+    parts = [states[:1]]
+    for k, (a, b) in enumerate(itertools.pairwise(states)):
+        inner = terrain.between(a, b, EVEN if 0 < k < len(states) - 2 else NARROW)
+        if inner is None:
+            return None
+        parts.append(inner)
+    return np.concatenate(parts)
+
+
+def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
+    """Return ways that leave one descent for the other where these part: straight across, and over passes there."""
+    apart = np.linalg.norm(back[:, None] - down[None], axis=2)
+    near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
+    j = int(np.flatnonzero(near.any(axis=0))[-1])
+    i = int(apart[:, j].argmin())
+    ways = []
+    for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
+        across = _filled(terrain, np.array([back[i], *middle, down[j]]))
+        if across is not None:
+            ways.append(np.concatenate([back[i:][::-1], across]))
+    return ways
+
+
+TOGETHER = 0.1
+"""Descents that are no further apart [rad] are together."""
+
+
+def barriers(
+    energies: np.ndarray, heights: np.ndarray, level: float, scale: float
+) -> list[tuple[float, int]]:
+    """Return the escape barrier of each state, and the position of the state that it leads to, -1 for none.
+
+    Parameters
+    ----------
+    energies
+        Of the states, [M].
+    heights
+        Of the lowest pass between two of them, over zero, [M, M]; inf where there is none.
+    level
+        Energies that differ by no more are equal.
+    scale
+        Of energies, see `energy_scale`.
+
+    Returns
+    -------
+    list
+        A pair a state; the barrier is inf where no way is known.
+    """
+    heights = _closed(heights)
+    out: list[tuple[float, int]] = []
+    for k, energy in enumerate(energies):
+        others = (energies <= energy + level) & (np.arange(len(energies)) != k)
+        out.append(_least(heights[k], others, energy))
+    for k, (barrier, _) in enumerate(out):
+        if math.isinf(barrier) and (energies >= energies[k] - level).all():
+            deep = np.array([b >= SHALLOW * scale for b, _ in out])
+            deep[k] = False
+            out[k] = _least(heights[k], deep, energies[k])
+    return out
+
+
+def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float, int]:
+    if not which.any():
+        return math.inf, -1
+    j = int(np.where(which, heights, math.inf).argmin())
+    return (float(max(heights[j] - energy, 0.0)), j) if math.isfinite(heights[j]) else (math.inf, -1)
+
+
+def _closed(heights: np.ndarray) -> np.ndarray:
+    """Return heights [M, M] of ways over other states as well, where these are lower."""
+    h = np.minimum(heights, heights.T)
+    for k in range(len(h)):
+        h = np.minimum(h, np.maximum(h[:, k : k + 1], h[k]))
+    return h
+
+
+def level_of(energies: np.ndarray, scale: float) -> float:
+    """Return by how much energies may differ that are equal [their units]."""
+    return LEVEL * (scale + float(np.abs(energies).max(initial=0.0)))
