@@ -25,7 +25,9 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
+from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import CLOSES, FOLLOWED, LEVEL, RESOLVED, SHALLOW
 from origami_nlp.programme import Contact, Model
 
@@ -39,8 +41,9 @@ NEAREST = 3
 """Other minima that rays lead towards."""
 PASS_NEAR = 0.5
 """Newton finds a pass within this distance [rad] of where descents part."""
-MOST_PIECES = 4
-"""Sets of contacts that rays hold."""
+
+
+NOTHING_NEAR = "no other admissible state is near"
 
 
 class VertexTerrain:
@@ -74,7 +77,7 @@ class VertexTerrain:
         along = [*unit, *-unit, *self._modes[k], *(-mode for mode in self._modes[k])]
         targets = [np.zeros(len(x)), *self.minima[others]]
         out: list[np.ndarray] = []
-        for held in dict.fromkeys([(), *State(self.model, x).pieces[:MOST_PIECES]]):
+        for held in dict.fromkeys([(), State(self.model, x).contacts.base]):
             out += self._walk(x, np.array(along), np.array(targets), held)
         return out
 
@@ -150,7 +153,9 @@ class VertexTerrain:
         return found
 
 
-def with_escapes(model: Model, minima: Sequence[Minimum]) -> list[Minimum]:
+def with_escapes(
+    model: Model, minima: Sequence[Minimum], traced: Traced | None = None
+) -> list[Minimum]:
     """Add what it takes to leave each minimum.
 
     Parameters
@@ -159,6 +164,8 @@ def with_escapes(model: Model, minima: Sequence[Minimum]) -> list[Minimum]:
         The programme.
     minima
         All that are known.
+    traced
+        The curves of a model with one freedom, where they were resolved.
 
     Returns
     -------
@@ -170,8 +177,38 @@ def with_escapes(model: Model, minima: Sequence[Minimum]) -> list[Minimum]:
     energies = np.array([m.energy for m in minima])
     isolated = [m.local_dimension == 0 for m in minima]
     scale = energy_scale(np.array(model.scene.stiffness))
-    found = _bounded(model, minima, states, energies, isolated, scale)
+    found = None
+    if traced is not None and traced.complete and model.has_limits and not model.scene.loads:
+        passes = traced_passes(model, traced.curves, traced.branches, states, energies)
+        found = passes and _exact(model, passes, energies, isolated, scale)
+    if not found:
+        found = _bounded(model, minima, states, energies, isolated, scale)
     return [replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
+
+
+def _exact(
+    model: Model,
+    passes: TracedPasses,
+    energies: np.ndarray,
+    isolated: Sequence[bool],
+    scale: float,
+) -> list[Escape] | None:
+    """Read barriers off the merge tree of curves; None where a minimum is on none of them."""
+    if not (passes.on_curves | np.array(isolated)).all():
+        return None
+    found = []
+    listed = barriers(energies, passes.heights(), level_of(energies, scale), scale)
+    for k, (barrier, to) in enumerate(listed):
+        if isolated[k]:
+            found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
+        elif to < 0:
+            why = "its curve leads to no state of no higher energy: it ends at limits, contacts or itself"
+            found.append(Escape(math.inf, TRACED, why))
+        else:
+            why = "the lowest pass of the curves of closed states, both ways, admissible all along"
+            top = tuple(model.expand(passes.top(k, to)).tolist())
+            found.append(Escape(barrier, TRACED, why, to + 1, top, barrier < SHALLOW * scale))
+    return found
 
 
 def _bounded(
@@ -203,7 +240,7 @@ def _bounded(
     found = []
     for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale)):
         if isolated[k]:
-            found.append(Escape(math.inf, ALONE, "no other admissible state is near"))
+            found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
             continue
         if beyond[k] < barrier:
             barrier, to = float(beyond[k]), -1

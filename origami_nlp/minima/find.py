@@ -207,7 +207,7 @@ def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> Mi
         close_orbit(model, record, answer)
     completeness = prove_complete(model, record, prove)
     minima, others, outcomes = _sort_out(model, record)
-    minima = with_escapes(model, minima)
+    minima = with_escapes(model, minima, job.traced)
     if full:
         minima = _in_full_space(model.scene, minima)
     report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)

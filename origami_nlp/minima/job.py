@@ -16,7 +16,7 @@ from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.minima.near_folded import folded_minima
-from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import Record, exact_state, judge, listed
 from origami_nlp.minima.search import Search, Work
 from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, is_chain
@@ -55,6 +55,7 @@ class Job:
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
+        self.traced: Traced | None = None
         self.begin = time.perf_counter()
 
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
@@ -133,7 +134,7 @@ class Job:
 
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
-        traced = trace(self.model)
+        traced = self.traced = trace(self.model)
         exact = np.isin(traced.origins, EXACT)
         for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
             end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
