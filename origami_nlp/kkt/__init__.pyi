@@ -11,6 +11,7 @@ from .descent import Followed as Followed, follow as follow
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,
+    FLOOR as FLOOR,
     OPEN as OPEN,
     TRACED as TRACED,
     TREE as TREE,

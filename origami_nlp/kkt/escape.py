@@ -115,15 +115,25 @@ class Way(NamedTuple):
 
 
 class Terrain(Protocol):
-    """States with descents between them; states of `minima` [M, n] by number."""
+    """States with descents between them; states of `minima` [M, n] by number.
+
+    floor: energies over a state that are not told apart from nothing.
+    """
 
     minima: np.ndarray
+    floor: float
 
     def rays(self, k: int) -> Sequence[np.ndarray]:
         """Closed admissible states [S, n] along some ways out of state k, each from the state itself."""
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies of states [S, n] over that of state k, [S]."""
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the energy's gradient at a state."""
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance of two states, in the same metric."""
 
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state [n] has less energy than state k, by more than rounding."""
@@ -238,10 +248,51 @@ def _sharpen(terrain: Terrain, parts: Sequence[_Parting]) -> None:
         p.height = float(terrain.rise(p.k, states).max())
 
 
-EVEN = np.arange(1, 9) / 8
-"""Shares of a step at which a way is looked at."""
-NARROW = np.unique(np.concatenate([0.5 ** np.arange(12), 1 - 0.5 ** np.arange(12)]))[1:]
-"""And where either end may stand in a basin much narrower than the step."""
+CERTAIN = 1e-3
+"""The highest state of a way is told to this share of its height: printed are two digits."""
+MOST_HALVINGS, TOGETHER_CUT = 25, 16
+"""Rounds in which the steps that may be highest are cut, and steps a round."""
+FLOOR = SHALLOW / 100
+"""Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
+
+
+def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Return an upper bound of the energy along a way over state k, and the highest state that was looked at.
+
+    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps that
+    may be higher than what was seen are cut until that is little.  None where a cut does not close, is not admissible,
+    or lies aside: then it is no way.
+    """
+    x = list(states)
+    u = terrain.rise(k, states).tolist()
+    slope = [terrain.slope(y) for y in x]
+    for _ in range(MOST_HALVINGS):
+        d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
+        most = [
+            (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
+            for i in range(len(d))
+        ]
+        top = max(u)
+        enough = max(top * (1 + CERTAIN), terrain.floor)
+        cut = sorted((i for i in range(len(d)) if most[i] > enough), key=lambda i: -most[i])
+        if not cut:
+            return max(top, *most), x[int(np.argmax(u))]
+        for i in sorted(cut[:TOGETHER_CUT], reverse=True):
+            inner = terrain.between(x[i], x[i + 1], np.array([0.5]))
+            if inner is None or max(terrain.distance(inner[0], y) for y in (x[i], x[i + 1])) > (
+                ASIDE * d[i]
+            ):
+                return None
+            x.insert(i + 1, inner[0])
+            u.insert(i + 1, float(terrain.rise(k, inner)[0]))
+            slope.insert(i + 1, terrain.slope(inner[0]))
+    return None
+
+
+LONGER = 2.0
+"""A step along closed states is longer than its chord, by less than this once steps are short."""
+ASIDE = 0.75
+"""The middle of a step is nearer to either end than this share of the step."""
 
 
 def _way(terrain: Terrain, part: _Parting) -> Way | None:
@@ -254,17 +305,16 @@ def _way(terrain: Terrain, part: _Parting) -> Way | None:
     to = _listed(terrain, last) if np.isfinite(last).all() else -1
     if not lower and to in (k, -1):
         return None
-    ways = []
-    straight = _filled(terrain, np.array([*part.before, part.low, part.high]))
-    if straight is not None:
-        ways.append(straight)
     back = terrain.path_down(part.low, lambda x: _apart(down, x) > 3 * TOGETHER)
-    ways += _over_passes(terrain, back, down)
-    found = [(terrain.rise(k, states), states) for states in ways]
-    if not found:
-        return None
-    rise, states = min(found, key=lambda pair: float(pair[0].max()))
-    return Way(float(rise.max()), states[int(rise.argmax())], -1 if to == k else to)
+    straight = np.array([*part.before, part.low, part.high])
+    best: tuple[float, np.ndarray] | None = None
+    for states in (*_over_passes(terrain, back, down), straight):
+        found = _highest(terrain, k, states)
+        if found is not None and (best is None or found[0] < best[0]):
+            best = found
+        if best is not None and best[0] <= terrain.floor:
+            break
+    return None if best is None else Way(*best, -1 if to == k else to)
 
 
 def _apart(states: np.ndarray, x: np.ndarray) -> float:
@@ -277,17 +327,6 @@ def _listed(terrain: Terrain, x: np.ndarray) -> int:
     return nearest if apart[nearest] <= BESIDE else -1
 
 
-def _filled(terrain: Terrain, states: np.ndarray) -> np.ndarray | None:
-    """Return a way with states between its own; None where one does not close, or is not admissible."""
-    parts = [states[:1]]
-    for k, (a, b) in enumerate(itertools.pairwise(states)):
-        inner = terrain.between(a, b, EVEN if 0 < k < len(states) - 2 else NARROW)
-        if inner is None:
-            return None
-        parts.append(inner)
-    return np.concatenate(parts)
-
-
 def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
     """Return ways that leave one descent for the other where these part: straight across, and over passes there."""
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
@@ -296,9 +335,7 @@ def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[n
     i = int(apart[:, j].argmin())
     ways = []
     for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
-        across = _filled(terrain, np.array([back[i], *middle, down[j]]))
-        if across is not None:
-            ways.append(np.concatenate([back[i:][::-1], across]))
+        ways.append(np.array([*back[i:][::-1], *middle, down[j]]))
     return ways
 
 

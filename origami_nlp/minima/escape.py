@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.kkt import (
     ALONE,
     BOUND,
+    FLOOR,
     OPEN,
     TRACED,
     Escape,
@@ -28,7 +29,7 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSES, FOLLOWED, LEVEL, RESOLVED, SHALLOW
+from origami_nlp.numerics import CLOSES, FOLLOWED, LEVEL, SHALLOW
 from origami_nlp.programme import Contact, Model
 
 MOST_STATES = 16
@@ -52,11 +53,33 @@ class VertexTerrain:
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[np.ndarray]) -> None:
         self.model, self.minima, self._modes = model, minima, modes
         self._descents = Descents(model)
+        self._closed: dict[bytes, tuple[Contact, ...]] = {}
+        self.floor = FLOOR * energy_scale(np.array(model.scene.stiffness))
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies over that of a minimum."""
         x = self.minima[k]
         return np.array([self.model.energy_change(x, y) for y in states])
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the torques, in the metric of all fold angles."""
+        gradient = self.model.local(x).gradient / self.model.root
+        return self.model.scale * float(np.linalg.norm(gradient))
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance in the metric of all fold angles."""
+        return float(np.linalg.norm(self.model.root * (a - b)))
+
+    def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
+        """Contacts that two states both hold."""
+        one, two = (self._contacts(x) for x in (a, b))
+        return tuple(c for c in one if c in two)
+
+    def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
+        key = x.tobytes()
+        if key not in self._closed:
+            self._closed[key] = State(self.model, x).contacts.base
+        return self._closed[key]
 
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state has less energy than a minimum."""
@@ -111,8 +134,7 @@ class VertexTerrain:
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two, with the contacts held that both hold."""
         model = self.model
-        one, two = (State(model, x).contacts.base for x in (a, b))
-        held = tuple(c for c in one if c in two)
+        held = self._held(a, b)
         x, residual = project(model, a + shares[:, None] * (b - a), held)
         x = np.clip(x, -model.bound, model.bound)
         long = np.abs(x - (a + shares[:, None] * (b - a))).max() > np.abs(b - a).max() + CLOSES
@@ -120,7 +142,11 @@ class VertexTerrain:
             return None
         # facets that lie on each other along the whole step have one order in it
         crosses = not model.admissible(x).all() or (held and model.refuses(x[len(x) // 2]))
-        return None if crosses else x
+        if crosses:
+            return None
+        for y in x:  # what a step holds, its middle holds
+            self._closed[y.tobytes()] = held
+        return x
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents in batches end."""
@@ -140,8 +166,7 @@ class VertexTerrain:
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states that Newton finds between two, with the contacts held that both hold, or none."""
         model = self.model
-        one, two = (State(model, x).contacts.base for x in (a, b))
-        held = tuple(sorted(c for c in one if c in two))
+        held = tuple(sorted(self._held(a, b)))
         found = []
         for rows in dict.fromkeys([held, ()]):
             start, _ = project(model, (a + b) / 2, rows)
@@ -252,8 +277,7 @@ def _bounded(
                 reason = "no other state is known that it could be left for"
             found.append(Escape(math.nan, OPEN, reason))
             continue
-        # closed to `ROUNDED`, a state beside a singular one is known to `RESOLVED` [rad]: so is energy, times torque
-        barrier = max(barrier, RESOLVED * scale)
+        barrier = max(barrier, FLOOR * scale)
         top = model.expand(ways[k].top) if k in ways and ways[k].to == to else ()
         found.append(
             Escape(
