@@ -30,7 +30,7 @@ Method = Literal[
 ]
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
-MOST_CONFIRMED = 3
+MOST_CONFIRMED = 2
 """Ways out of a state that are gone down carefully, the one of the least height first."""
 
 
@@ -117,14 +117,16 @@ class Way(NamedTuple):
 class Terrain(Protocol):
     """States with descents between them; states of `minima` [M, n] by number.
 
-    floor: energies over a state that are not told apart from nothing.
+    floor: energies over a state that are not told apart from nothing.  worth: heights above this are made lower where
+    a pass shows how.
     """
 
     minima: np.ndarray
     floor: float
+    worth: float
 
-    def rays(self, k: int) -> Sequence[np.ndarray]:
-        """Closed admissible states [S, n] along some ways out of state k, each from the state itself."""
+    def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
+        """Closed admissible states [S, n] along some ways out of some states, with the state's number; it comes first."""
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies of states [S, n] over that of state k, [S]."""
@@ -137,6 +139,9 @@ class Terrain(Protocol):
 
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state [n] has less energy than state k, by more than rounding."""
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether to end at a state [n] is to have left state k for good: for one of no more energy, if there is one."""
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
@@ -200,7 +205,7 @@ class _Parting:
 
 def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting]]:
     """Return where descents along rays begin to end elsewhere, by state, the lowest first."""
-    rays = [(k, ray) for k in which for ray in terrain.rays(k) if len(ray) > 1]
+    rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
     starts = [(k, x) for k, ray in rays for x in ray[1:]]
     out: dict[int, list[_Parting]] = {}
     away = iter(_away(terrain, starts).tolist())
@@ -222,9 +227,8 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
     todo = np.flatnonzero(~away)
     if len(todo):
         ends = terrain.land(np.array([starts[i][1] for i in todo]))
-        own = terrain.minima[[starts[i][0] for i in todo]]
-        known = np.isfinite(ends).all(axis=1)
-        away[todo] = known & (np.abs(ends - own).max(axis=1) > BESIDE)
+        for i, end in zip(todo, ends, strict=True):
+            away[i] = np.isfinite(end).all() and terrain.is_way(starts[i][0], end)
     return away
 
 
@@ -303,22 +307,15 @@ def _way(terrain: Terrain, part: _Parting) -> Way | None:
     # it went on until it was lower: where that leads is what descents in batches say
     last = terrain.land(down[-1:])[0] if lower else down[-1]
     to = _listed(terrain, last) if np.isfinite(last).all() else -1
-    if not lower and to in (k, -1):
+    if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
         return None
-    back = terrain.path_down(part.low, lambda x: _apart(down, x) > 3 * TOGETHER)
-    straight = np.array([*part.before, part.low, part.high])
-    best: tuple[float, np.ndarray] | None = None
-    for states in (*_over_passes(terrain, back, down), straight):
-        found = _highest(terrain, k, states)
-        if found is not None and (best is None or found[0] < best[0]):
-            best = found
-        if best is not None and best[0] <= terrain.floor:
-            break
+    best = _highest(terrain, k, np.array([*part.before, part.low, part.high]))
+    if best is None or best[0] > terrain.worth:
+        back = terrain.path_down(part.low, lambda x: False)
+        if _listed(terrain, back[-1]) == k:
+            over = (_highest(terrain, k, states) for states in _over_passes(terrain, back, down))
+            best = min(filter(None, (best, *over)), key=lambda found: found[0], default=None)
     return None if best is None else Way(*best, -1 if to == k else to)
-
-
-def _apart(states: np.ndarray, x: np.ndarray) -> float:
-    return float(np.linalg.norm(states - x, axis=1).min())
 
 
 def _listed(terrain: Terrain, x: np.ndarray) -> int:

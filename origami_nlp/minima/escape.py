@@ -29,17 +29,23 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSES, FOLLOWED, LEVEL, SHALLOW
+from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, SHALLOW
 from origami_nlp.programme import Contact, Model
 
-MOST_STATES = 16
+MOST_STATES = 8
 """Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""
 MOST_VARIABLES = 12
 """Variables up to which ways out are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
+FARTHEST = 7.0
+"""How far rays go [rad]: fold angles of six creases turned by pi are as far."""
 NEAREST = 3
-"""Other minima that rays lead towards."""
+"""Other minima that rays lead towards, those at equal distances counted as one."""
+ALIKE = 1e-6
+"""Distances that differ by no more are equal."""
+MOST_STEPS = 12
+"""Of a projection: where it takes more, the ray has come to a singular state."""
 PASS_NEAR = 0.5
 """Newton finds a pass within this distance [rad] of where descents part."""
 
@@ -54,7 +60,8 @@ class VertexTerrain:
         self.model, self.minima, self._modes = model, minima, modes
         self._descents = Descents(model)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
-        self.floor = FLOOR * energy_scale(np.array(model.scene.stiffness))
+        scale = energy_scale(np.array(model.scene.stiffness))
+        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies over that of a minimum."""
@@ -86,50 +93,88 @@ class VertexTerrain:
         at = self.minima[k]
         return self.model.energy_change(at, x) < -LEVEL * max(self.model.energy(at), self.model.scale)
 
-    def rays(self, k: int) -> list[np.ndarray]:
-        """Fold each crease on and back, go along soft modes, towards the flat state and to the nearest minima.
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
+        at = self.minima[k]
+        if np.abs(end - at).max() <= BESIDE:
+            return False
+        # known to `BESIDE` only: that is no more energy as well as can be told
+        slack = (self.slope(end) + self.slope(at)) * BESIDE
+        lowest = not any(
+            self.is_lower(k, y) or self._level(at, y) for i, y in enumerate(self.minima) if i != k
+        )
+        return lowest or self.model.energy_change(at, end) <= slack
+
+    def _level(self, at: np.ndarray, y: np.ndarray) -> bool:
+        noise = LEVEL * max(self.model.energy(at), self.model.scale)
+        return abs(self.model.energy_change(at, y)) <= noise
+
+    def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
+        """Fold each crease on and back, go along soft modes, to the flat state and on from there, and to other minima.
 
         Contacts of the state are opened, and held, in turn.  Nothing of this depends on how creases are numbered.
         """
-        x = self.minima[k]
-        apart = np.linalg.norm(self.model.root * (self.minima - x), axis=1)
-        apart[k] = math.inf
-        others = np.flatnonzero(apart <= np.sort(apart)[min(NEAREST, len(apart)) - 1] * (1 + 1e-6))
-        others = others[np.isfinite(apart[others])]
-        unit = np.eye(len(x))
-        along = [*unit, *-unit, *self._modes[k], *(-mode for mode in self._modes[k])]
-        targets = [np.zeros(len(x)), *self.minima[others]]
-        out: list[np.ndarray] = []
-        for held in dict.fromkeys([(), State(self.model, x).contacts.base]):
-            out += self._walk(x, np.array(along), np.array(targets), held)
+        jobs, flat = [], np.zeros(self.model.size)
+        to_flat: dict[int, np.ndarray] = {}
+        for k in which:
+            x = self.minima[k]
+            unit, modes = np.eye(len(x)), self._modes[k]
+            along = [*unit, *-unit, *modes, *(-mode for mode in modes)]
+            jobs.append((k, np.array(along), np.array([flat, *self._others(k)])))
+        out = self._walk(jobs, ())
+        for job in jobs:
+            if held := self._contacts(self.minima[job[0]]):
+                out += self._walk([job], held)
+        for k, path in out:
+            if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
+                to_flat[k] = path
+        for k, path in to_flat.items():
+            out += [(k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k]
         return out
 
+    def _others(self, k: int) -> np.ndarray:
+        """Return the other minima that are nearest to one."""
+        apart = np.linalg.norm(self.model.root * (self.minima - self.minima[k]), axis=1)
+        apart[k] = math.inf
+        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        near = (apart <= last * (1 + ALIKE)) & np.isfinite(apart)
+        return np.asarray(self.minima[near])
+
     def _walk(
-        self, x: np.ndarray, along: np.ndarray, targets: np.ndarray, held: tuple[Contact, ...]
-    ) -> list[np.ndarray]:
-        """Walk along directions [A, n], and towards targets [T, n], as far as states close and are admissible."""
-        model, many = self.model, len(along) + len(targets)
-        at, paths = np.tile(x, (many, 1)), [[x] for _ in range(many)]
-        live, step, gone = np.arange(many), SMALLEST, 0.0
-        while len(live) and gone < math.pi:
-            way = np.concatenate([along, targets - at[len(along) :]])[live] * model.root
+        self, jobs: Sequence[tuple[int, np.ndarray, np.ndarray]], held: tuple[Contact, ...]
+    ) -> list[tuple[int, np.ndarray]]:
+        """Walk from minima along directions, and towards targets, as far as states close and are admissible."""
+        model, none = self.model, np.zeros((0, self.model.size))
+        owner = np.concatenate([[k] * (len(a) + len(t)) for k, a, t in jobs]).astype(int)
+        at = self.minima[owner].copy()
+        aimed = np.concatenate([np.r_[np.zeros(len(a)), np.ones(len(t))] for _, a, t in jobs]) > 0
+        goal = np.concatenate([none, *(part for _, a, t in jobs for part in (a, t))])
+        driven = ((goal != 0).sum(axis=1) == 1) & ~aimed  # one crease turns, the others follow
+        paths = [[x.copy()] for x in at]
+        live, step, gone = np.arange(len(at)), SMALLEST, 0.0
+        while len(live) and gone < FARTHEST:
+            way = (goal[live] - at[live] * aimed[live, None]) * model.root
             left = np.linalg.norm(way, axis=1)
-            d = way / np.maximum(left, 1e-300)[:, None] / model.root
-            lengths = np.where(live < len(along), step, np.minimum(step, left))[:, None]
-            want = np.clip(at[live] + lengths * d, -model.bound, model.bound)
-            y, residual = project(model, want, held)
+            length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
+            move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
+            want = np.clip(at[live] + move, -model.bound, model.bound)
+            still = (goal[live] != 0) & driven[live, None]
+            y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
             y = np.clip(y, -model.bound, model.bound)
             moved = np.linalg.norm(y - at[live], axis=1)
-            good = (residual <= FOLLOWED) & (moved > 0.05 * step) & (moved < 3 * step)
+            good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
             good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
+            good &= left > 0
             good[good] = model.admissible(y[good])
-            live = live[good]
-            at[live] = y[good]
+            live, y = live[good], y[good]
+            ahead = ~(aimed | driven)[live]
+            goal[live[ahead]] = (y - at[live])[ahead]  # a mode is gone on straight ahead
+            at[live] = y
             for r in live:
                 paths[r].append(at[r].copy())
             gone += step
             step = min(2 * step, LARGEST)
-        return [np.array(path) for path in paths]
+        return [(int(k), np.array(path)) for k, path in zip(owner, paths, strict=True)]
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two, with the contacts held that both hold."""
