@@ -254,8 +254,10 @@ def _sharpen(terrain: Terrain, parts: Sequence[_Parting]) -> None:
 
 CERTAIN = 1e-3
 """The highest state of a way is told to this share of its height: printed are two digits."""
-MOST_HALVINGS, TOGETHER_CUT = 25, 16
-"""Rounds in which the steps that may be highest are cut, and steps a round."""
+MOST_CUTS, A_ROUND = 150, 16
+"""Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
+LONG = 0.1
+"""A step that is longer [rad] is cut in any case: whether it is a way at all."""
 FLOOR = SHALLOW / 100
 """Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
 
@@ -270,7 +272,8 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
     x = list(states)
     u = terrain.rise(k, states).tolist()
     slope = [terrain.slope(y) for y in x]
-    for _ in range(MOST_HALVINGS):
+    cuts = 0
+    while True:
         d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
         most = [
             (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
@@ -278,10 +281,14 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
         ]
         top = max(u)
         enough = max(top * (1 + CERTAIN), terrain.floor)
-        cut = sorted((i for i in range(len(d)) if most[i] > enough), key=lambda i: -most[i])
+        cut = [i for i in range(len(d)) if d[i] > LONG]
+        if not cut and cuts < MOST_CUTS:
+            high = (i for i in range(len(d)) if most[i] > enough)
+            cut = sorted(high, key=lambda i: -most[i])[:A_ROUND]
         if not cut:
             return max(top, *most), x[int(np.argmax(u))]
-        for i in sorted(cut[:TOGETHER_CUT], reverse=True):
+        cuts += len(cut)
+        for i in sorted(cut, reverse=True):
             inner = terrain.between(x[i], x[i + 1], np.array([0.5]))
             if inner is None or max(terrain.distance(inner[0], y) for y in (x[i], x[i + 1])) > (
                 ASIDE * d[i]
@@ -290,11 +297,12 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
             x.insert(i + 1, inner[0])
             u.insert(i + 1, float(terrain.rise(k, inner)[0]))
             slope.insert(i + 1, terrain.slope(inner[0]))
-    return None
 
 
 LONGER = 2.0
 """A step along closed states is longer than its chord, by less than this once steps are short."""
+JUMP = 0.3
+"""Steps of a descent are no longer [rad], or it left the curve or surface that it is on."""
 ASIDE = 0.75
 """The middle of a step is nearer to either end than this share of the step."""
 
@@ -307,6 +315,8 @@ def _way(terrain: Terrain, part: _Parting) -> Way | None:
     # it went on until it was lower: where that leads is what descents in batches say
     last = terrain.land(down[-1:])[0] if lower else down[-1]
     to = _listed(terrain, last) if np.isfinite(last).all() else -1
+    if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
+        return None
     if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
         return None
     best = _highest(terrain, k, np.array([*part.before, part.low, part.high]))
