@@ -29,6 +29,7 @@ def minima(
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
     full: o.Full = False,
+    noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
 ) -> None:
@@ -58,6 +59,7 @@ def minima(
         "effort": effort,
         "workers": workers,
         "full": full,
+        "noise": noise,
         "prove": o.wanted_proof(prove),
     }
     if scene.is_fold and scene.vertex is None:

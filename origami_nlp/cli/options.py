@@ -29,6 +29,10 @@ def _workers(value: int | None) -> int | None:
     return None if value is None else check_whole("workers", value, 1)
 
 
+def _noise(value: float | None) -> float | None:
+    return None if value is None else check_number("--noise", value, 0.0, 10.0)
+
+
 def _prove(value: str | None) -> str | None:
     """Let what stands after --prove be a number of seconds, or nothing."""
     if value in (None, WITHOUT_VALUE):
@@ -182,6 +186,14 @@ MaxStarts = Annotated[
 Full = Annotated[
     bool,
     typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
+]
+Noise = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEG",
+        callback=_noise,
+        help="Say how many random errors of DEG degrees each state survives, of angles and stiffnesses.",
+    ),
 ]
 Prove = Annotated[
     str | None,

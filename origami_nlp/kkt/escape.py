@@ -351,7 +351,11 @@ TOGETHER = 0.1
 
 
 def barriers(
-    energies: np.ndarray, heights: np.ndarray, level: float, scale: float
+    energies: np.ndarray,
+    heights: np.ndarray,
+    level: float,
+    scale: float,
+    beyond: np.ndarray | None = None,
 ) -> list[tuple[float, int]]:
     """Return the escape barrier of each state, and the position of the state that it leads to, -1 for none.
 
@@ -365,6 +369,8 @@ def barriers(
         Energies that differ by no more are equal.
     scale
         Of energies, see `energy_scale`.
+    beyond
+        What a way from each to a lower state that is none of these climbs, [M]; inf for none.
 
     Returns
     -------
@@ -375,7 +381,9 @@ def barriers(
     out: list[tuple[float, int]] = []
     for k, energy in enumerate(energies):
         others = (energies <= energy + level) & (np.arange(len(energies)) != k)
-        out.append(_least(heights[k], others, energy))
+        found = _least(heights[k], others, energy)
+        direct = math.inf if beyond is None else float(beyond[k])
+        out.append(found if found[0] <= direct else (direct, -1))
     for k, (barrier, _) in enumerate(out):
         if math.isinf(barrier) and (energies >= energies[k] - level).all():
             deep = np.array([b >= SHALLOW * scale for b, _ in out])

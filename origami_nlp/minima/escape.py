@@ -308,12 +308,10 @@ def _bounded(
             heights[k, way.to] = energies[k] + way.height
     level = level_of(energies, scale)
     found = []
-    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale)):
+    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
         if isolated[k]:
             found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
             continue
-        if beyond[k] < barrier:
-            barrier, to = float(beyond[k]), -1
         if math.isinf(barrier):
             reason = why or "no descent from beside it ended at a state of lower energy"
             if not why and k not in sought:

@@ -31,6 +31,7 @@ from origami_nlp.minima.full_space import judge_in_full_space
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
+from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import check_prove, prove_complete
 from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
@@ -44,6 +45,8 @@ FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
+MOST_NOISE = 10.0
+"""Degrees: with more, errors are no longer small beside sector angles."""
 MOST_CONFIRMED = 100
 """Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 
@@ -82,6 +85,7 @@ def find_minima(
     full: bool = False,
     prove: bool | float | None = None,
     seconds: float | None = None,
+    noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
@@ -112,6 +116,9 @@ def find_minima(
     seconds
         Processor time of this process after which the search judges no further end of a descent (a proof has its own):
         the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -145,12 +152,14 @@ def find_minima(
     until = math.inf
     if seconds is not None:
         until = time.process_time() + check_number("seconds", seconds, 0.0)
+    if noise is not None:
+        check_number("noise", noise, 0.0, MOST_NOISE)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
     job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress, until)
     finish([job.work(guesses, workers)])
-    return _result(job, effort, prove, full)
+    return _result(job, effort, prove, full, noise)
 
 
 def find_minima_of_each(
@@ -200,7 +209,9 @@ def find_minima_of_each(
     return [_result(job, effort, prove, False) for job in jobs]
 
 
-def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> MinimaResult:
+def _result(
+    job: Job, effort: str, prove: bool | float | None, full: bool, noise: float | None = None
+) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report."""
     model, record = job.model, job.record
     for answer in record.minima:
@@ -208,6 +219,8 @@ def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> Mi
     completeness = prove_complete(model, record, prove)
     minima, others, outcomes = _sort_out(model, record)
     minima = with_escapes(model, minima, job.traced)
+    if noise is not None:
+        minima = with_survival(model, minima, noise)
     if full:
         minima = _in_full_space(model.scene, minima)
     report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)

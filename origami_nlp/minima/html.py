@@ -78,6 +78,9 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
     heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "softest [N m/rad]", f"barrier [{UNIT}]"]
     heads += ["fold angles [deg]", "contacts", "hits"]
     grouped = isolated_foldings(minima)
+    noise = any(m.survival is not None for m in minima)
+    if noise:
+        heads.append("survives")
     full = asked(minima)
     if full:
         heads.insert(3, "full space")
@@ -98,6 +101,8 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
         ]
         if full:
             row.insert(3, verdict(scene, m))
+        if noise:
+            row.append(str(m.survival))
         rows.append(row)
     if grouped:
         some = [minima[k - 1] for k in grouped]
@@ -106,8 +111,9 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
         row += ["isolated", "each crease open or shut", "", str(sum(m.hits for m in some))]
         if full:
             row.insert(3, "")
-        rows.append(row)
-    return Table(heads, rows, columns="rrlllrrllr" if full else "rrllrrllr")
+        rows.append(row + [""] * noise)
+    columns = ("rrlllrrllr" if full else "rrllrrllr") + "r" * noise
+    return Table(heads, rows, columns=columns)
 
 
 def _degrees(angle: float) -> str:

@@ -253,7 +253,7 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     for contact in data["contacts"]:  # who touches: creases or facets
         del contact["facets" if contact["creases"] else "creases"]
     data["softest_stiffness"] = to_plain(m.softest)
-    for name in ("full_space", "solver", "escape"):
+    for name in ("full_space", "solver", "escape", "survival"):
         if data[name] is None:
             del data[name]
     return data

@@ -46,8 +46,12 @@ def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str
     if shallow:
         firm = _count_words(scene, [m for m in minima if not m.shallow], none)
         ones = "ones" if shallow > 1 else "one"
-        return f"{firm}, and {shallow} shallow {ones} (barrier below {SHALLOW:g} of sum k pi^2/2)"
+        return f"{firm}, and {shallow} shallow {ones} (barrier below {_power(SHALLOW)} of sum k pi^2/2)"
     return _count_words(scene, minima, none)
+
+
+def _power(value: float) -> str:
+    return f"1e{round(math.log10(value))}"
 
 
 def _count_words(scene: Scene, minima: Sequence[Minimum], none: str) -> str:

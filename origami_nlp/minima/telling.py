@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
 from origami_nlp.minima.stability import (
     asked,
     count_words,
@@ -78,8 +78,11 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
     full = asked(minima)
     heads = ["#", "energy [J]", "kind", "dimension", "softest", "barrier", "closure", "KKT", "hits"]
     grouped = isolated_foldings(minima)
+    noise = any(m.survival is not None for m in minima)
     if full:
         heads.insert(3, "full space")
+    if noise:
+        heads.append("survives")
     rows = []
     for number, m in enumerate(minima, start=1):
         if number in grouped:
@@ -98,6 +101,8 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         ]
         if full:
             row.insert(3, Words(known, VERDICT_STYLE.get(known, "")))
+        if noise:
+            row.append(str(m.survival))
         rows.append(row)
     if grouped:
         some = [minima[k - 1] for k in grouped]
@@ -106,9 +111,11 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         row += ["0 isolated", "held", "isolated", "", "", hits]
         if full:
             row.insert(3, "")
+        if noise:
+            row.append(str(max(m.survival.kept for m in some if m.survival)) + " at most")
         rows.append(row)
     # with the verdicts the table keeps to 80 columns without frames
-    columns = "rrlllrrrrr" if full else "rrllrrrrr"
+    columns = ("rrlllrrrrr" if full else "rrllrrrrr") + "r" * noise
     return Table(heads, rows, title, columns, framed=not full, narrow=full)
 
 
@@ -133,6 +140,12 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
             )
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
+    if any(m.survival is not None for m in minima):
+        degrees = max(m.survival.degrees for m in minima if m.survival)
+        lines.append(
+            f"survives: of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest and "
+            f"sector angles and {math.radians(degrees):.2g} of stiffnesses, those into which the state could be followed"
+        )
     if grouped:
         lines.append(
             f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
