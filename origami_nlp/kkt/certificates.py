@@ -27,6 +27,7 @@ from origami_nlp.programme import Contact
 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 
+NO_MODES = np.zeros((0, 0))
 MANY_ROWS = 12
 """Contacts above which a direction that opens all at once is looked for first."""
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
@@ -74,7 +75,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
     size = 1.0 + np.abs(state.gradient).max()
 
     def say(  # type: ignore[no-untyped-def]
-        verdict: Verdict, why: str, level: int, eig=(), direction=None, modes=np.zeros((0, 0))
+        verdict: Verdict, why: str, level: int, eig=(), direction=None, modes=NO_MODES
     ) -> BranchJudgement:
         return BranchJudgement(
             verdict,

@@ -11,23 +11,21 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, Protocol
+from typing import Final, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW
 
-TRACED, TREE, BOUND, OPEN, ALONE = (
-    "exact (traced)",
-    "merge tree",
-    "upper bound (descents)",
-    "not determined",
-    "isolated",
-)
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
 ]
+TRACED: Final = "exact (traced)"
+TREE: Final = "merge tree"
+BOUND: Final = "upper bound (descents)"
+OPEN: Final = "not determined"
+ALONE: Final = "isolated"
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
 MOST_CONFIRMED = 2
@@ -126,7 +124,7 @@ class Terrain(Protocol):
     worth: float
 
     def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
-        """Closed admissible states [S, n] along some ways out of some states, with the state's number; it comes first."""
+        """Closed admissible states [S, n] along ways out of some states, with the state's number; it comes first."""
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies of states [S, n] over that of state k, [S]."""
@@ -141,7 +139,7 @@ class Terrain(Protocol):
         """Whether a state [n] has less energy than state k, by more than rounding."""
 
     def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether to end at a state [n] is to have left state k for good: for one of no more energy, if there is one."""
+        """Whether to end at a state [n] is to have left state k: for one of no more energy, if there is one."""
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
@@ -149,9 +147,7 @@ class Terrain(Protocol):
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents from states [S, n] end, fast: what is not known to end is nan."""
 
-    def path_down(
-        self, state: np.ndarray, until: Callable[[np.ndarray], bool]
-    ) -> np.ndarray:
+    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
         """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
 
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
@@ -222,9 +218,9 @@ def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting
 
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
-    """Tell of some states whether descents from them end elsewhere than at the state, of some number, that they left."""
+    """Tell of some states whether descents from them leave the state, of some number, for good."""
     away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
-    todo = np.flatnonzero(~away)
+    todo = np.flatnonzero(~away).tolist()
     if len(todo):
         ends = terrain.land(np.array([starts[i][1] for i in todo]))
         for i, end in zip(todo, ends, strict=True):
@@ -235,7 +231,9 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
 def _sharpen(terrain: Terrain, parts: Sequence[_Parting]) -> None:
     """Cut the steps in which descents part finer, those of several states together."""
     even = np.arange(1, SECTIONS + 1) / (SECTIONS + 1)
-    narrow = 4.0 ** np.arange(-SECTIONS, 0)  # what is left in the first step may be left much sooner
+    narrow = 4.0 ** np.arange(
+        -SECTIONS, 0
+    )  # what is left in the first step may be left much sooner
     for _ in range(ROUNDS):
         inner = {
             i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)
@@ -265,9 +263,9 @@ FLOOR = SHALLOW / 100
 def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
     """Return an upper bound of the energy along a way over state k, and the highest state that was looked at.
 
-    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps that
-    may be higher than what was seen are cut until that is little.  None where a cut does not close, is not admissible,
-    or lies aside: then it is no way.
+    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps
+    that may be higher than what was seen are cut until that is little.  None where a cut does not close,
+    is not admissible, or lies aside: then it is no way.
     """
     x = list(states)
     u = terrain.rise(k, states).tolist()
@@ -396,7 +394,9 @@ def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float
     if not which.any():
         return math.inf, -1
     j = int(np.where(which, heights, math.inf).argmin())
-    return (float(max(heights[j] - energy, 0.0)), j) if math.isfinite(heights[j]) else (math.inf, -1)
+    return (
+        (float(max(heights[j] - energy, 0.0)), j) if math.isfinite(heights[j]) else (math.inf, -1)
+    )
 
 
 def _closed(heights: np.ndarray) -> np.ndarray:

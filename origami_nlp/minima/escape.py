@@ -14,6 +14,7 @@ from origami_nlp.kkt import (
     FLOOR,
     OPEN,
     TRACED,
+    TREE,
     Escape,
     State,
     barriers,
@@ -56,7 +57,7 @@ NOTHING_NEAR = "no other admissible state is near"
 class VertexTerrain:
     """Minima of a model with descents between them: what `kkt.ways_out` walks on."""
 
-    def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[np.ndarray]) -> None:
+    def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
         self.model, self.minima, self._modes = model, minima, modes
         self._descents = Descents(model)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
@@ -91,7 +92,9 @@ class VertexTerrain:
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state has less energy than a minimum."""
         at = self.minima[k]
-        return self.model.energy_change(at, x) < -LEVEL * max(self.model.energy(at), self.model.scale)
+        return self.model.energy_change(at, x) < -LEVEL * max(
+            self.model.energy(at), self.model.scale
+        )
 
     def is_way(self, k: int, end: np.ndarray) -> bool:
         """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
@@ -129,7 +132,9 @@ class VertexTerrain:
             if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
                 to_flat[k] = path
         for k, path in to_flat.items():
-            out += [(k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k]
+            out += [
+                (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
+            ]
         return out
 
     def _others(self, k: int) -> np.ndarray:
@@ -254,6 +259,38 @@ def with_escapes(
     if not found:
         found = _bounded(model, minima, states, energies, isolated, scale)
     return [replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
+
+
+def with_merge_tree(
+    model: Model, minima: Sequence[Minimum], heights: np.ndarray, why: str
+) -> list[Minimum]:
+    """Add what a merge tree of a graph of states says of leaving each minimum.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    minima
+        Its minima.
+    heights
+        Energy of the lowest pass between two of them, [M, M]; inf where there is none.
+    why
+        What that rests on.
+
+    Returns
+    -------
+    list of Minimum
+        With `escape` where the tree knows a way out of a minimum; the others as they were.
+    """
+    energies = np.array([m.energy for m in minima])
+    scale = energy_scale(np.array(model.scene.stiffness))
+    listed = barriers(energies, heights, level_of(energies, scale), scale)
+    return [
+        replace(m, escape=Escape(barrier, TREE, why, to + 1, (), barrier < SHALLOW * scale))
+        if to >= 0
+        else m
+        for m, (barrier, to) in zip(minima, listed, strict=True)
+    ]
 
 
 def _exact(

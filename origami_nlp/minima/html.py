@@ -125,7 +125,9 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in minima:
         residuals = f"closure {m.closure_residual:.0e}, KKT {m.kkt_residual:.0e}"
-        lines.append(f"<li>{escape(m.certificate)} [{residuals}]<br>{escape(stiffness_words(m))}</li>")
+        lines.append(
+            f"<li>{escape(m.certificate)} [{residuals}]<br>{escape(stiffness_words(m))}</li>"
+        )
     return "\n".join([*lines, "</ol></details>"])
 
 

@@ -76,7 +76,8 @@ def isolated_foldings(minima: Sequence[Minimum]) -> list[int]:
     found = [
         number
         for number, m in enumerate(minima, start=1)
-        if m.local_dimension == 0 and all(min(abs(a), abs(abs(a) - math.pi)) == 0 for a in m.fold_angles)
+        if m.local_dimension == 0
+        and all(min(abs(a), abs(abs(a) - math.pi)) == 0 for a in m.fold_angles)
     ]
     return found if len(found) >= SEVERAL else []
 
@@ -106,7 +107,9 @@ def stiffness_words(minimum: Minimum) -> str:
         if minimum.local_dimension == 0:
             stiff = "held by geometry: no free direction"
     else:
-        stiff = f"softest stiffness {minimum.softest:.4g} N m/rad (per unit length of all fold angles)"
+        stiff = (
+            f"softest stiffness {minimum.softest:.4g} N m/rad (per unit length of all fold angles)"
+        )
     e = minimum.escape
     if e is None or minimum.local_dimension == 0:
         return stiff

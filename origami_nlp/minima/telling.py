@@ -143,8 +143,8 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
     if any(m.survival is not None for m in minima):
         degrees = max(m.survival.degrees for m in minima if m.survival)
         lines.append(
-            f"survives: of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest and "
-            f"sector angles and {math.radians(degrees):.2g} of stiffnesses, those into which the state could be followed"
+            f"survives: those of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest "
+            f"and sector angles and {math.radians(degrees):.2g} of stiffnesses, into which the state could be followed"
         )
     if grouped:
         lines.append(
