@@ -15,13 +15,18 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
-from origami_nlp.barriers.merge_tree import MergeTree
 from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
+from origami_nlp.minima import (
+    MinimaResult,
+    find_minima,
+    judge_in_full_space,
+    with_merge_tree,
+)
+from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
@@ -59,7 +64,7 @@ def find_barriers(
     Returns
     -------
     Barriers
-        A pass for every pair, the merge tree and the graph.
+        A pass for every pair, the merge tree and the graph; its `result` has the escape barriers that follow.
 
     Raises
     ------
@@ -114,6 +119,11 @@ def find_barriers(
         lands = down.lands_on + 1 if down is not None and down.lands_on is not None else None
         unlisted.append(Unlisted(life, tuple(model.expand(work.graph.states[v]).tolist()), lands))
     broken = _without_symmetry(scene, result, passes) if full else ()
+    heights = np.full((len(work.minima),) * 2, math.inf)
+    for p in passes:
+        heights[p.from_state - 1, p.to_state - 1] = p.energy
+    why = f"the lowest pass of a graph of states {spacing:g} rad apart, made exact"
+    result = replace(result, minima=tuple(with_merge_tree(model, result.minima, heights, why)))
     return Barriers(result, passes, merges, work.graph, tuple(unlisted), broken)
 
 

@@ -30,6 +30,7 @@ def minima(
     workers: o.Workers = 1,
     seconds: o.Seconds = None,
     full: o.Full = False,
+    noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
 ) -> None:
@@ -59,6 +60,7 @@ def minima(
         "effort": effort,
         "workers": workers,
         "full": full,
+        "noise": noise,
         "prove": o.wanted_proof(prove),
         "seconds": seconds,
     }

@@ -33,6 +33,10 @@ def _seconds(value: float | None) -> float | None:
     return None if value is None else check_number("--seconds", value, 0.0)
 
 
+def _noise(value: float | None) -> float | None:
+    return None if value is None else check_number("--noise", value, 0.0, 10.0)
+
+
 def _prove(value: str | None) -> str | None:
     """Let what stands after --prove be a number of seconds, or nothing."""
     if value in (None, WITHOUT_VALUE):
@@ -194,6 +198,14 @@ Seconds = Annotated[
 Full = Annotated[
     bool,
     typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
+]
+Noise = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEG",
+        callback=_noise,
+        help="Say how many random errors of DEG degrees each state survives, of angles and stiffnesses.",
+    ),
 ]
 Prove = Annotated[
     str | None,

@@ -12,6 +12,21 @@ from .descent import (
     follow as follow,
     polished_nearby as polished_nearby,
 )
+from .escape import (
+    ALONE as ALONE,
+    BOUND as BOUND,
+    FLOOR as FLOOR,
+    OPEN as OPEN,
+    TRACED as TRACED,
+    TREE as TREE,
+    Escape as Escape,
+    Terrain as Terrain,
+    barriers as barriers,
+    energy_scale as energy_scale,
+    level_of as level_of,
+    rounded_up as rounded_up,
+    ways_out as ways_out,
+)
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
 from .neighbours import search_spheres as search_spheres

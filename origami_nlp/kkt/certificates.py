@@ -27,6 +27,7 @@ from origami_nlp.programme import Contact
 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 
+NO_MODES = np.zeros((0, 0))
 MANY_ROWS = 12
 """Contacts above which a direction that opens all at once is looked for first."""
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
@@ -47,6 +48,7 @@ class BranchJudgement:
     cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its
     relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
+    modes: unit eigenvectors of `eigenvalues`, [n, e], in the metric.
     """
 
     verdict: Verdict
@@ -60,6 +62,7 @@ class BranchJudgement:
     cone_dimension: int
     tangent: np.ndarray | None
     held: tuple[Contact, ...]
+    modes: np.ndarray
 
 
 def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgement:
@@ -71,7 +74,9 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()
 
-    def say(verdict: Verdict, why: str, level: int, eig=(), direction=None) -> BranchJudgement:  # type: ignore[no-untyped-def]
+    def say(  # type: ignore[no-untyped-def]
+        verdict: Verdict, why: str, level: int, eig=(), direction=None, modes=NO_MODES
+    ) -> BranchJudgement:
         return BranchJudgement(
             verdict,
             why,
@@ -84,6 +89,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             dimension,
             tangent,
             held,
+            modes,
         )
 
     if dimension == 0:
@@ -121,13 +127,18 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             why = "regular contact: " if rows else "regular interior: "
             where = "on the critical cone" if rows else "on the tangent space"
             return say(
-                "minimum", why + f"Hessian positive definite {where}", 2 if rows else 1, values
+                "minimum",
+                why + f"Hessian positive definite {where}",
+                2 if rows else 1,
+                values,
+                modes=vectors,
             )
         return say(
             "minimum",
             "second order: a multiplier of the set makes the Hessian positive definite",
             4,
             values,
+            modes=vectors,
         )
     weak = a[~loaded]
     for column in range(vectors.shape[1]):

@@ -19,6 +19,8 @@ from origami_nlp.programme import Contact, Programme
 
 AT_REST = CLOSES**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
+SIMPLE = 1e-6
+"""Eigenvalues that differ by less, relative to the largest, have no modes of their own: rounding would turn them."""
 MOST_SETS, MOST_FAILED = 100, 6
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -83,6 +85,9 @@ class Classification(Brief):
         Residual of the best multipliers (scaled energy).
     descent
         For a saddle, a unit direction of descent [n] in the model's variables.
+    mode
+        Of a minimum, the unit eigenvector (in the metric of all fold angles) of the smallest of `eigenvalues`, as a
+        direction [n] in the model's variables, its largest entry positive; None where it is not one.
     """
 
     verdict: str
@@ -93,6 +98,7 @@ class Classification(Brief):
     eigenvalues: tuple[float, ...] = ()
     stationarity: float = math.nan
     descent: np.ndarray | None = None
+    mode: np.ndarray | None = None
 
 
 def classify(state: State, *, polished: bool = True) -> Classification:
@@ -203,7 +209,18 @@ def _decide(state: State, accuracy: float) -> Classification:
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
         math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
+        mode=_softest_mode(decisive[0], model.root),
     )
+
+
+def _softest_mode(branch: BranchJudgement, root: np.ndarray) -> np.ndarray | None:
+    """Return the mode of the smallest eigenvalue, where it is alone."""
+    values = branch.eigenvalues
+    if not branch.modes.size or (len(values) > 1 and values[1] - values[0] <= SIMPLE * values[-1]):
+        return None
+    mode: np.ndarray = branch.modes[:, 0]
+    large = np.flatnonzero(np.abs(mode) >= (1 - SIMPLE) * np.abs(mode).max())
+    return mode * math.copysign(1.0, mode[large[0]]) / root
 
 
 def _judge_by_splitting(
@@ -301,7 +318,7 @@ def of_image(state: State, what: Classification) -> Classification:
     """
     base = judge_branch(state.on(state.contacts.base), STATIONARY)
     reason = f"image of a certified state under a symmetry of the scene: {what.reason}"
-    return replace(what, reason=reason, contacts=_forces(state, base), descent=None)
+    return replace(what, reason=reason, contacts=_forces(state, base), descent=None, mode=None)
 
 
 def _refuted(lower: Lower) -> Classification:

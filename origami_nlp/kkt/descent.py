@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +44,7 @@ SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
+STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
 DECREASE = 1e-4
 """Share of the decrease to first order that a step must bring (Armijo's rule)."""
 RISE = 1e-7
@@ -65,9 +66,14 @@ class Followed:
 
 
 def follow(
-    model: Programme, start: np.ndarray, *, most_steps: int = 2000, most_rescues: int = 12
+    model: Programme,
+    start: np.ndarray,
+    *,
+    most_steps: int = 2000,
+    most_rescues: int = 12,
+    until: Callable[[np.ndarray], bool] | None = None,
 ) -> Followed:
-    """Follow the state `start` [n] downhill.
+    """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -85,6 +91,9 @@ def follow(
     length = LONGEST
     rescues = 0
     while len(states) < most_steps:
+        if until is not None and until(x):
+            path = np.array(states)
+            return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
         moved = _step(State(model, x, NEAR), length)
         if moved is not None:

@@ -10,6 +10,7 @@ from . import (
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .crossings import model_rows as model_rows
+from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,

@@ -25,10 +25,12 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
+from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.full_space import judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
+from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
@@ -42,6 +44,8 @@ FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
+MOST_NOISE = 10.0
+"""Degrees: with more, errors are no longer small beside sector angles."""
 MOST_CONFIRMED = 100
 """Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 
@@ -80,6 +84,7 @@ def find_minima(
     full: bool = False,
     prove: bool | float | None = None,
     seconds: float | None = None,
+    noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
@@ -111,6 +116,9 @@ def find_minima(
     seconds
         Wall time after which the search goes no further, a proof neither, and what is left is not judged in the full
         space: the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -144,12 +152,14 @@ def find_minima(
     until = math.inf
     if seconds is not None:
         until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    if noise is not None:
+        check_number("noise", noise, 0.0, MOST_NOISE)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
     finish_all([jobs], guesses, workers)
-    return _result(jobs, effort, prove, full)
+    return _result(jobs, effort, prove, full, noise)
 
 
 def find_minima_of_each(
@@ -200,7 +210,11 @@ def find_minima_of_each(
 
 
 def _result(
-    jobs: Sequence[Job], effort: str, prove: bool | float | None, full: bool
+    jobs: Sequence[Job],
+    effort: str,
+    prove: bool | float | None,
+    full: bool,
+    noise: float | None = None,
 ) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
     model, until, minima, reports = jobs[0].model, jobs[0].until, list[Minimum](), []
@@ -211,6 +225,9 @@ def _result(
     completeness = None if late else prove_each(jobs, prove)
     for job in jobs:
         some, others, outcomes = _sort_out(job.model, job.record, until)
+        some = with_escapes(job.model, some, job.traced)
+        if noise is not None:
+            some = with_survival(job.model, some, noise)
         minima += some
         seconds = time.perf_counter() - job.begin
         reports.append(job.report(others, outcomes, seconds, effort))
@@ -265,6 +282,7 @@ def _minimum(
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
         winding=model.structure.winding,
+        softest_mode=() if what.mode is None else tuple(model.expand(what.mode).tolist()),
     )
 
 

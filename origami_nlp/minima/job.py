@@ -25,7 +25,7 @@ from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.minima.near_folded import folded_minima
-from origami_nlp.minima.one_freedom import EXACT, trace
+from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
     Answer,
@@ -75,6 +75,7 @@ class Job:
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
         self.given: list[tuple[np.ndarray, Answer | None]] = []
+        self.traced: Traced | None = None
         self.begin = time.perf_counter()
         self.turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
 
@@ -204,7 +205,7 @@ class Job:
 
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
-        traced = trace(self.model)
+        traced = self.traced = trace(self.model)
         exact = np.isin(traced.origins, EXACT)
         for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
             end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)

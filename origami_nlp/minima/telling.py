@@ -10,8 +10,17 @@ import numpy as np
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import Minimum, SearchReport
-from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
+from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
+from origami_nlp.minima.stability import (
+    asked,
+    count_words,
+    isolated_foldings,
+    not_asked_words,
+    number_words,
+    softest_words,
+    stiffness_words,
+    verdict,
+)
 from origami_nlp.minima.stopping import unseen_share
 from origami_nlp.numerics import BALANCED, EPS
 from origami_nlp.pattern import Scene
@@ -67,33 +76,55 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     full = asked(minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "closure", "KKT", "hits"]
+    heads = ["#", "energy [J]", "kind", "dimension", "softest", "barrier", "closure", "KKT", "hits"]
+    grouped = isolated_foldings(minima)
+    noise = any(m.survival is not None for m in minima)
     if full:
         heads.insert(3, "full space")
+    if noise:
+        heads.append("survives")
     rows = []
     for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
         known = verdict(scene, m)
         row: list[Cell] = [
             str(number),
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind]),
             freedom_words(m.local_dimension, freedom),
+            softest_words(m),
+            m.escape.words() if m.escape else "-",
             f"{m.closure_residual:.0e}",
             "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
             str(m.hits),
         ]
         if full:
             row.insert(3, Words(known, VERDICT_STYLE.get(known, "")))
+        if noise:
+            row.append(str(m.survival))
+        rows.append(row)
+    if grouped:
+        some = [minima[k - 1] for k in grouped]
+        row = [f"({len(some)})", f"{some[0].energy:.4g} to {some[-1].energy:.4g}", "flat foldings"]
+        hits = str(sum(m.hits for m in some))
+        row += ["0 isolated", "held", "isolated", "", "", hits]
+        if full:
+            row.insert(3, "")
+        if noise:
+            row.append(str(max(m.survival.kept for m in some if m.survival)) + " at most")
         rows.append(row)
     # with the verdicts the table keeps to 80 columns without frames
-    columns = "rrlllrrr" if full else "rrllrrr"
+    columns = ("rrlllrrrrr" if full else "rrllrrrrr") + "r" * noise
     return Table(heads, rows, title, columns, framed=not full, narrow=full)
 
 
 def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
     """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
-    lines = []
+    lines, grouped = [], isolated_foldings(minima)
     for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
         angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
         lines.append(f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}")
         if m.winding > 1:
@@ -101,6 +132,8 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")
+        if m.escape is not None:
+            lines.append(f"   {stiffness_words(m)}")
         if m.moment is not None:
             lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
         if m.solver is not None and not m.solver.agrees:
@@ -109,6 +142,17 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
             )
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
+    if any(m.survival is not None for m in minima):
+        degrees = max(m.survival.degrees for m in minima if m.survival)
+        lines.append(
+            f"survives: those of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest "
+            f"and sector angles and {math.radians(degrees):.2g} of stiffnesses, into which the state could be followed"
+        )
+    if grouped:
+        lines.append(
+            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
+            "admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
+        )
     return [*lines, *filter(None, [not_asked_words(scene, minima)])]
 
 

@@ -8,6 +8,7 @@ from .linear import (
     refined as refined,
     unbounded as unbounded,
 )
+from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .rounding import coarse as coarse, first_largest as first_largest, rank as rank
 from .tolerances import (
@@ -34,6 +35,7 @@ from .tolerances import (
     ROUNDED as ROUNDED,
     SAME as SAME,
     SETTLED as SETTLED,
+    SHALLOW as SHALLOW,
     STATIONARY as STATIONARY,
     SUMMED as SUMMED,
     TOUCHES as TOUCHES,

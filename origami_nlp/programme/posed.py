@@ -360,7 +360,9 @@ class Posed(Full):
             else f"scalar of q Q(e3, 2 pi/{group.order}) = cos({often}pi/{group.order}), q = folds of a period",
         )
         winds = f", states that wind {w} times round its axis" * (w > 1)
-        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}{winds}")
+        lines.append(
+            f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}{winds}"
+        )
         lines.append(f"  variables     {self.size}: fold angles")
         for v in range(self.size):
             creases = ", ".join(str(c) for c in self.creases_of(v))

@@ -167,7 +167,11 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
         "exact": {name: [v.hex() for v in values] for name, values in _exact(scene).items()},
         "r0": certificate.r0,
         **{name: [asdict(one) for one in getattr(certificate, name)] for name in lists},
-        **({"others": [certificate_to_dict(o) for o in certificate.others]} if certificate.others else {}),
+        **(
+            {"others": [certificate_to_dict(o) for o in certificate.others]}
+            if certificate.others
+            else {}
+        ),
         "counts": dict(zip(KINDS, counts, strict=True)),
         "tree": {
             "nodes": len(nodes.kind),

@@ -78,7 +78,12 @@ def whole_vertex(scene: Scene, sectors: Sequence[Any], angles: Sequence[Any]) ->
         b, a = azimuth.sin_cos()
         x, y = a * s, b * s
         w, i, j, k = q
-        q = [w * c - i * x - j * y, w * x + i * c - k * y, w * y + j * c + k * x, i * y - j * x + k * c]
+        q = [
+            w * c - i * x - j * y,
+            w * x + i * c - k * y,
+            w * y + j * c + k * x,
+            i * y - j * x + k * c,
+        ]
         azimuth = azimuth + sector
     return q
 

@@ -78,7 +78,9 @@ class Period:
         middle, half = variables(lower, upper)
         scalar, slopes = self._products(half_turns(middle, half, pins))
         first = scalar[:1]
-        closure = padded(first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
+        closure = padded(
+            first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
+        )
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)
