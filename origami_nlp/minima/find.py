@@ -25,17 +25,22 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
-from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.full_space import judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
-from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.starts import effort_of
-from origami_nlp.minima.windings import finish_all, jobs_of, join_reports, prove_each
+from origami_nlp.minima.windings import (
+    escapes_of_each,
+    finish_all,
+    jobs_of,
+    join_reports,
+    prove_each,
+    survival_of_each,
+)
 from origami_nlp.numerics import rank
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -225,14 +230,14 @@ def _result(
     completeness = None if late else prove_each(jobs, prove)
     for job in jobs:
         some, others, outcomes = _sort_out(job.model, job.record, until)
-        some = with_escapes(job.model, some, job.traced)
-        if noise is not None:
-            some = with_survival(job.model, some, noise)
         minima += some
         seconds = time.perf_counter() - job.begin
         reports.append(job.report(others, outcomes, seconds, effort))
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: rank(m.energy / model.scale, m.fold_angles))
+    minima = escapes_of_each(jobs, minima)
+    if noise is not None:
+        minima = survival_of_each(jobs, minima, noise)
     if full:
         minima = _in_full_space(model.scene, minima, until)
     return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)

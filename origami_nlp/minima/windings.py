@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.minima.completeness import Completeness
+from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.proved import is_cheap, prove_complete
@@ -116,6 +118,35 @@ def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completen
         tuple(new for one in found for new in one.added),
         over=found[0].over,
     )
+
+
+def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Minimum]:
+    """Add what it takes to leave each minimum, along states of its winding, numbered as in the whole list."""
+    found = list(minima)
+    for job, which in _apart(jobs, minima):
+        some = with_escapes(job.model, [minima[k] for k in which], job.traced)
+        for k, m in zip(which, some, strict=True):
+            assert m.escape is not None
+            to = which[m.escape.to - 1] + 1 if m.escape.to else 0
+            found[k] = replace(m, escape=replace(m.escape, to=to))
+    return found
+
+
+def survival_of_each(jobs: Sequence[Job], minima: Sequence[Minimum], noise: float) -> list[Minimum]:
+    """Add how many random errors of the scene each minimum survives; noise: their size [degrees]."""
+    found = list(minima)
+    for job, which in _apart(jobs, minima):
+        some = with_survival(job.model, [minima[k] for k in which], noise)
+        for k, m in zip(which, some, strict=True):
+            found[k] = m
+    return found
+
+
+def _apart(jobs: Sequence[Job], minima: Sequence[Minimum]) -> Iterator[tuple[Job, list[int]]]:
+    """Each search with the places of its minima in the whole list."""
+    for job in jobs:
+        winding = job.model.structure.winding
+        yield job, [k for k, m in enumerate(minima) if m.winding == winding]
 
 
 def join_reports(reports: Sequence[SearchReport]) -> SearchReport:
