@@ -17,7 +17,8 @@ import numpy as np
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Job, Progress
-from origami_nlp.minima.minimum import Rejected, SearchReport
+from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
+from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import Effort
