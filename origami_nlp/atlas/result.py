@@ -131,7 +131,9 @@ class Atlas(Told, Turnable):
         scene, s = self.family.scene(value), over.s_of(value)
         here = states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
-        return tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
+        return (
+            tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
+        )
 
     def summary(self) -> str:
         """Return one line."""

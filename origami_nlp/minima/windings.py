@@ -35,9 +35,7 @@ def jobs_of(
     until: float = math.inf,
 ) -> list[Job]:
     """Return the searches that a scene asks for, one for each winding; arguments as for `Job`."""
-    jobs = [
-        Job(Model(one), seed, effort, starts, None, until) for one in scene.of_each_winding
-    ]
+    jobs = [Job(Model(one), seed, effort, starts, None, until) for one in scene.of_each_winding]
     if progress is not None:
         records = [job.record for job in jobs]
 

@@ -21,7 +21,15 @@ from origami_nlp.pattern.vertex import Vertex
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
-    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance", "held_facet", "winding"),
+    "model": (
+        "symmetry",
+        "contact",
+        "mirror",
+        "name",
+        "symmetry_tolerance",
+        "held_facet",
+        "winding",
+    ),
     "loads": (),
 }
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred

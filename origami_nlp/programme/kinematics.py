@@ -109,7 +109,9 @@ class Kinematics:
         self._level = math.cos(turn)
         rows = {("C", 1): (1, 2, 3), ("D", 1): (1, 3), ("C", 2): (0,)}
         kind = "C" if self._cyclic else "D"
-        self._entries = rows.get((kind, 1 if order == 1 else 2))  # of q; None: a vector that q carries
+        self._entries = rows.get(
+            (kind, 1 if order == 1 else 2)
+        )  # of q; None: a vector that q carries
         self._lever_of = np.hstack(
             [_CONJUGATED[e] for e in self._entries or ()] or [np.zeros((4, 0))]
         )

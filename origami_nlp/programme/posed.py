@@ -104,7 +104,8 @@ class Posed(Full):
     @property
     def equation_count(self) -> int:
         """Number of loop-closure equations."""
-        return {("C", 1): 3, ("D", 1): 2}.get((self.structure.kind, self.structure.turn), 1)
+        one_turn = 3 if self.structure.kind == "C" else 2
+        return one_turn if self.structure.turn == 1 else 1
 
     @property
     def freedom(self) -> int:
@@ -360,7 +361,9 @@ class Posed(Full):
             else f"scalar of q Q(e3, 2 pi/{group.order}) = cos({often}pi/{group.order}), q = folds of a period",
         )
         winds = f", states that wind {w} times round its axis" * (w > 1)
-        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}{winds}")
+        lines.append(
+            f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}{winds}"
+        )
         lines.append(f"  variables     {self.size}: fold angles")
         for v in range(self.size):
             creases = ", ".join(str(c) for c in self.creases_of(v))

@@ -130,9 +130,7 @@ class Site:
         shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
         s = self.model.structure
         quarters = self.point[self.turned] / (0.5 * math.pi)
-        if (s.kind, s.turn) == ("C", 1) or (
-            s.turn == 1 and (quarters == np.rint(quarters)).all()
-        ):
+        if (s.kind, s.turn) == ("C", 1) or (s.turn == 1 and (quarters == np.rint(quarters)).all()):
             return bool(shared)
         return 0 in shared
 

@@ -1,8 +1,8 @@
 """A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
 
 Schema ``origami-nlp/proof/1``.  ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
-doubles; the two must agree.  ``others``: documents of the same schema for states that wind more often.  ``points``, ``singular``, ``undecided``: lists of objects with the names below.  ``tree``:
-``nodes`` and arrays, each base64 of zlib of its little-endian numbers with their bytes gathered by significance (all
+doubles; the two must agree.  ``others``: documents of the same schema for states that wind more often.  ``points``,
+``singular``, ``undecided``: lists of objects with the names below.  ``tree``: ``nodes`` and arrays, each base64 of zlib of its little-endian numbers with their bytes gathered by significance (all
 first bytes, all second bytes, ...).  Nothing in a file is evaluated.
 """
 
@@ -167,7 +167,11 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
         "exact": {name: [v.hex() for v in values] for name, values in _exact(scene).items()},
         "r0": certificate.r0,
         **{name: [asdict(one) for one in getattr(certificate, name)] for name in lists},
-        **({"others": [certificate_to_dict(o) for o in certificate.others]} if certificate.others else {}),
+        **(
+            {"others": [certificate_to_dict(o) for o in certificate.others]}
+            if certificate.others
+            else {}
+        ),
         "counts": dict(zip(KINDS, counts, strict=True)),
         "tree": {
             "nodes": len(nodes.kind),

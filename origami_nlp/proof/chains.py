@@ -111,7 +111,9 @@ class Vertex:
             (tuple(range(n - 1, self.half - 1, -1)), _right_products(right), -1.0),
         )
         # folds and sectors of the loop multiply to -1: q_left Q(e3, whole) = -q_right, whole = 2 pi on a sheet
-        self.onward = None if whole == 2 * math.pi else _onward(-math.cos(whole / 2), -math.sin(whole / 2))
+        self.onward = (
+            None if whole == 2 * math.pi else _onward(-math.cos(whole / 2), -math.sin(whole / 2))
+        )
         self._pose_triples()
         self._pose_minors()
         self.minor_count = len(self.fours)

@@ -47,7 +47,8 @@ def closing_numbers(order: int) -> tuple[Any, ...]:
     """
     polynomial = fmpz_poly.chebyshev_t(order) + 1
     with ctx.workprec(BITS):
-        roots = [root.real for root, _ in polynomial.complex_roots()]
+        found: list[tuple[Any, int]] = polynomial.complex_roots()
+    roots = [root.real for root, _ in found]
     roots.sort(key=lambda v: -float(v.mid()))
     if not polynomial(-1):
         roots[-1] = arb(-1)
@@ -78,7 +79,12 @@ def whole_vertex(scene: Scene, sectors: Sequence[Any], angles: Sequence[Any]) ->
         b, a = azimuth.sin_cos()
         x, y = a * s, b * s
         w, i, j, k = q
-        q = [w * c - i * x - j * y, w * x + i * c - k * y, w * y + j * c + k * x, i * y - j * x + k * c]
+        q = [
+            w * c - i * x - j * y,
+            w * x + i * c - k * y,
+            w * y + j * c + k * x,
+            i * y - j * x + k * c,
+        ]
         azimuth = azimuth + sector
     return q
 

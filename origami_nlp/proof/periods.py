@@ -1,7 +1,7 @@
 """What every local minimum satisfies where turns are imposed, over boxes of the fold angles of a period of C_n.
 
-The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(w pi / n), w = 1 or the winding; its slopes are, but for a factor, the x of T read from
-crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is a product of
+The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(w pi / n), w the winding; its slopes are, but for a factor,
+the x of T read from crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is a product of
 two half chains.
 """
 
@@ -78,7 +78,9 @@ class Period:
         middle, half = variables(lower, upper)
         scalar, slopes = self._products(half_turns(middle, half, pins))
         first = scalar[:1]
-        closure = padded(first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
+        closure = padded(
+            first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
+        )
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)
