@@ -217,7 +217,9 @@ def _result(
     minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
     if full:
         minima = _in_full_space(model.scene, minima)
-    return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)
+    windings = [job.model.structure.winding for job in jobs]
+    report = join_reports(windings, reports)
+    return MinimaResult(model.scene, model, tuple(minima), report, completeness)
 
 
 def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
