@@ -16,7 +16,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 
 import numpy as np
 
@@ -133,8 +132,8 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
         return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)
-    pieces = Fraction(group.order, scene.winding or 1)
-    freedom = variables - {("C", 1): 3, ("D", 1): 2}.get((group.kind, pieces), 1)
+    one_turn = 3 if group.kind == "C" else 2
+    freedom = variables - (one_turn if group.order == (scene.winding or 1) else 1)
     if freedom == 1:
         return _curves(scene, size)
     what = f"{freedom} degrees of freedom keep the symmetry {group.name}"

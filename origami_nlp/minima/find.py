@@ -240,7 +240,9 @@ def _result(
         minima = survival_of_each(jobs, minima, noise)
     if full:
         minima = _in_full_space(model.scene, minima, until)
-    return MinimaResult(model.scene, model, tuple(minima), join_reports(reports), completeness)
+    windings = [job.model.structure.winding for job in jobs]
+    report = join_reports(windings, reports)
+    return MinimaResult(model.scene, model, tuple(minima), report, completeness)
 
 
 def _sort_out(

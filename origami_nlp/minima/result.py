@@ -112,7 +112,18 @@ class MinimaResult(Told, Turnable):
         )
 
     def model_of(self, minimum: Minimum) -> Model:
-        """Return the programme that a minimum is a state of: that of its winding."""
+        """Return the programme that a minimum is a state of: that of its winding.
+
+        Parameters
+        ----------
+        minimum
+            One of `minima`.
+
+        Returns
+        -------
+        Model
+            `model` itself where states wind as often as that says.
+        """
         if minimum.winding == self.model.structure.winding:
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))

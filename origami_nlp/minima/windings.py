@@ -150,13 +150,13 @@ def _apart(jobs: Sequence[Job], minima: Sequence[Minimum]) -> Iterator[tuple[Job
         yield job, [k for k, m in enumerate(minima) if m.winding == winding]
 
 
-def join_reports(reports: Sequence[SearchReport]) -> SearchReport:
+def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> SearchReport:
     """Tell of several searches as of one.
 
     Parameters
     ----------
-    reports
-        One for each winding.
+    windings, reports
+        How often states wind, and the report of their search.
 
     Returns
     -------
@@ -192,7 +192,9 @@ def join_reports(reports: Sequence[SearchReport]) -> SearchReport:
         quiet=min((r.quiet for r in drawn), default=0),
         corners=sum(r.corners for r in reports),
         every_corner=all(r.every_corner for r in drawn) if drawn else first.every_corner,
-        complete="; ".join(dict.fromkeys(r.complete for r in reports))
+        complete="; ".join(
+            f"winding {w}: {r.complete}" for w, r in zip(windings, reports, strict=True)
+        )
         if all(r.complete for r in reports)
         else "",
         strata=first.strata,

@@ -187,7 +187,7 @@ class Scene(Full):
 
     @property
     def windings(self) -> tuple[int, ...]:
-        """How often states of the scene may wind round the axis of their symmetry: `windings_of`, or the one asked for."""
+        """How often its states may wind round the axis of their symmetry: `windings_of`, or the one asked for."""
         return (self.winding,) if self.winding else windings_of(self.group, self.contact)
 
     @property

@@ -2,7 +2,7 @@
 
 The product T of the folds of a period of C_n, or of two wedges of D_n, is repeated n times round the vertex, and the
 whole is a sheet of paper where T^n = -1: T turns by w 2 pi/n, w odd, w <= n.  States of another w are on no path from
-those of this one: T^n = -1 has no others in between.  Facets that must not cross leave w = 1 (docs/windings.md).
+those of this one: T^n = -1 has no others in between.  Facets that must not cross leave w = 1 (docs/concepts.md).
 """
 
 from __future__ import annotations

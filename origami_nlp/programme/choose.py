@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, windings_of
 from origami_nlp.programme.gaps import Gap, LeftOut, can_cross
 
 
@@ -43,7 +41,8 @@ def enumerate_gaps(
         left.append(
             LeftOut("crossing of non-adjacent facets", f'contact = "{scene.contact}" does not ask')
         )
-        others = [w for w in replace(scene, winding=None).windings if w != (scene.winding or 1)]
+        every = windings_of(group, scene.contact)
+        others = [w for w in every if w != (scene.winding or 1)]
         if others:
             often = ", ".join(map(str, others))
             left.append(

@@ -6,8 +6,10 @@ their axes to u_1, u_2, ... and the end of the piece to F; closure then asks for
 - no symmetry: Q(u_1, a) Q(u_2, b) Q(u_3, c) = T = F^-1 (three turns; Paden and Kahan's subproblems, see Murray, Li and
   Sastry, A Mathematical Introduction to Robotic Manipulation, section 3.3);
 - D1: Q(u_1, a) Q(u_2, b) v = w with v = F e2, w = e2 (two turns);
-- D_n, n >= 2 (with n/w for n where states wind w times): the angle between Q(u, a) F n_k and n_1 is pi - pi/n (one turn);
+- D_n, n >= 2: the angle between Q(u, a) F n_k and n_1 is pi - pi/n (one turn);
 - C_n, n >= 2: the scalar part of Q(u, a) F Q(e3, 2 pi/n) is cos(pi/n) (one turn).
+
+States that wind w times round the axis have n/w in place of n.
 
 The first three are one spherical triangle, whose corner comes from half its perimeter: unlike cosines, that keeps
 closure to rounding where the triangle is flat (a double root) or small (next to flat states).

@@ -104,7 +104,9 @@ class Posed(Full):
     @property
     def equation_count(self) -> int:
         """Number of loop-closure equations."""
-        return {("C", 1): 3, ("D", 1): 2}.get((self.structure.kind, self.structure.turn), 1)
+        s = self.structure
+        one_turn = 3 if s.kind == "C" else 2
+        return one_turn if s.order == s.winding else 1
 
     @property
     def freedom(self) -> int:

@@ -1,9 +1,10 @@
 """A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
 
-Schema ``origami-nlp/proof/1``.  ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
-doubles; the two must agree.  ``others``: documents of the same schema for states that wind more often.  ``points``, ``singular``, ``undecided``: lists of objects with the names below.  ``tree``:
-``nodes`` and arrays, each base64 of zlib of its little-endian numbers with their bytes gathered by significance (all
-first bytes, all second bytes, ...).  Nothing in a file is evaluated.
+Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
+doubles; the two must agree. ``others``: documents of the same schema for states that wind more often. ``points``,
+``singular``, ``undecided``: lists of objects with the names below. ``tree``: ``nodes`` and arrays, each base64 of zlib
+of its little-endian numbers with their bytes gathered by significance (all first bytes, all second bytes, ...). Nothing
+in a file is evaluated.
 """
 
 from __future__ import annotations

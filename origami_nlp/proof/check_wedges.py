@@ -1,14 +1,14 @@
 """Pieces of symmetric vertices, over boxes of fold angles: a wedge between two mirrors, and a period of turns.
 
-D_n: H = Q(b_1, x_1) .. Q(b_k, x_k), half as much at creases on the mirrors, carries the last mirror, of flat normal
-n_k = (sin pi/n, -cos pi/n, 0), to one at an angle from the first, of normal n_1 = e2, with which the vertex closes:
--n_1 . H n_k = c, c one of the roots of `check_whole`. c = -1: H n_k = n_1, stated as h_x = h_z = 0 once H is followed by
-the turn by pi/n - pi that takes n_k from n_1; on closed states the slopes of these by all angles are those of the x and
-z of the axes, turned, so that the minors may be had from (n_1, c_j, c_k), or (c_j, c_k, H n_k). c > -1: n_1 . H n_k + c
-= 0, of slopes (n_1, c_i, H n_k). C_n: T = H Q(e3, 2 pi/n) has the scalar c > -1; its slope by x_i is that of T with b_i
-put in before Q(b_i, x_i), halved. c = -1: T = -1, minors as without symmetry, of triple products of the axes of one
-period. A crease on a mirror stands for half as many creases and moves half: rows of minors are as
-without symmetry, with the torque of one crease.
+D_n: H = Q(b_1, x_1) .. Q(b_k, x_k), half as much at creases on the mirrors, carries the last mirror, of flat normal n_k
+= (sin pi/n, -cos pi/n, 0), to one at an angle from the first, of normal n_1 = e2, with which the vertex closes: -n_1 .
+H n_k = c, c one of the roots of `check_whole`. c = -1: H n_k = n_1, stated as h_x = h_z = 0 once H is followed by the
+turn by pi/n - pi that takes n_1 to n_k; on closed states the slopes of these by all angles are those of the x and z of
+the axes, turned, so that the minors may be had from (n_1, c_j, c_k), or (c_j, c_k, H n_k). c > -1: n_1 . H n_k + c = 0,
+of slopes (n_1, c_i, H n_k). C_n: T = H Q(e3, 2 pi/n) has the scalar c > -1; its slope by x_i is that of T with b_i put
+in before Q(b_i, x_i), halved. c = -1: T = -1, minors as without symmetry, of triple products of the axes of one period.
+A crease on a mirror stands for half as many creases and moves half: rows of minors are as without symmetry, with the
+torque of one crease.
 """
 
 from __future__ import annotations

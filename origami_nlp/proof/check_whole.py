@@ -47,7 +47,8 @@ def closing_numbers(order: int) -> tuple[Any, ...]:
     """
     polynomial = fmpz_poly.chebyshev_t(order) + 1
     with ctx.workprec(BITS):
-        roots = [root.real for root, _ in polynomial.complex_roots()]
+        found: Any = polynomial.complex_roots()
+    roots = [root.real for root, _ in found]
     roots.sort(key=lambda v: -float(v.mid()))
     if not polynomial(-1):
         roots[-1] = arb(-1)

@@ -1,8 +1,8 @@
 """What every local minimum satisfies where turns are imposed, over boxes of the fold angles of a period of C_n.
 
-The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(w pi / n), w = 1 or the winding; its slopes are, but for a factor, the x of T read from
-crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is a product of
-two half chains.
+The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(w pi / n), w the winding; its slopes are, but for a factor, the x
+of T read from crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is
+a product of two half chains.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e
 of closure are a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an
 alternating sum of G_i (n_1, c_j, c_k); the triple product is the same with N.
 
-D_n, n > 1: n_1 . N = -cos(pi / n) (cos(w pi / n) where states wind w times, w < n; w = n: as D_1), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
+D_n, n > 1: n_1 . N = -cos(pi / n) (cos(w pi / n) where states wind w times, w < n; w = n: as D_1), with slopes t_i =
+(n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
 
 All of it is triple products seen from the crease in the middle, as without symmetry.  Backwards, the wedge is read in a
 mirror (y to -y).

@@ -50,7 +50,8 @@ def design(
     """Find the springs that hold given states with the largest margin, or prove that there are none.
 
     At fixed states the conditions are convex in stiffness and torque (`equilibrium`), so that the answer is the best
-    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.
+    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.  Given
+    states with a symmetry imposed are those that wind once round its axis (`Scene.windings`).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""States of every winding close the whole vertex with q = +1; completions, closed forms and compiled functions agree."""
+"""States of every winding close the whole vertex with q = +1; completions and closed forms know them."""
 
 import math
 

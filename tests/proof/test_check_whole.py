@@ -23,15 +23,21 @@ from origami_nlp.proof.check_wedges import piece_of
 from origami_nlp.proof.check_whole import check_identity, closing_numbers
 from tests.independent.rotations import spin_sign
 
-STAR = Scene(
-    Vertex(("pi/4",) * 8), (1, 2) * 4, (math.radians(131.0604),) * 8, "D4", "fold-limits"
-)
+STAR = Scene(Vertex(("pi/4",) * 8), (1, 2) * 4, (math.radians(131.0604),) * 8, "D4", "fold-limits")
 SECTORS = (0.5, 0.3, 2 * math.pi / 3 - 0.8)
 SCENES = {
     "D4": STAR,
-    "D3": replace(STAR, vertex=Vertex(("pi/3",) * 6), stiffness=(1, 2) * 3, rest_angles=(2.9,) * 6, symmetry="D3"),
+    "D3": replace(
+        STAR,
+        vertex=Vertex(("pi/3",) * 6),
+        stiffness=(1, 2) * 3,
+        rest_angles=(2.9,) * 6,
+        symmetry="D3",
+    ),
     "C3": Scene(Vertex(SECTORS * 3), (1, 2, 0.7) * 3, (2.4, 1.9, -0.6) * 3, "C3", "fold-limits"),
-    "C5": Scene(Vertex((0.5, 0.4 * math.pi - 0.5) * 5), (1, 2) * 5, (2.4, 1.9) * 5, "C5", "fold-limits"),
+    "C5": Scene(
+        Vertex((0.5, 0.4 * math.pi - 0.5) * 5), (1, 2) * 5, (2.4, 1.9) * 5, "C5", "fold-limits"
+    ),
 }
 
 
@@ -77,7 +83,9 @@ def test_proofs_of_every_winding_are_confirmed_and_none_may_be_left_out(name):
     for left in range(len(good.others)):
         others = tuple(o for k, o in enumerate(good.others) if k != left)
         why = check_proof(replace(good, others=others)).refused
-        assert f"wind {good.others[left].scene.winding} times" in why and "no tree covers them" in why
+        assert (
+            f"wind {good.others[left].scene.winding} times" in why and "no tree covers them" in why
+        )
 
 
 def test_what_an_earlier_prover_proved_is_refused():
@@ -100,7 +108,10 @@ def test_false_claims_of_another_winding_are_refused():
     moved = replace(other, points=good.points)
     assert check_proof(replace(good, others=(moved,))).refused.startswith("winding 3: point")
     springs = replace(other.scene, stiffness=(1, 2.5) * 4)
-    assert "another scene" in check_proof(replace(good, others=(replace(other, scene=springs),))).refused
+    assert (
+        "another scene"
+        in check_proof(replace(good, others=(replace(other, scene=springs),))).refused
+    )
     # a state that winds three times is no state of the first tree
     alone = check_proof(other)
     assert not alone.refused and len(alone.minima) == 2
