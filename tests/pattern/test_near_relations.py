@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, find_minima
+from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import canonical_labels
 from origami_nlp.pattern.relations import find_relations
 from origami_nlp.programme import Model
@@ -42,10 +42,3 @@ def test_other_labels_name_the_same_vertex_and_the_same_gaps(size):
             for k, j in (gap.rays for gap in Model(other).structure.gaps)
         }
         assert theirs == {gap.rays for gap in Model(scene).structure.gaps}
-
-
-def test_a_vertex_of_nearly_equal_sectors_is_searched():
-    """Its canonical labels once decided for 1.5e-7 rad more, and named a gap that the scene does not have."""
-    sectors = (1.5707962812233465, 1.57079647638939, 1.5707962780564384, 1.5707962715104113)
-    scene = Scene(Vertex(sectors), (1.0, 1.2, 0.8, 1.1), (1.0, -0.5, 0.7, 0.2), "none")
-    assert find_minima(scene, max_starts=16, prove=False).minima
