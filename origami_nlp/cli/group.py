@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from origami_nlp.cli import former
-from origami_nlp.cli.start import interruptible
+from origami_nlp.cli.interruption import interruptible
 
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
