@@ -31,6 +31,9 @@ SYMMETRIC: dict[str, Any] = {
     "permc_spec": "MMD_AT_PLUS_A",
 }
 """Elimination of definite matrices without exchange of rows: a fifth of the entries and of the time."""
+LONG = 1e3
+"""Rows that are longer count as rows of length 1: rounding of their squares would come near `WEIGHT`.  Those of closure
+are no longer than some units; gaps between sides that are all but parallel are."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -84,13 +87,15 @@ class Normal:
             self._solve = np.copy
         elif isinstance(jacobian, np.ndarray):
             square = jacobian @ jacobian.T
+            lengths = np.sqrt(square.flat[:: m + 1])
+            size = np.where(lengths > LONG, lengths, 1.0)
+            if (size > 1.0).any():
+                square = (jacobian / size[:, None]) @ (jacobian / size[:, None]).T
             square.flat[:: m + 1] += WEIGHT
             lower, failed = lapack.dpotrf(square.T, lower=True, clean=False, overwrite_a=True)
-            if failed:  # rows of very different lengths: rounding of the longest exceeds the weight
-                u, values, _ = np.linalg.svd(jacobian, full_matrices=False)
-                self._solve = lambda b: u @ ((u.T @ b) / (values**2 + WEIGHT))
-            else:
-                self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
+            if failed:
+                raise np.linalg.LinAlgError("J J' is not positive definite")
+            self._solve = lambda b: lapack.dpotrs(lower, b / size, lower=True)[0] / size
         else:
             square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
             self._solve = splu(square, **SYMMETRIC).solve

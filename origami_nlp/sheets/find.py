@@ -533,24 +533,21 @@ class _Search:
     def _settle_well(self, well: np.ndarray) -> None:
         """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
         self.settle(well)
-        judged = self._is_judged(well, ON_CURVE)
+        known = {"minimum": ON_CURVE, "crosses": ON_CURVE, "not a minimum": 10 * SAME}
+        judged = any(
+            np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
+            for s in self.tally.judged
+        )
         if not judged and (closed := self._closed(well)) is not None:
             beside = self._polished(closed)
             if beside is not None:
                 if not self.known(beside):
                     self.add(self._judged(beside))
-                judged = self._is_judged(beside, 10 * SAME)
+                # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
+                judged = any(
+                    np.abs(beside - s.fold_angles).max() <= 10 * SAME
+                    and (s.verdict in ("minimum", "crosses") or s.freedoms == 1)
+                    for s in self.tally.judged
+                    if s.verdict in known
+                )
         self.tally.resolved += judged
-
-    def _is_judged(self, phi: np.ndarray, within: float) -> bool:
-        """Tell whether a well of a curve is decided: here is a minimum, or one that crosses; none if it is this one.
-
-        Where curves meet, a state that is no minimum says nothing of wells beside it on one of them.
-        """
-        exact = within <= 10 * SAME
-        return any(
-            np.abs(phi - s.fold_angles).max() <= within
-            for s in self.tally.judged
-            if s.verdict in ("minimum", "crosses")
-            or (s.verdict == "not a minimum" and exact and s.freedoms == 1)
-        )
