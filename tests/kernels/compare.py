@@ -27,6 +27,9 @@ KERNELS: dict[str, dict[str, str]] = {
 """Kernels of OpenBLAS, and NumPy without its code for AVX-512: what the environment asks for."""
 MEASURED = ("seconds", "iterations", "cost")
 """Not compared: time, and how often solvers iterated until rounding stopped them."""
+SEARCHED = ("search", "hits")
+"""How often descents ended where, and what they ended at that is no minimum: next to singular states rounding grows too
+much for that to be the same always.  What was found, judged and proved is the rest: the answer."""
 NEAR = 1e-6
 """Numbers that differ by no more, absolutely or relatively, are equal: half the digits of a double."""
 
@@ -45,15 +48,17 @@ def answers_on(kernel: str, group: str, part: str = ":") -> dict[str, dict[str, 
     return {line["name"]: line for line in lines}
 
 
-def differences(one: Any, other: Any, where: str = "") -> Iterator[str]:
+def differences(
+    one: Any, other: Any, where: str = "", skip: tuple[str, ...] = MEASURED
+) -> Iterator[str]:
     """Where two answers differ: words literally but for seconds and residuals, numbers beyond `NEAR`."""
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         for key in {**one, **other}:
-            if key not in MEASURED:
-                yield from differences(one.get(key), other.get(key), f"{where}.{key}")
+            if key not in skip:
+                yield from differences(one.get(key), other.get(key), f"{where}.{key}", skip)
     elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         for k, (a, b) in enumerate(zip(one, other, strict=True)):
-            yield from differences(a, b, f"{where}[{k}]")
+            yield from differences(a, b, f"{where}[{k}]", skip)
     elif isinstance(one, float) and isinstance(other, int | float):
         if not (one == other or math.isclose(one, other, rel_tol=NEAR, abs_tol=NEAR)):
             yield f"{where}: {one!r}, {other!r}"
@@ -67,14 +72,20 @@ def differences(one: Any, other: Any, where: str = "") -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Compared:
-    """Questions of a group, how many answers of a kernel are those of the first, and how the others differ."""
+    """Questions of a group, how many answers of a kernel are those of the first, and how the others differ.
+
+    answers: in what was found, judged and proved.  printed, data: in every word that is printed, in all data.
+    wrong, differing: question and place of what differs, of answers and of all.
+    """
 
     group: str
     kernel: str
     questions: int
+    answers: int
     printed: int
     data: int
     seconds: float
+    wrong: tuple[tuple[str, str], ...]
     differing: tuple[tuple[str, str], ...]
 
 
@@ -84,27 +95,32 @@ def compared(group: str, kernels: Sequence[str], part: str = ":") -> Iterator[Co
     for kernel in kernels:
         found = answers_on(kernel, group, part)
         first = first or found
-        printed, data, differing = 0, 0, []
+        answers, printed, data = 0, 0, 0
+        wrong: list[tuple[str, str]] = []
+        differing: list[tuple[str, str]] = []
         for name, answer in found.items():
+            one, other = first[name]["data"], answer["data"]
+            core = list(differences(one, other, "data", MEASURED + SEARCHED))
             lines = list(differences(first[name]["printed"], answer["printed"], "printed"))
-            items = list(differences(first[name]["data"], answer["data"], "data"))
-            printed, data = printed + (not lines), data + (not items)
-            differing += [(name, line) for line in (lines + items)]
+            items = list(differences(one, other, "data"))
+            answers, printed, data = answers + (not core), printed + (not lines), data + (not items)
+            wrong += [(name, line) for line in core]
+            differing += [(name, line) for line in lines + items]
         spent = sum(answer["seconds"] for answer in found.values())
         assert list(found) == list(first)
-        yield Compared(group, kernel, len(found), printed, data, spent, tuple(differing))
+        counts = len(found), answers, printed, data
+        yield Compared(group, kernel, *counts, spent, tuple(wrong), tuple(differing))
 
 
 def main() -> None:
     groups = [word for word in sys.argv[1:] if not word.startswith("-")] or list(GROUPS)
-    print(f"{'group':14}{'kernel':12}{'questions':>10}{'printed':>9}{'data':>6}{'seconds':>9}")
+    heads = ("questions", "answers", "printed", "data", "seconds")
+    print(f"{'group':14}{'kernel':12}" + "".join(f"{head:>10}" for head in heads))
     told = []
     for group in groups:
         for c in compared(group, list(KERNELS)):
-            row = (
-                f"{c.group:14}{c.kernel:12}{c.questions:10}{c.printed:9}{c.data:6}{c.seconds:9.1f}"
-            )
-            print(row, flush=True)
+            counts = "".join(f"{n:10}" for n in (c.questions, c.answers, c.printed, c.data))
+            print(f"{c.group:14}{c.kernel:12}{counts}{c.seconds:10.1f}", flush=True)
             told += [f"{c.kernel}: {name}: {line}" for name, line in c.differing]
     print(*(re.sub(r"\s+", " ", line)[:400] for line in told), sep="\n")
 

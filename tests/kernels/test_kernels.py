@@ -56,14 +56,16 @@ def test_kernels_are_others_and_round_otherwise():
 @pytest.mark.parametrize("group", FAST)
 def test_answers_are_the_same_on_two_kernels(group):
     first, second = compared(group, ["Haswell", "Prescott"], FAST[group])
-    assert first.questions and not second.differing
+    assert first.questions and not second.wrong and not second.differing
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_all_answers_are_the_same_on_all_kernels(group):
     rows = list(compared(group, list(KERNELS)))
-    assert not [row.differing for row in rows if row.differing]
+    assert not [row.wrong for row in rows if row.wrong]
+    told = sum(row.questions - row.printed for row in rows)
+    assert told <= 0.05 * sum(row.questions for row in rows)  # how often descents ended where
 
 
 def test_the_comparison_sees_what_differs():
