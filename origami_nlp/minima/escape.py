@@ -39,8 +39,8 @@ MOST_VARIABLES = 12
 """Variables up to which ways out are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
-FARTHEST = 7.0
-"""How far rays go [rad]: fold angles of six creases turned by pi are as far."""
+FARTHEST = 12.0
+"""How far rays go [rad]: fifteen creases turned by pi are as far."""
 NEAREST = 3
 """Other minima that rays lead towards, those at equal distances counted as one."""
 ALIKE = 1e-6

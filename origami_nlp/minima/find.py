@@ -85,6 +85,7 @@ def find_minima(
     full: bool = False,
     prove: bool | float | None = None,
     seconds: float | None = None,
+    escape: bool = True,
     noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
@@ -116,6 +117,9 @@ def find_minima(
     seconds
         Processor time of this process after which the search judges no further end of a descent (a proof has its own):
         the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+    escape
+        Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
+        of it, which takes about as long as the search of a small vertex. False: do not.
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
@@ -152,6 +156,7 @@ def find_minima(
     until = math.inf
     if seconds is not None:
         until = time.process_time() + check_number("seconds", seconds, 0.0)
+    check_flag("escape", escape)
     if noise is not None:
         check_number("noise", noise, 0.0, MOST_NOISE)
     check_whole("workers", workers, 1)
@@ -159,7 +164,7 @@ def find_minima(
     guesses = _check_guesses(guesses, scene.degree)
     job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress, until)
     finish([job.work(guesses, workers)])
-    return _result(job, effort, prove, full, noise)
+    return _result(job, effort, prove, full, escape, noise)
 
 
 def find_minima_of_each(
@@ -210,7 +215,12 @@ def find_minima_of_each(
 
 
 def _result(
-    job: Job, effort: str, prove: bool | float | None, full: bool, noise: float | None = None
+    job: Job,
+    effort: str,
+    prove: bool | float | None,
+    full: bool,
+    escape: bool = False,
+    noise: float | None = None,
 ) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report."""
     model, record = job.model, job.record
@@ -218,7 +228,8 @@ def _result(
         close_orbit(model, record, answer)
     completeness = prove_complete(model, record, prove)
     minima, others, outcomes = _sort_out(model, record)
-    minima = with_escapes(model, minima, job.traced)
+    if escape:
+        minima = with_escapes(model, minima, job.traced)
     if noise is not None:
         minima = with_survival(model, minima, noise)
     if full:
