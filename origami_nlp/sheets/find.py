@@ -326,9 +326,7 @@ class _Search:
         scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
         seconds = 0.5 * (self.sheet.until - time.process_time())
-        result = find_minima(
-            scene, seed=seed, prove=False, escape=False, seconds=max(seconds, 0.0)
-        )
+        result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=max(seconds, 0.0))
         if result.search.stopped_by == "time":
             self.tally.left_out[OF_VERTEX] = None
         for found in result.minima:
