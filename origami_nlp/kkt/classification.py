@@ -14,13 +14,20 @@ from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
 from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED, CLOSES, INDEPENDENT, LEVEL, SAME, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import (
+    BALANCED,
+    CLOSES,
+    INDEPENDENT,
+    LEVEL,
+    SAME,
+    SETTLED,
+    STATIONARY,
+    UNPOLISHED,
+)
 from origami_nlp.programme import Contact, Programme
 
 AT_REST = CLOSES**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
-SIMPLE = 1e-6
-"""Eigenvalues that differ by less, relative to the largest, have no modes of their own: rounding would turn them."""
 MOST_SETS, MOST_FAILED = 100, 6
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -214,12 +221,12 @@ def _decide(state: State, accuracy: float) -> Classification:
 
 
 def _softest_mode(branch: BranchJudgement, root: np.ndarray) -> np.ndarray | None:
-    """Return the mode of the smallest eigenvalue, where it is alone."""
+    """Return the mode of the smallest eigenvalue, where it is alone: of two that agree, rounding would turn it."""
     values = branch.eigenvalues
-    if not branch.modes.size or (len(values) > 1 and values[1] - values[0] <= SIMPLE * values[-1]):
+    if not branch.modes.size or (len(values) > 1 and values[1] - values[0] <= SETTLED * values[-1]):
         return None
     mode: np.ndarray = branch.modes[:, 0]
-    large = np.flatnonzero(np.abs(mode) >= (1 - SIMPLE) * np.abs(mode).max())
+    large = np.flatnonzero(np.abs(mode) >= (1 - SETTLED) * np.abs(mode).max())
     return mode * math.copysign(1.0, mode[large[0]]) / root
 
 

@@ -30,7 +30,7 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, SHALLOW
+from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, SETTLED, SHALLOW
 from origami_nlp.programme import Contact, Model
 
 MOST_STATES = 8
@@ -39,12 +39,10 @@ MOST_VARIABLES = 12
 """Variables up to which ways out are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
-FARTHEST = 7.0
-"""How far rays go [rad]: fold angles of six creases turned by pi are as far."""
+FARTHEST = 12.0
+"""How far rays go [rad]: fifteen creases turned by pi are as far."""
 NEAREST = 3
 """Other minima that rays lead towards, those at equal distances counted as one."""
-ALIKE = 1e-6
-"""Distances that differ by no more are equal."""
 MOST_STEPS = 12
 """Of a projection: where it takes more, the ray has come to a singular state."""
 PASS_NEAR = 0.5
@@ -117,6 +115,8 @@ class VertexTerrain:
 
         Contacts of the state are opened, and held, in turn.  Nothing of this depends on how creases are numbered.
         """
+        if not len(which):
+            return []
         jobs, flat = [], np.zeros(self.model.size)
         to_flat: dict[int, np.ndarray] = {}
         for k in which:
@@ -142,7 +142,7 @@ class VertexTerrain:
         apart = np.linalg.norm(self.model.root * (self.minima - self.minima[k]), axis=1)
         apart[k] = math.inf
         last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
-        near = (apart <= last * (1 + ALIKE)) & np.isfinite(apart)
+        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
         return np.asarray(self.minima[near])
 
     def _walk(
@@ -202,9 +202,14 @@ class VertexTerrain:
         """Where descents in batches end."""
         shut = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
         shut *= self.model.has_limits
-        ends = self._descents.run(Samples.on(states, shut))
+        out = np.full(states.shape, math.nan)
+        # at the flat state closure has no rank, and steps no direction
+        some = np.flatnonzero(states.any(axis=1))
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            ends = self._descents.run(Samples.on(states[some], shut[some]))
         known = ends.converged | ends.settled
-        return np.where(known[:, None], ends.samples.x, math.nan)
+        out[some[known]] = ends.samples.x[known]
+        return out
 
     def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
         """Go down step by step, see `kkt.follow`."""

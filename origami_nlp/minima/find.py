@@ -89,6 +89,7 @@ def find_minima(
     full: bool = False,
     prove: bool | float | None = None,
     seconds: float | None = None,
+    escape: bool = True,
     noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
@@ -121,6 +122,9 @@ def find_minima(
     seconds
         Wall time after which the search goes no further, a proof neither, and what is left is not judged in the full
         space: the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+    escape
+        Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
+        of it, which takes about as long as the search of a small vertex. False: do not.
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
@@ -157,6 +161,7 @@ def find_minima(
     until = math.inf
     if seconds is not None:
         until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    check_flag("escape", escape)
     if noise is not None:
         check_number("noise", noise, 0.0, MOST_NOISE)
     check_whole("workers", workers, 1)
@@ -164,7 +169,7 @@ def find_minima(
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
     finish_all([jobs], guesses, workers)
-    return _result(jobs, effort, prove, full, noise)
+    return _result(jobs, effort, prove, full, escape, noise)
 
 
 def find_minima_of_each(
@@ -219,6 +224,7 @@ def _result(
     effort: str,
     prove: bool | float | None,
     full: bool,
+    escape: bool = False,
     noise: float | None = None,
 ) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
@@ -235,7 +241,8 @@ def _result(
         reports.append(job.report(others, outcomes, seconds, effort))
     # ties (mirror images of one another) in a fixed order
     minima.sort(key=lambda m: rank(m.energy / model.scale, m.fold_angles))
-    minima = escapes_of_each(jobs, minima)
+    if escape:
+        minima = escapes_of_each(jobs, minima)
     if noise is not None:
         minima = survival_of_each(jobs, minima, noise)
     if full:

@@ -114,8 +114,11 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         if noise:
             row.append(str(max(m.survival.kept for m in some if m.survival)) + " at most")
         rows.append(row)
+    if full:  # the lines below the table have them
+        rows = [row[:5] + row[6:7] + row[9:] for row in rows]
+        heads = heads[:5] + heads[6:7] + heads[9:]
     # with the verdicts the table keeps to 80 columns without frames
-    columns = ("rrlllrrrrr" if full else "rrllrrrrr") + "r" * noise
+    columns = ("rrlllrr" if full else "rrllrrrrr") + "r" * noise
     return Table(heads, rows, title, columns, framed=not full, narrow=full)
 
 

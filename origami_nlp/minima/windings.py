@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Job, Progress
@@ -125,7 +126,12 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Mini
     """Add what it takes to leave each minimum, along states of its winding, numbered as in the whole list."""
     found = list(minima)
     for job, which in _apart(jobs, minima):
-        some = with_escapes(job.model, [minima[k] for k in which], job.traced)
+        some = [minima[k] for k in which]
+        if time.monotonic() > job.until:
+            late = Escape(math.nan, OPEN, "interrupted by the time limit")
+            some = [replace(m, escape=late) for m in some]
+        else:
+            some = with_escapes(job.model, some, job.traced)
         for k, m in zip(which, some, strict=True):
             assert m.escape is not None
             to = which[m.escape.to - 1] + 1 if m.escape.to else 0

@@ -417,8 +417,8 @@ class _Search:
         stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
         scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = 0.5 * (self.sheet.until - time.monotonic())
-        result = find_minima(scene, seed=seed, prove=False, seconds=max(seconds, 0.0))
+        seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
+        result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
         if result.search.stopped_by == "time":
             self.tally.left_out[OF_VERTEX] = None
         for found in result.minima:
