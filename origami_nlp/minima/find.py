@@ -301,8 +301,8 @@ def _minimum(
 
 
 def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | None:
-    """Let IPOPT solve from a minimum, with the contacts that are closed there; None with too many creases."""
-    if model.size > MOST_CONFIRMED:
+    """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
+    if model.size > MOST_CONFIRMED or model.freedom < 0:
         return None
     state = State(model, answer.polished.x)
     solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))

@@ -81,7 +81,8 @@ class Minimum(Brief):
     full_space
         Verdict in the full contact-admissible space, where it was asked for.
     solver
-        What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it.
+        What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it,
+        or fewer than equations.
     moment
         The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
         frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
