@@ -34,14 +34,7 @@ from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.starts import (
-    close,
-    drawn,
-    given,
-    lowest_on_plane,
-    popped_starts,
-    scene_of,
-)
+from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -349,7 +342,7 @@ class _Search:
         d /= np.abs(d).max()
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
             tally.planes.append((basis, off))
-            lowest = lowest_on_plane(sheet, phi, basis)
+            lowest = lowest_on(sheet, phi, basis)
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
             return
@@ -402,7 +395,8 @@ class _Search:
     def _begun(self, start: np.ndarray) -> np.ndarray | None:
         """Close a start; None, and counted, where that fails or leads back to the flat state."""
         phi = close(self.sheet, start)
-        flat = phi is not None and np.abs(phi).max() < RESOLVED**0.5 and self.sheet.pattern.is_flat
+        near = phi is not None and bool(np.abs(phi).max() < RESOLVED**0.5)
+        flat = near and self.sheet.pattern.is_flat
         self.tally.open += phi is None
         self.tally.flat += flat
         return None if flat else phi

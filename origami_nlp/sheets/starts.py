@@ -97,7 +97,7 @@ def popped_starts(pattern: Pattern, labels: Labels, phi: np.ndarray) -> Iterator
             yield start
 
 
-def lowest_on_plane(sheet: Sheet, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
+def lowest_on(sheet: Sheet, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
     """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
     root = np.sqrt(sheet.stiffness)[:, None]
     _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
