@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -20,23 +18,23 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet, round_vertex
+from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest, rank
-from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
+from origami_nlp.numerics import CLOSES, RESOLVED, SAME, STATIONARY, rank
+from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
-from origami_nlp.sheets.curve import SHUT, tangents
+from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
-from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import judge, singular_beside
+from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.rows import Rows, polish
+from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -48,8 +46,6 @@ ON_PLANE = 1e-6
 """Planes of states that agree to this are one."""
 MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
-POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
-"""Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
 MOST_POPPED = 2
 """Starts with a vertex popped in all, over the random starts that are to find nothing new."""
 MOST_CURVES = 64
@@ -112,7 +108,7 @@ def find_states(
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
-    for start in search.given():
+    for start in given(search.sheet.pattern):
         search.part("starts that the pattern gives", search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
@@ -137,6 +133,7 @@ class _Search:
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
         self._middle = pattern.corners.mean(axis=0)
+        self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
         rng = np.random.default_rng(0)
@@ -165,8 +162,6 @@ class _Search:
         except FAILURES as failure:
             self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
-    # ------------------------------------------------------------ states
-
     def known(self, phi: np.ndarray) -> bool:
         """Tell whether a state was judged already."""
         return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
@@ -180,13 +175,13 @@ class _Search:
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
-        closed = self._closed(phi)
+        closed = close(self.sheet, phi)
         if closed is None or self.known(closed):
             self.tally.open += closed is None
             return
         for side in (self._side, -self._side):
             end = descend(self.sheet, closed, side=side)
-            better = None if end.arrived else self._polished(end.phi)
+            better = None if end.arrived else stationary_beside(self.sheet, end.phi)
             if better is not None:
                 end = replace(end, phi=better, arrived=True)
             if not end.arrived:
@@ -199,22 +194,13 @@ class _Search:
             if not end.saddles:
                 return
 
-    def _polished(self, phi: np.ndarray) -> np.ndarray | None:
-        """Solve for the stationary state beside a closed one, creases that are shut kept so; None where it is far."""
-        sheet = self.sheet
-        if sheet.size > MOST_DENSE:
-            return None
-        limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-        better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-        return None if better is None or np.abs(better - phi).max() >= BESIDE else better
-
     def _judged(self, phi: np.ndarray) -> SheetState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
         if state.verdict in ("minimum", "undecided") and (
             state.kkt_residual > STATIONARY or sheet.loose(phi)
         ):
-            better = self._polished(phi)
+            better = stationary_beside(self.sheet, phi)
             if better is not None:
                 return judge(sheet, better, self.contact)
         return state
@@ -243,27 +229,15 @@ class _Search:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
         return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
 
-    @cached_property
-    def _symmetries(self) -> list[tuple[np.ndarray, float]]:
-        """Symmetries of the sheet with its springs."""
-        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
-        return [
-            (to, sign)
-            for to, sign in self.labels.images
-            if np.abs(k[to] - k).max() <= SAME and np.abs(rest[to] - sign * rest).max() <= SAME
-        ]
-
     def _from_popped(self, start: np.ndarray) -> None:
         """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
-        sheet, phi = self.sheet, self._closed(start)
-        if phi is None:
-            self.tally.open += 1
-        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            self.tally.flat += 1
-        elif not self.contact or sheet.size > MOST_DENSE or sheet.crossings.find(phi):
+        phi = self._begun(start)
+        if phi is None or phi in self.curves:
+            return
+        if self.contact and self.sheet.size <= MOST_DENSE and not self.sheet.crossings.find(phi):
+            self.press(press(self.sheet, phi, keep=True))
+        else:
             self._enter(phi)
-        elif phi not in self.curves:
-            self.press(press(sheet, phi))
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
@@ -278,11 +252,6 @@ class _Search:
         states on either side; those that touching facets hold are seldom met by descents that let facets cross.  Where
         the sheet has symmetries, one of a minimum and its images is enough.
         """
-        rank = np.argsort(self.labels.order)
-        creases = sorted(
-            (list(loop.creases) for loop in self.sheet.pattern.vertices),
-            key=lambda c: sorted(rank[c].tolist()),
-        )
         popped: list[np.ndarray] = []
         while True:
             self.sheet.check_time()
@@ -297,20 +266,14 @@ class _Search:
                 return
             phi = waiting[0]
             popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for around, (size, share) in product(creases, POPPED):
-                if not phi[around].any():
-                    continue
+            for start in popped_starts(self.sheet.pattern, self.labels, phi):
                 if self.tally.popped == most:
                     return
                 self.tally.popped += 1
-                start = size * phi
-                start[around] *= share
                 before = self._found()[0]
                 self.tally.starts += 1
                 self.attempt(self._from_popped, start)
                 self.tally.by_pops += self._found()[0] - before
-
-    # ------------------------------------------------------------ what is enumerated
 
     def from_crossroads(self) -> None:
         """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
@@ -379,7 +342,7 @@ class _Search:
         d /= np.abs(d).max()
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
             tally.planes.append((basis, off))
-            lowest = self._lowest(phi, basis)
+            lowest = lowest_on(sheet, phi, basis)
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
             return
@@ -389,33 +352,12 @@ class _Search:
             d = inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
             self.explore(phi + OUT * d / np.abs(d).max())
 
-    def _lowest(self, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
-        """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
-        root = np.sqrt(self.sheet.stiffness)[:, None]
-        _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
-        y0 = np.linalg.lstsq(
-            root * basis, root[:, 0] * (self.sheet.pattern.rest - phi), rcond=None
-        )[0]
-        rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
-        y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
-        if y is None:
-            return None
-        state = phi + basis @ np.linalg.solve(r, y)
-        shut = math.pi - np.abs(state) < 10 * SAME
-        state[shut] = np.copysign(math.pi, state[shut])
-        state[np.abs(state) < 10 * SAME] = 0.0
-        return self._closed(state)
-
     def round_the_vertex(self, seed: int) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
         pattern = self.sheet.pattern
-        (loop,) = pattern.vertices
-        vertex, creases = round_vertex(pattern, loop), list(loop.creases)
-        if vertex is None or len(creases) < pattern.creases:
+        scene, creases = scene_of(pattern, self.contact)
+        if scene is None:
             return
-        contact: Contact = "full" if self.contact else "fold-limits"
-        stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
-        scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
         seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
         result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
@@ -428,33 +370,10 @@ class _Search:
             if not self.known(phi):
                 self.add(self._judged(phi))
 
-    # ------------------------------------------------------------ starts
-
-    def given(self) -> Iterator[np.ndarray]:
-        """Yield fold angles [n] that the pattern itself gives."""
-        pattern = self.sheet.pattern
-        if not np.isnan(pattern.file_angles).any():
-            yield pattern.file_angles
-        if pattern.reference.any():
-            yield pattern.reference
-        if pattern.signs.any():
-            yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
-        if pattern.rest.any():
-            yield from (0.3 * pattern.rest, pattern.rest)
-
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        n = self.sheet.size
-        if k % 3 == 0 and self.sheet.pattern.is_flat:
-            self.explore(self._grown(rng))
-        else:
-            size = rng.uniform(0.3, math.pi)
-            start = rng.uniform(-size, size, n)
-            if k % 3 == 2:  # some creases shut, which is kept as long as their springs push
-                shut = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
-                start[shut] = rng.choice([-math.pi, math.pi], len(shut))
-            self.explore(self.labels.drawn(start))
+        self.explore(drawn(self.sheet, self.labels, rng, k))
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.since = self.tally.since + 1 if self._found() == before else 0
@@ -463,36 +382,24 @@ class _Search:
         """Return how many minima and curves are known."""
         return sum(s.verdict == "minimum" for s in self.tally.judged), len(self.curves.found)
 
-    def _grown(self, rng: np.random.Generator) -> np.ndarray:
-        """Grow a state out of the flat one by steps along what closure leaves free."""
-        sheet, n = self.sheet, self.sheet.size
-        phi, residual = sheet.project(self.labels.drawn(rng.uniform(-0.3, 0.3, n)))
-        way = phi
-        for _ in range(int(rng.integers(0, 8))):
-            aside = self.labels.drawn(rng.normal(size=n))
-            way = sheet.along(phi, way + 0.5 * aside * np.abs(way).max())
-            size = float(np.abs(way).max())
-            if residual > CLOSES or size < RESOLVED:
-                break
-            new, residual = sheet.project(phi + 0.3 * way / size)
-            if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
-                break
-            phi = new
-        return phi
-
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
         self.tally.starts += 1
         self.attempt(self._explore, start)
 
     def _explore(self, start: np.ndarray) -> None:
-        phi = self._closed(start)
-        if phi is None:
-            self.tally.open += 1
-        elif self.sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            self.tally.flat += 1
-        else:
+        phi = self._begun(start)
+        if phi is not None:
             self._enter(phi)
+
+    def _begun(self, start: np.ndarray) -> np.ndarray | None:
+        """Close a start; None, and counted, where that fails or leads back to the flat state."""
+        phi = close(self.sheet, start)
+        near = phi is not None and bool(np.abs(phi).max() < RESOLVED**0.5)
+        flat = near and self.sheet.pattern.is_flat
+        self.tally.open += phi is None
+        self.tally.flat += flat
+        return None if flat else phi
 
     def _enter(self, phi: np.ndarray) -> None:
         """Trace the curve through a closed state, or go downhill from it."""
@@ -507,18 +414,6 @@ class _Search:
             tally.traced += 1
             for traced in self.curves.trace(phi, z[:, 0]):
                 self._along(traced)
-
-    def _closed(self, start: np.ndarray) -> np.ndarray | None:
-        """Close a start within the fold limits, creases that are shut left so if they can be; None where it is not."""
-        start = np.clip(start, -math.pi, math.pi)
-        shut = np.abs(start) == math.pi
-        for held in (shut, None) if shut.any() else (None,):
-            phi, residual = self.sheet.project(start, held)
-            within = np.abs(phi).max(initial=0.0) <= math.pi + SHUT
-            phi = np.clip(phi, -math.pi, math.pi)
-            if residual <= CLOSES and within and self.sheet.closure.on_sheet(phi):
-                return phi
-        return None
 
     def _along(self, traced: Traced) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
@@ -538,8 +433,8 @@ class _Search:
             np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
             for s in self.tally.judged
         )
-        if not judged and (closed := self._closed(well)) is not None:
-            beside = self._polished(closed)
+        if not judged and (closed := close(self.sheet, well)) is not None:
+            beside = stationary_beside(self.sheet, closed)
             if beside is not None:
                 if not self.known(beside):
                     self.add(self._judged(beside))

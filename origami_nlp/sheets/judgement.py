@@ -36,7 +36,7 @@ from origami_nlp.sheets.curvature import lowest_curvature
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.lower import NEAREST, lower_state
 from origami_nlp.sheets.pieces import MOST_PIECES, Piece, Pieces, judge_piece, judge_pieces
-from origami_nlp.sheets.rows import LOADED, Rows
+from origami_nlp.sheets.rows import LOADED, Rows, polish
 from origami_nlp.sheets.sharp import level_curvature, list_ways, slopes
 from origami_nlp.sheets.state import SheetState, Verdict
 
@@ -139,6 +139,26 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
+
+
+def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
+    """Solve for the stationary state beside a closed one, creases that are shut kept so.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        The state, [n]; None where it is far, or the sheet has more than `MOST_DENSE` creases.
+    """
+    if sheet.size > MOST_DENSE:
+        return None
+    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+    better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
+    return None if better is None or np.abs(better - phi).max() >= BESIDE else better
 
 
 def _flat(sheet: Sheet, blank: SheetState, contact: bool) -> SheetState:

@@ -57,7 +57,7 @@ UNTOLD = "facets meet at borders or face to face, where no single gap tells them
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 
 
-def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
+def press(sheet: Sheet, phi: np.ndarray, most: int = 300, keep: bool = False) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -68,6 +68,8 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
         The start, within the fold limits, [n] [rad].
     most
         Steps.
+    keep
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
 
     Returns
     -------
@@ -77,15 +79,15 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
     if sheet.size > MOST_DENSE:
         many = f"the pattern has {sheet.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
-    return _Press(sheet, phi).run(most)
+    return _Press(sheet, phi, keep).run(most)
 
 
 class _Press:
     """A descent: where it is, and which features it has run into."""
 
-    def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
+    def __init__(self, sheet: Sheet, phi: np.ndarray, keep: bool = False) -> None:
         self.sheet, self.features = sheet, sheet.features
-        self.radius, self.pops = TRUST, pop_rows(sheet.pattern)
+        self.radius, self.pops = TRUST, pop_rows(sheet.pattern) if keep else None
         self.known: dict[object, Touch] = {}
         self._go(phi)
 
@@ -151,7 +153,7 @@ class _Press:
             kept = [t for t, on in zip(pushing.touches, stay, strict=True) if on]
             new = put_back(sheet, self.phi + share * d, rows, kept)
             fall = share * float(sheet.torque(self.phi) @ d)
-            if new is not None and is_jump(self.pops, self.phi, new):
+            if new is not None and self.pops is not None and is_jump(self.pops, self.phi, new):
                 new = None
             if new is not None and sheet.energy(new) < self.energy + 1e-4 * fall:
                 crossed = sheet.crossings.find(new)
