@@ -32,7 +32,7 @@ many radians of stiffnesses as a share, and says how many it survives.
 origami-nlp minima waterbomb.toml --noise 0.06
 ```
 
-A waterbomb (`origami_nlp.examples.waterbomb(symmetry="none")`), exact and with errors of 0.06 degrees of its rest angles.
+A waterbomb, `origami_nlp.examples.waterbomb(symmetry="none")`, exact and with errors of 0.06 degrees of rest angles.
 "Before" is the count that a list without barriers gives. Energies in J, sum k pi^2 / 2 = 0.74 J; "<=" is an upper
 bound: an explicit way out climbs so high.
 
@@ -171,7 +171,7 @@ def page():
 
 
 FOOT = """
-The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state that is held by
+The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state held by
 a fold limit at exactly pi, such as flat-folded ones, need not be shallow and still be lost: the column says it.
 With one freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree with two, and
 `result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
