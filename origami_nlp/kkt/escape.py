@@ -28,7 +28,7 @@ OPEN: Final = "not determined"
 ALONE: Final = "isolated"
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
-MOST_CONFIRMED = 2
+MOST_CONFIRMED = 5
 """Ways out of a state that are gone down carefully, the one of the least height first."""
 
 

@@ -205,11 +205,25 @@ class VertexTerrain:
         out = np.full(states.shape, math.nan)
         # at the flat state closure has no rank, and steps no direction
         some = np.flatnonzero(states.any(axis=1))
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            ends = self._descents.run(Samples.on(states[some], shut[some]))
+        self._land(states, shut, some, out)
+        return out
+
+    def _land(
+        self, states: np.ndarray, shut: np.ndarray, some: np.ndarray, out: np.ndarray
+    ) -> None:
+        """Go down from some states; one at which linear algebra fails, as beside singular ones, ends nowhere."""
+        if not len(some):
+            return
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                ends = self._descents.run(Samples.on(states[some], shut[some]))
+        except np.linalg.LinAlgError:
+            if len(some) > 1:
+                for half in np.array_split(some, 2):
+                    self._land(states, shut, half, out)
+            return
         known = ends.converged | ends.settled
         out[some[known]] = ends.samples.x[known]
-        return out
 
     def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
         """Go down step by step, see `kkt.follow`."""

@@ -114,7 +114,7 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         if noise:
             row.append(str(max(m.survival.kept for m in some if m.survival)) + " at most")
         rows.append(row)
-    if full:  # the lines below the table have them
+    if full:  # softness stands below the table, residuals in JSON and on the page
         rows = [row[:5] + row[6:7] + row[9:] for row in rows]
         heads = heads[:5] + heads[6:7] + heads[9:]
     # with the verdicts the table keeps to 80 columns without frames
