@@ -89,7 +89,7 @@ def find_barriers(
     check_freedoms(scene)
     model = Model(scene)
     if result is None:
-        result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False)
+        result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False, escape=False)
     # no path within the symmetry leads from one winding to another
     here = tuple(m for m in result.minima if m.winding == model.structure.winding)
     if len(here) < len(result.minima):

@@ -52,7 +52,7 @@ def barriers(
         check_freedoms(one)
     found = []
     for one in stated:
-        result = search(one, given, seed=seed, full=full)
+        result = search(one, given, seed=seed, full=full, escape=False)
         with progress(f"{one.label or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
         found[-1].tell(out.console)

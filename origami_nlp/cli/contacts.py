@@ -36,7 +36,13 @@ def contacts(
 
     out = Output(json=json, markdown=markdown, html=html)
     result = search(
-        scene.read(), scene.name, seed=seed, max_starts=max_starts, effort=effort, workers=workers
+        scene.read(),
+        scene.name,
+        seed=seed,
+        max_starts=max_starts,
+        effort=effort,
+        workers=workers,
+        escape=False,
     )
     found = find_contacts(result, state=state, segments=segments)
     found.tell(out.console)

@@ -58,7 +58,7 @@ def landscape(
         raise OptionError(
             f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
         )
-    result = search(stated, scene.name, seed=seed, full=True)
+    result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
         exact = find_landscape(result, size)
     exact.tell(out.console)

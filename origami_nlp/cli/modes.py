@@ -40,6 +40,7 @@ def modes(
         effort=effort,
         workers=workers,
         prove=False,
+        escape=False,
     )
     found = find_modes(result, state=state)
     found.tell(out.console)

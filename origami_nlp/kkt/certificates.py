@@ -111,7 +111,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
-    shifted = s.T @ _shifts(state) @ s
+    shifted = _shifts(state, s)
     for mu in multipliers.vertices:
         lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
         h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
@@ -205,15 +205,16 @@ def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
     return z @ nearest_in_cone(-z.T @ gradient, a @ z)
 
 
-def _shifts(state: State) -> np.ndarray:
-    """Return what other multipliers of closure add to a Hessian, in the metric, [k, n, n]; the first adds nothing.
+def _shifts(state: State, s: np.ndarray) -> np.ndarray:
+    """Return what other multipliers of closure add to a Hessian on a basis s [n, t], [k, t, t]; the first adds nothing.
 
     Where J loses rank they are tried along each direction of its left kernel.
     """
-    p, n = state.programme, len(state.x)
+    p, t = state.programme, s.shape[1]
     if state.regular:
-        return np.zeros((1, n, n))
+        return np.zeros((1, t, t))
     left = null_space(state.jacobian.T).T
     sizes = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
-    each = [p.lagrangian_hessian(state.x, w, (), 0.0) / np.outer(p.root, p.root) for w in left]
-    return np.concatenate([np.zeros((1, n, n)), *(sizes[:, None, None] * h for h in each)])
+    scaled = s / p.root[:, None]  # from the metric to the variables
+    each = [scaled.T @ p.lagrangian_hessian(state.x, w, (), 0.0) @ scaled for w in left]
+    return np.concatenate([np.zeros((1, t, t)), *(sizes[:, None, None] * h for h in each)])

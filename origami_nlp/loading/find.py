@@ -97,7 +97,7 @@ def load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search: dict[str, Any] = {"effort": effort, "seed": seed, "max_starts": max_starts}
-    result = find_minima(driver.scene_at(0.0), prove=False, **search)
+    result = find_minima(driver.scene_at(0.0), prove=False, escape=False, **search)
     if not result.minima:
         raise OptionError("no minimum was found at load 0")
     check_whole("state", state, 1, len(result.minima))
@@ -281,7 +281,7 @@ class _Job:
         known = self._nearest(way, loads[0]), after
         minima, found = [], []
         for t, state in zip(loads, known, strict=True):
-            result = find_minima(self.driver.scene_at(t), prove=False, **search)
+            result = find_minima(self.driver.scene_at(t), prove=False, escape=False, **search)
             minima.append(len(result.minima))
             angles = np.array([m.fold_angles for m in result.minima])
             apart = np.abs(angles - state).max(axis=1, initial=0.0) if state is not None else []

@@ -178,6 +178,10 @@ class Descents:
         self, s: Samples, reach: np.ndarray, escapes: np.ndarray
     ) -> tuple[Samples, _Progress]:
         p = self.closing.point(s)
+        # what is left of the torque is its projection, no longer than itself; where it is, closure is singular there
+        left = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1)
+        lost = ~(left <= 2 * math.sqrt(self.model.size) * np.abs(p.torque).max(axis=1))
+        p.left[lost], p.multipliers[lost] = 0.0, 0.0
         size = 1 + np.abs(p.torque).max(axis=1) + np.abs(p.multipliers).max(axis=1)
         slope = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1) / size
         s, p, released, opens = self._release(s, p, slope, size)
@@ -207,6 +211,7 @@ class Descents:
             put(s, go, tried)
             tiny = np.abs(d[go] / wide[go]).max(axis=1) < TINY
             converged[go] = ~accepted & tiny & ~released[go]
+        converged[lost], reach[lost] = False, 0.0
         return s, _Progress(reach, escaped, converged, moved)
 
     def _on_stratum(self, s: Samples, p: Point) -> np.ndarray:

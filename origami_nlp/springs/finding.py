@@ -169,7 +169,12 @@ class _Work:
         self.say("minima of the scene")
         full = self.targets.full_space and not self.targets.blank.group.is_trivial
         minima = find_minima(
-            scene, seed=self.seed, effort=self.effort, full=full, prove=None if prove else False
+            scene,
+            seed=self.seed,
+            effort=self.effort,
+            full=full,
+            prove=None if prove else False,
+            escape=False,
         )
         ways = {} if self.passes is None else self.passes.ways
         return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)

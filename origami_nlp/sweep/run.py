@@ -74,6 +74,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             fewest_starts=s["starts"],
             full=s["full"],
             prove=False,
+            escape=False,
             guesses=[np.array(g) for g in guesses],
         )
         rows = tuple(

@@ -12,6 +12,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, format_scene
 from origami_nlp.cli.interruption import interruptible
+from origami_nlp.cli.start import THREADS
 from tests.command_line import run, scene_file
 
 ROOT = Path(__file__).parents[2]
@@ -62,6 +63,17 @@ def test_a_display_that_does_not_exist_and_no_home_do_not_matter(tmp_path):
     done = shell(line, MPLBACKEND="nonsense", HOME="/nowhere/at/all")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize("asked", [{}, {"OPENBLAS_NUM_THREADS": "2"}])
+def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked, monkeypatch):
+    for name in THREADS:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    assert run("--version").code == 0
+    told = {name: os.environ[name] for name in THREADS if name in os.environ}
+    assert told == (asked or {"OMP_NUM_THREADS": "1"})
 
 
 @POSIX
