@@ -145,7 +145,8 @@ def _levels(axes: Axes, design: Design) -> None:
         )
     names = [*place, *("extra" for _ in others)]
     axes.set_xticks([2.0 * k for k in range(len(names))])
-    axes.set_xticklabels(names, fontsize=8, rotation=30 if max(map(len, names)) > 8 else 0)
+    turned = 30 if max(map(len, names)) > 8 else 0
+    axes.set_xticklabels(list(map(label_text, names)), fontsize=8, rotation=turned)
     axes.set_ylabel("energy [J]")
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(y=0.15)
