@@ -1,4 +1,4 @@
-from . import cone as cone, springs as springs, sweep as sweep
+from . import paper as paper, springs as springs, sweep as sweep
 from .atlas import (
     Atlas as Atlas,
     Boundaries as Boundaries,
@@ -58,6 +58,6 @@ from .sheets import (
     find_states as find_states,
     overview as overview,
 )
-from .space import Space as Space, find_space as find_space, find_transitions as find_transitions
+from .space import Space as Space, find_space as find_space
 from .springs import Design as Design, design as design
 from .version import __version__ as __version__

@@ -27,7 +27,6 @@ _READ = {
     ),  # as written before states had escape barriers
     "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
-    "origami-nlp/bench-patterns/1": ("bench", "PatternBench"),
     "origami-nlp/load/1": ("loading", "LoadPath"),
     "origami-nlp/modes/1": ("modes", "Modes"),
     "origami-nlp/atlas/1": ("atlas", "Atlas"),

@@ -14,7 +14,8 @@ from functools import cache
 
 from origami_nlp.errors import OptionError
 from origami_nlp.workers import worker_pool
-from symbolic.claim import Claim, Verdict
+
+from .claim import Claim, Verdict
 
 MODULES = (
     "section2_closure",
@@ -32,7 +33,7 @@ MODULES = (
     "appendix_b",
     "derivations",
 )
-"""Modules of `symbolic.claims`, in the order of the paper; our own derivations come last."""
+"""Modules of `origami_nlp.symbolic.claims`, in the order of the paper; our own derivations come last."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def claims() -> tuple[Claim, ...]:
     """Every claim; ids are unique."""
     found: list[Claim] = []
     for name in MODULES:
-        found += importlib.import_module(f"symbolic.claims.{name}").CLAIMS
+        found += importlib.import_module(f"{__package__}.claims.{name}").CLAIMS
     ids = [c.id for c in found]
     twice = sorted({i for i in ids if ids.count(i) > 1})
     if twice:

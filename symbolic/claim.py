@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from symbolic.statement import Form, StatementError, form_of
+from .statement import Form, StatementError, form_of
 
 VerdictName = Literal["proved", "refuted", "convention", "unproved"]
 Origin = Literal["paper", "own derivation", "decimals"]

@@ -15,9 +15,9 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.identities import Circle, circle, to_circles, vanishes
-from symbolic.rotations import E1, E2, E3, Pair, Vector, cross, dot, rational_pair
-from symbolic.symbols import ALPHA, upsilon
+from .identities import Circle, circle, to_circles, vanishes
+from .rotations import E1, E2, E3, Pair, Vector, cross, dot, rational_pair
+from .symbols import ALPHA, upsilon
 
 HALF: Circle = circle(upsilon / 2, "v")
 """Circle of half the elevation."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Verdict
-from symbolic.identities import Circle, counterexample, vanishes
+from .claim import Verdict
+from .identities import Circle, counterexample, vanishes
 
 IDENTITY = "identity modulo c^2+s^2-1"
 

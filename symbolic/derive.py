@@ -29,7 +29,7 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.rotations import (
+from .rotations import (
     E1,
     E2,
     E3,

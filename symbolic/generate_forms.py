@@ -2,7 +2,7 @@
 
 Each `Family` lists symbols, outputs (value, first and second derivatives) and the sentences that go
 into the generated docstring.  Everything is polynomial in half-angle sines and cosines, with atan2
-and one square root; nowhere an arccos.  Derivations, on top of `symbolic.derive`:
+and one square root; nowhere an arccos.  Derivations, on top of `origami_nlp.symbolic.derive`:
 
 degree 6 in D_1
     `reflection_form` gives phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v) with u = m_w + i m_x,
@@ -31,9 +31,11 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.derive import ReflectionForm, reflection_form
+from .derive import ReflectionForm, reflection_form
 
-SIGN_OF = sp.Function("sign_of")  # +1 for arguments >= 0, else -1; printed by `symbolic.generate`
+SIGN_OF = sp.Function(
+    "sign_of"
+)  # +1 for arguments >= 0, else -1; printed by `origami_nlp.symbolic.generate`
 POSITIVE_PART = sp.Function("positive_part")  # max(x, 0), so that roundoff on J = 0 gives no nan
 
 

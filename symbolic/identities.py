@@ -17,7 +17,7 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.rotations import Pair, rational_pair
+from .rotations import Pair, rational_pair
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ products compose like matrices (the right factor acts first).  A fold of angle p
 given by the pair
 ``(cos phi/2, sin phi/2)``: `half_pair` makes it from trigonometric functions, `rational_pair`
 from t = tan(phi/4), and the proofs use free symbols bound by c^2 + s^2 = 1
-(`symbolic.identities`).
+(`origami_nlp.symbolic.identities`).
 """
 
 from __future__ import annotations

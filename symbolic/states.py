@@ -13,8 +13,8 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.derive import dihedral_form, reflection_form
-from symbolic.rotations import E1, Pair, rational_pair
+from .derive import dihedral_form, reflection_form
+from .rotations import E1, Pair, rational_pair
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from symbolic.identities import Circle, circle
+from .identities import Circle, circle
 
 alpha = sp.Symbol("alpha", real=True)
 """Sector angle (alpha_1 of the paper)."""

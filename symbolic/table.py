@@ -8,9 +8,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from symbolic.catalogue import Result
-from symbolic.left_out import LEFT_OUT
-from symbolic.report import summary, tally_text
+from .catalogue import Result
+from .left_out import LEFT_OUT
+from .report import summary, tally_text
 
 COLOURS = {"proved": "green", "refuted": "red", "convention": "yellow", "unproved": "bold red"}
 FEW = 3

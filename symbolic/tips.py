@@ -15,8 +15,8 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.rotations import E2, E3, Pair, about, cross, dot, planar, product, rational_pair
-from symbolic.states import ExactState
+from .rotations import E2, E3, Pair, about, cross, dot, planar, product, rational_pair
+from .states import ExactState
 
 TIPS = (2, 6)
 """Positions of creases 3 and 7."""

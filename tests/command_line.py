@@ -9,7 +9,7 @@ from typing import NamedTuple
 import pytest
 
 from origami_nlp import Scene, format_scene
-from origami_nlp.cli import main
+from origami_nlp.cli import Group, app, main
 
 
 class Done(NamedTuple):
@@ -20,8 +20,8 @@ class Done(NamedTuple):
     err: str
 
 
-def run(*arguments: object) -> Done:
-    """Run `origami-nlp` with the given words; what they are is turned into text."""
+def run(*arguments: object, commands: Group = app) -> Done:
+    """Run `origami-nlp`, or other commands, with the given words; what they are is turned into text."""
     out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
     with (
         pytest.MonkeyPatch.context() as patch,
@@ -32,7 +32,7 @@ def run(*arguments: object) -> Done:
         patch.setattr("origami_nlp.cli.progress.INTERVAL", 1e6)
         patch.setattr(sys, "argv", ["origami-nlp", *map(str, arguments)])
         with pytest.raises(SystemExit) as stop:
-            main()
+            main(commands)
     texts = [stream.buffer.getvalue().decode() for stream in (out, err)]  # type: ignore[attr-defined]
     return Done(stop.value.code or 0, *texts)  # type: ignore[arg-type]
 

@@ -9,14 +9,13 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp import cone
+from benchmarks import read_bench
 from origami_nlp.barriers import find_barriers, merge_tree_axes
-from origami_nlp.bench import read_bench
 from origami_nlp.chart import landscape
 from origami_nlp.critical import find_critical_points
 from origami_nlp.landscape import draw_landscape, find_landscape
 from origami_nlp.minima import write_fold
-from origami_nlp.paper import count_grid_minima, limits
+from origami_nlp.paper import cone
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.space import find_space
 from origami_nlp.sweep import (
@@ -27,6 +26,7 @@ from origami_nlp.sweep import (
     read_sweep,
     run_sweep,
 )
+from studies import count_grid_minima, limits
 
 SCENE = o.examples.degree6("pi/4")
 N = SCENE.degree

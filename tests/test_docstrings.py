@@ -18,7 +18,7 @@ import pytest
 import origami_nlp
 
 PACKAGE = Path(origami_nlp.__file__).parent
-ROOMS = "pattern folding files contact space landscape cone sweep show".split()
+ROOMS = "pattern folding files contact space landscape paper.cone sweep show".split()
 WITH_EXAMPLES = sorted(
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     for path in PACKAGE.rglob("*.py")
@@ -62,7 +62,6 @@ DEAR = {
         "critical.find",
         "results",
         "sheet_loading.result",
-        "bench.patterns",
         "springs.finding",
         "springs.result",
         "barriers.find",
@@ -206,7 +205,7 @@ import origami_nlp as o
 result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
 reveal_type(result.minima[0].energy)
 reveal_type(o.find_barriers(result.scene, result).passes[0].pass_kind)
-reveal_type(o.cone.count(8, ratio=1.0, elevation=0.5).branches)
+reveal_type(o.paper.cone.count(8, ratio=1.0, elevation=0.5).branches)
 """
 
 

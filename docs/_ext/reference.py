@@ -16,7 +16,7 @@ from origami_nlp.cli import app as command_line
 
 ROOMS = (
     "pattern programme kkt minima loading modes atlas springs proof contact critical barriers path space chart "
-    "landscape cone facets sheets sheet_loading sweep folding paper bench"
+    "landscape facets sheets sheet_loading sweep folding paper paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 

@@ -1,4 +1,4 @@
-"""`origami-nlp cone`: uniform vertices of any even degree."""
+"""`origami-nlp paper cone`: uniform vertices of any even degree."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from origami_nlp.arguments import check_whole
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.output import Output
@@ -16,8 +15,6 @@ from origami_nlp.pattern import parse_angle
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
-DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
-QUICK = (6, 8, 10, 12, 100, 1000)
 
 
 def count(
@@ -30,7 +27,7 @@ def count(
     json: o.JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.cone import (
+    from origami_nlp.paper.cone import (
         Cone,
         count as count_minima,
         count_to_dict,
@@ -54,7 +51,7 @@ def foldings(
     json: o.JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
-    from origami_nlp.cone import (
+    from origami_nlp.paper.cone import (
         LARGEST_LISTED,
         check_degree,
         foldings_to_dict,
@@ -76,7 +73,12 @@ def branch(
     json: o.JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.cone import branch as cone_branch, branch_to_dict, print_branch, write_lines
+    from origami_nlp.paper.cone import (
+        branch as cone_branch,
+        branch_to_dict,
+        print_branch,
+        write_lines,
+    )
 
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
@@ -97,7 +99,13 @@ def draw(
 
     A cone by its flaps is drawn at every --elevation that is given.
     """
-    from origami_nlp.cone import ConeBranch, check_degree, draw_branch, draw_foldings, parse_flaps
+    from origami_nlp.paper.cone import (
+        ConeBranch,
+        check_degree,
+        draw_branch,
+        draw_foldings,
+        parse_flaps,
+    )
 
     out = Output(figure=figure)
     angles = [parse_angle(text, "--elevation") for text in elevation or []]
@@ -128,7 +136,7 @@ def phase(
     ] = False,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
-    from origami_nlp.cone import (
+    from origami_nlp.paper.cone import (
         Cone,
         check_size,
         diagram_to_dict,
@@ -163,7 +171,7 @@ def full(
     json: o.JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.cone import Cone, full_space, full_space_to_dict, print_full_space
+    from origami_nlp.paper.cone import Cone, full_space, full_space_to_dict, print_full_space
 
     out = Output(json=json)
     nu = parse_angle(rest_elevation, "--rest-elevation")
@@ -173,30 +181,5 @@ def full(
     out.write("json", full_space_to_dict, found)
 
 
-def speed(
-    quick: o.Quick = False,
-    samples: o.Samples = 10,
-    seed: o.Seed = 0,
-    markdown: o.MarkdownFile = None,
-) -> None:
-    """Measure the time of an exact count against N, beside brute force, each with its error.
-
-    Of each degree so many --samples are drawn: random points (nu_0, r_k).
-    """
-    from origami_nlp.bench import MAP_DEGREES, as_markdown, measure
-
-    out = Output(markdown=markdown)
-    with progress("measuring") as report:
-        rows = measure(
-            QUICK if quick else DEGREES,
-            check_whole("--samples", samples, 1),
-            seed,
-            maps=(12,) if quick else MAP_DEGREES,
-            progress=lambda degree: report(text=f"degree {degree} done"),
-        )
-    out.page(as_markdown(rows))
-    out.write("markdown", as_markdown, rows)
-
-
 cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
-cone.add(count, phase, full, foldings, branch, draw, speed)
+cone.add(count, phase, full, foldings, branch, draw)

@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.former import say_former
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
@@ -52,7 +51,7 @@ def critical(
     if panels and scene is not None:
         raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
     if scene is None and not panels:
-        say_former("critical without SCENE", "critical --panels")
+        raise OptionError("SCENE is missing: give a scene file, or --panels for those of the paper")
     scenes = [scene.read()] if scene else examples.panels()
     rows, data = [], []
     euler: dict[object, int] = {}

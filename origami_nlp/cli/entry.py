@@ -10,10 +10,8 @@ from typing import Annotated, NoReturn
 import typer
 
 from origami_nlp.cli.barriers import barriers
-from origami_nlp.cli.bench import bench
 from origami_nlp.cli.boundary import boundary
 from origami_nlp.cli.check_proof import check_proof
-from origami_nlp.cli.cone import cone
 from origami_nlp.cli.contacts import contacts
 from origami_nlp.cli.critical import critical
 from origami_nlp.cli.design import design
@@ -29,26 +27,22 @@ from origami_nlp.cli.paper import paper
 from origami_nlp.cli.pattern import pattern
 from origami_nlp.cli.space import space
 from origami_nlp.cli.sweep import sweep
-from origami_nlp.cli.transitions import transitions
 from origami_nlp.cli.vertices import vertices
 from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 from origami_nlp.version import __version__
 
 MANY = "Many vertices, many scenes, many creases"
-COMPARE = "Compare with the paper and with other solvers"
 app = Group(
     "Energy minima of an origami vertex: found, classified, and which are stable states.",
     completion=True,
 )
 app.add(minima, check_proof, landscape, under="Find the states of a scene")
 app.add(contacts, modes, load, under="Understand them")
-app.add(barriers, critical, space, transitions, under="Understand them")
+app.add(barriers, critical, space, under="Understand them")
 app.add(design, example, vertices, model, under="Make and read scenes")
 app.add(pattern, follow, boundary, sweep, under=MANY)
-app.add_group("cone", cone, under=MANY)
-app.add_group("paper", paper, under=COMPARE)
-app.add(bench, under=COMPARE)
+app.add_group("paper", paper, under="The source paper")
 
 
 def _version(asked: bool) -> None:
@@ -67,14 +61,14 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def run() -> None:
-    """Run the command that was asked for; `start.main` calls it."""
+def run(commands: Group | None = None) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            app()
+            (commands or app)()
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said

@@ -9,7 +9,6 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from origami_nlp.cli import former
 from origami_nlp.cli.interruption import interruptible
 
 WITHOUT_VALUE = "asked"
@@ -45,13 +44,12 @@ class _Command(_Helped, TyperCommand):
     """A command; an option that needs no value gets `WITHOUT_VALUE` where no number follows."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
-        """Fill in what is left out, and put the names of now for former ones."""
+        """Fill in what is left out."""
         filled = []
         for arg, following in zip(args, [*args, ""][1:], strict=True):
             filled.append(arg)
             if arg in MAY_LACK_VALUE and not _is_number(following):
                 filled.append(WITHOUT_VALUE)
-        filled = former.renamed(_path(ctx), filled, ctx.resilient_parsing)
         return super().parse_args(ctx, filled)
 
     def invoke(self, ctx: Any) -> Any:
@@ -86,14 +84,6 @@ def _word(argument: Any) -> str:
     return name if argument.required else f"[{name}]"
 
 
-def _path(ctx: Any) -> str:
-    """Return the words that call a command, without the program's."""
-    words: list[str] = []
-    while ctx.parent is not None:
-        words, ctx = [ctx.info_name, *words], ctx.parent
-    return " ".join(words)
-
-
 def _tell_files(options: list[str]) -> None:
     from origami_nlp.files import Screen
 
@@ -121,22 +111,6 @@ class _Listed(_Helped, TyperGroup):
         """Return the names that help shows."""
         return list(self.names)
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command of this group, also by its former name."""
-        if cmd_name in self.commands:
-            return self.commands[cmd_name]
-        found: Any = self if ctx is None else ctx.find_root().command
-        for word in former.COMMANDS.get(self._spelt(ctx, cmd_name), "").split():
-            found = found.commands[word]
-        return None if isinstance(found, _Listed) else found
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command, and say so where its name is a former one."""
-        name = self._spelt(ctx, args[0])
-        if name in former.COMMANDS and not ctx.resilient_parsing:
-            former.say_former(name, former.COMMANDS[name])
-        return super().resolve_command(ctx, args)
-
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands under their headings."""
         rows: dict[str, list[tuple[str, str]]] = {}
@@ -158,9 +132,6 @@ class _Listed(_Helped, TyperGroup):
             end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
             print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
             raise typer.Exit(130) from None
-
-    def _spelt(self, ctx: Any, name: str) -> str:
-        return name if ctx is None else f"{_path(ctx)} {name}".strip()
 
 
 class Group(typer.Typer):

@@ -5,14 +5,22 @@ from __future__ import annotations
 import os
 import sys
 
+from typing import TYPE_CHECKING
+
 from origami_nlp.cli.interruption import ending_at_once
+
+if TYPE_CHECKING:
+    from origami_nlp.cli.group import Group
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Settings by which users ask for a number of threads."""
 
 
-def main() -> None:
-    """Run the command line; bad input, and output that nobody takes, end with one line and exit code 2."""
+def main(commands: Group | None = None) -> None:
+    """Run the command line, or another group of commands.
+
+    Bad input, and output that nobody takes, end with one line and exit code 2.
+    """
     with ending_at_once():
         _occupy_streams()
         # commands draw into files; matplotlib would end over a display that does not exist
@@ -20,7 +28,7 @@ def main() -> None:
         _one_thread()
         from origami_nlp.cli.entry import run  # takes most of a second
 
-        run()
+        run(commands)
 
 
 def _one_thread() -> None:

@@ -1,4 +1,4 @@
-"""`origami-nlp transitions`: sector angles at which the admissible space of a family changes."""
+"""`origami-nlp paper transitions`: sector angles at which the admissible space of a family changes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def transitions(
 
     The sweep starts from so many --samples of alpha_1.
     """
-    from origami_nlp.space import find_transitions
+    from origami_nlp.paper import find_transitions
 
     out = Output(json=json)
     with progress(family, 1.0) as tell:

@@ -3,7 +3,7 @@
 Paper: eq:reflection-condition, solved for degree 6 in eq:phi1-6-fold (which gives phi_1 only, for
 one family of sector angles, and not its sheet).  Here phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v)
 with u = m_w + i m_x, v = m_y + i m_z and M the quaternion of the creases strictly between the
-mirror creases; see `symbolic.generate_forms`.
+mirror creases; see `origami_nlp.symbolic.generate_forms`.
 
 Accuracy of values: 1e-14 (|phi| + sum |d phi/d x| |x|) everywhere, so 1e-12 relative next to the
 book fold.  The relative error alone cannot stay small where phi_1 itself passes through zero, nor where

@@ -3,7 +3,7 @@
 Paper: eq:rotation-reflection-condition; for n = 2 (degree 8) its solution in section 3, with the
 realness condition on J.  Chart: the elevation v of crease 1 (F_1 = Q(e2, v) Q(b_1, phi_1/2): v > 0
 LOWERS the mirror creases 1) and phi_2.  Branch +1 and -1 are the sign in front of D as in
-`symbolic.derive.TrigEquation`; negating v and all fold angles exchanges them.
+`origami_nlp.symbolic.derive.TrigEquation`; negating v and all fold angles exchanges them.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
+from .chain import Chain as Chain, chain_of as chain_of
 from .figure import draw_space as draw_space
 from .find import find_space as find_space
+from .mesh import MeshError as MeshError
 from .result import Space as Space
-from .transitions import find_transitions as find_transitions
+from .words import angle_words as angle_words

@@ -33,11 +33,20 @@ from origami_nlp.pattern import Scene
 class Chain:
     """The half-chain of a scene; see the module.
 
-    kind: ``"degree6"`` or ``"wedge"`` (as `chart.Chart.kind`).
-    sectors: sector angles along the chain.
-    last_normal, last_along, up: inward normal of the last mirror, and a basis of its plane.
-    reach: half widths of the base rectangle, its borders being walls (fold angle at +-pi, or crease 1 on the axis).
-    walls: names of the walls, in the order of `Points.walls`.
+    Attributes
+    ----------
+    scene
+        The scene that it folds.
+    kind
+        ``"degree6"`` or ``"wedge"`` (as `chart.Chart.kind`).
+    sectors
+        Sector angles along the chain [rad].
+    last_normal, last_along, up
+        Inward normal of the last mirror, and a basis of its plane, each [3].
+    reach
+        Half widths of the base rectangle [rad], its borders being walls (fold angle at +-pi, or crease 1 on the axis).
+    walls
+        Names of the walls, in the order of `Points.walls`.
     """
 
     scene: Scene
@@ -138,7 +147,17 @@ WRAPPED = {"degree6": (False, True, True), "wedge": (False, True, False)}
 
 
 def chain_of(scene: Scene) -> Chain:
-    """Return the half-chain of `scene`.
+    """Return the half-chain of a scene.
+
+    Parameters
+    ----------
+    scene
+        Of D1 and degree 6, or D_n and degree 4 n, with creases on all mirrors and full contact.
+
+    Returns
+    -------
+    Chain
+        The half-chain, which folds over two parameters.
 
     Raises
     ------

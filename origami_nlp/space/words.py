@@ -8,7 +8,18 @@ from origami_nlp.pattern import format_angle
 
 
 def angle_words(values: Iterable[float]) -> str:
-    """Write fold angles for people: multiples of pi as such, others with four decimals."""
+    """Write fold angles for people: multiples of pi as such, others with four decimals.
+
+    Parameters
+    ----------
+    values
+        Fold angles [rad].
+
+    Returns
+    -------
+    str
+        Such as ``"(pi/2, 0.1234)"``.
+    """
     texts = []
     for v in values:
         text = format_angle(v) if abs(v) > 1e-12 else "0"

@@ -1,1 +1,1 @@
-"""The paper's claims, one module per section; `symbolic.catalogue` puts them in order."""
+"""The paper's claims, one module per section; `origami_nlp.symbolic.catalogue` puts them in order."""

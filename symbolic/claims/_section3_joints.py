@@ -6,14 +6,14 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims.section3_degree6 import half_form
-from symbolic.decide import Correction, as_convention, refuted
-from symbolic.flat_folding import is_flat_foldable
-from symbolic.identities import circle, vanishes
-from symbolic.rotations import E1, about, scale
-from symbolic.statement import Ratio, Several, That, one_of, row
-from symbolic.symbols import ALPHA, HALF2, HALF3
+from ..claim import Claim, Verdict
+from ..claims.section3_degree6 import half_form
+from ..decide import Correction, as_convention, refuted
+from ..flat_folding import is_flat_foldable
+from ..identities import circle, vanishes
+from ..rotations import E1, about, scale
+from ..statement import Ratio, Several, That, one_of, row
+from ..symbols import ALPHA, HALF2, HALF3
 
 CHART_POINTS = ((0, 0), (-1, 1), (1, -1), (-1, -1), (1, 1))
 """The middle and the corners of the chart, (phi_2, phi_3) in units of pi."""

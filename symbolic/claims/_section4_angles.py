@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.cone import (
+from ..claim import Claim, Verdict
+from ..cone import (
     ALPHA_PAIR,
     COS_ALPHA,
     ELEVATION,
@@ -21,10 +21,10 @@ from symbolic.cone import (
     separating_point,
     turn,
 )
-from symbolic.decide import Correction, by_cases, refuted
-from symbolic.rotations import E1, Pair, cross, dot, reflect
-from symbolic.statement import Ratio, Table, formula
-from symbolic.symbols import alpha, upsilon
+from ..decide import Correction, by_cases, refuted
+from ..rotations import E1, Pair, cross, dot, reflect
+from ..statement import Ratio, Table, formula
+from ..symbols import alpha, upsilon
 
 ROOTS = [(kind, side) for kind in ("valley", "mountain") for side in (1, -1)]
 """Kind of flap and sign of the elevation: the four cases of eq:partial-N."""

@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims._section4_angles import (
+from ..claim import Claim, Verdict
+from ..claims._section4_angles import (
     BOTH_SIDES,
     ON_RATIONAL_CONE,
     VALLEY,
@@ -15,7 +15,7 @@ from symbolic.claims._section4_angles import (
     arc_pair,
     both_roots,
 )
-from symbolic.cone import (
+from ..cone import (
     ALPHA_PAIR,
     K_OF_DEGREE,
     K,
@@ -27,9 +27,9 @@ from symbolic.cone import (
     separating_point,
     turn,
 )
-from symbolic.decide import Correction, as_convention, by_cases, refuted
-from symbolic.statement import DEGREE, Table, formula, row
-from symbolic.symbols import alpha, upsilon
+from ..decide import Correction, as_convention, by_cases, refuted
+from ..statement import DEGREE, Table, formula, row
+from ..symbols import alpha, upsilon
 
 N = sp.Symbol("N", positive=True)
 H = sp.Symbol("h", positive=True)

@@ -7,15 +7,15 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims.section3_energy import PATTERN_6, regular_states
-from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
-from symbolic.groups import symmetric_dimension
-from symbolic.logic import SPACES, counting_order
-from symbolic.rotations import Quaternion, about, planar, product
-from symbolic.statement import WHOLE, Ratio, Table, Text, one_of, row
-from symbolic.states import flat
-from symbolic.symbols import generic_crease, generic_fold
+from ..claim import Claim, Verdict
+from ..claims.section3_energy import PATTERN_6, regular_states
+from ..decide import Correction, as_convention, by_cases, by_identity, refuted
+from ..groups import symmetric_dimension
+from ..logic import SPACES, counting_order
+from ..rotations import Quaternion, about, planar, product
+from ..statement import WHOLE, Ratio, Table, Text, one_of, row
+from ..states import flat
+from ..symbols import generic_crease, generic_fold
 
 _CREASES = [generic_crease(str(i)) for i in range(1, 4)]
 _FOLDS = [generic_fold(str(i)) for i in range(1, 4)]

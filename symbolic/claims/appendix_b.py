@@ -6,19 +6,19 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.cone import (
+from ..claim import Claim, Verdict
+from ..cone import (
     K,
     identical,
     lift,
     root,
     separating_point,
 )
-from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
-from symbolic.identities import circle, vanishes
-from symbolic.rotations import E1, E2, E3, Vector, cross, dot
-from symbolic.statement import Ratio, formula, one_of, row
-from symbolic.symbols import upsilon
+from ..decide import Correction, as_convention, by_cases, by_identity, refuted
+from ..identities import circle, vanishes
+from ..rotations import E1, E2, E3, Vector, cross, dot
+from ..statement import Ratio, formula, one_of, row
+from ..symbols import upsilon
 
 RADIUS, RAD = sp.symbols("R r", positive=True)
 AZIMUTH = sp.Symbol("varphi", real=True)

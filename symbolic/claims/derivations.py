@@ -6,9 +6,9 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Origin, Verdict
-from symbolic.decide import by_cases, by_identity
-from symbolic.derive import (
+from ..claim import Claim, Origin, Verdict
+from ..decide import by_cases, by_identity
+from ..derive import (
     ReflectionForm,
     TrigEquation,
     cyclic_form,
@@ -19,10 +19,10 @@ from symbolic.derive import (
     last_normal,
     reflection_form,
 )
-from symbolic.identities import circle
-from symbolic.rotations import E1, E2, E3, Quaternion, about, dot, planar, scale
-from symbolic.statement import Formula, Maps, has, one_of, row
-from symbolic.symbols import ALPHA, HALF2, HALF3, UPSILON, generic_crease, generic_fold
+from ..identities import circle
+from ..rotations import E1, E2, E3, Quaternion, about, dot, planar, scale
+from ..statement import Formula, Maps, has, one_of, row
+from ..symbols import ALPHA, HALF2, HALF3, UPSILON, generic_crease, generic_fold
 
 _MIRROR = circle(sp.Symbol("beta", real=True), "beta")
 _B = generic_crease("2")
@@ -210,7 +210,7 @@ def _shifted_cyclic(n: Any, creases: Any, folds: Any, unknown: int) -> TrigEquat
 
 def _check_special_degree6(statement: tuple[Any, Any]) -> Verdict:
     """Compare the derived phi_1 with the paper's -Y_6 and X_6, up to the common factor 2."""
-    from symbolic.claims.section3_degree6 import DENOMINATOR_6, NUMERATOR_6
+    from ..claims.section3_degree6 import DENOMINATOR_6, NUMERATOR_6
 
     c, s = ALPHA.pair
     form = reflection_form([(c, s), (-c, s)], [HALF2.pair, HALF3.pair])

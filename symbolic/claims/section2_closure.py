@@ -6,12 +6,12 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.cone import multiple
-from symbolic.decide import by_cases, by_identity
-from symbolic.groups import is_cyclic_or_dihedral, subgroups_of_dihedral, symmetric_dimension
-from symbolic.identities import circle, vanishes
-from symbolic.rotations import (
+from ..claim import Claim, Verdict
+from ..cone import multiple
+from ..decide import by_cases, by_identity
+from ..groups import is_cyclic_or_dihedral, subgroups_of_dihedral, symmetric_dimension
+from ..identities import circle, vanishes
+from ..rotations import (
     E1,
     E2,
     E3,
@@ -24,8 +24,8 @@ from symbolic.rotations import (
     reflect,
     scale,
 )
-from symbolic.statement import WHOLE, Ratio, Several, formula, one_of, row
-from symbolic.symbols import generic_crease, generic_fold
+from ..statement import WHOLE, Ratio, Several, formula, one_of, row
+from ..symbols import generic_crease, generic_fold
 
 _CREASES = [generic_crease(str(i)) for i in range(1, 4)]
 _FOLDS = [generic_fold(str(i)) for i in range(1, 4)]

@@ -6,12 +6,12 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.cone import multiple
-from symbolic.decide import Correction, as_convention, by_cases, by_identity, refuted
-from symbolic.groups import crease_images, generate, symmetric_dimension
-from symbolic.identities import circle, vanishes
-from symbolic.rotations import (
+from ..claim import Claim, Verdict
+from ..cone import multiple
+from ..decide import Correction, as_convention, by_cases, by_identity, refuted
+from ..groups import crease_images, generate, symmetric_dimension
+from ..identities import circle, vanishes
+from ..rotations import (
     E1,
     E2,
     E3,
@@ -22,8 +22,8 @@ from symbolic.rotations import (
     planar,
     reflect,
 )
-from symbolic.statement import Ratio, formula, has, row
-from symbolic.symbols import generic_fold, upsilon
+from ..statement import Ratio, formula, has, row
+from ..symbols import generic_fold, upsilon
 
 _H = sp.Symbol("h", positive=True)
 _N, _M = sp.symbols("N m", positive=True)

@@ -8,9 +8,9 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims.section3_degree6 import CLAIMS as DEGREE_6
-from symbolic.claims.section3_degree8 import (
+from ..claim import Claim, Verdict
+from ..claims.section3_degree6 import CLAIMS as DEGREE_6
+from ..claims.section3_degree8 import (
     BRANCH,
     BRANCH_1,
     BRANCH_2,
@@ -22,11 +22,11 @@ from symbolic.claims.section3_degree8 import (
     line_direction,
     line_gaps,
 )
-from symbolic.decide import IDENTITY, Correction, by_cases, refuted
-from symbolic.derive import dihedral_form
-from symbolic.identities import to_circles, vanishes
-from symbolic.statement import Maps, Ratio, Several, Subset, That, formula, one_of, row
-from symbolic.symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
+from ..decide import IDENTITY, Correction, by_cases, refuted
+from ..derive import dihedral_form
+from ..identities import to_circles, vanishes
+from ..statement import Maps, Ratio, Several, Subset, That, formula, one_of, row
+from ..symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
 
 
 def _numeric(lines: Any, a: Any, v: Any, p: Any, order: str = "xy") -> Any:

@@ -7,18 +7,18 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims.section3_energy import (
+from ..claim import Claim, Verdict
+from ..claims.section3_energy import (
     PATTERN_6,
     PATTERN_8,
     crease_average,
     criticality,
     pinned_example,
 )
-from symbolic.decide import Correction, by_cases
-from symbolic.groups import crease_images
-from symbolic.statement import Several, one_of, row
-from symbolic.tips import (
+from ..decide import Correction, by_cases
+from ..groups import crease_images
+from ..statement import Several, one_of, row
+from ..tips import (
     descent,
     fold_angles,
     gap_gradient,

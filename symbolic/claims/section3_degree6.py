@@ -6,15 +6,15 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.decide import Correction, by_cases, by_identity, refuted
-from symbolic.derive import reflection_form
-from symbolic.flat_folding import is_flat_foldable, kawasaki_sum
-from symbolic.groups import crease_images
-from symbolic.identities import circle, vanishes
-from symbolic.rotations import E1, E2, about, dot, reflect, scale
-from symbolic.statement import Maps, Ratio, Several, Text, That, formula, one_of, row
-from symbolic.symbols import ALPHA, HALF2, HALF3, alpha, phi2, phi3
+from ..claim import Claim, Verdict
+from ..decide import Correction, by_cases, by_identity, refuted
+from ..derive import reflection_form
+from ..flat_folding import is_flat_foldable, kawasaki_sum
+from ..groups import crease_images
+from ..identities import circle, vanishes
+from ..rotations import E1, E2, about, dot, reflect, scale
+from ..statement import Maps, Ratio, Several, Text, That, formula, one_of, row
+from ..symbols import ALPHA, HALF2, HALF3, alpha, phi2, phi3
 
 NUMERATOR_6 = (
     sp.cos(alpha)

@@ -12,13 +12,13 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.decide import IDENTITY, Correction, as_convention, by_identity
-from symbolic.derive import TrigEquation, dihedral_form
-from symbolic.identities import to_circles, vanishes
-from symbolic.rotations import E1, E2, rational_pair, reflect, scale
-from symbolic.statement import WHOLE, formula, one_of, row
-from symbolic.symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
+from ..claim import Claim, Verdict
+from ..decide import IDENTITY, Correction, as_convention, by_identity
+from ..derive import TrigEquation, dihedral_form
+from ..identities import to_circles, vanishes
+from ..rotations import E1, E2, rational_pair, reflect, scale
+from ..statement import WHOLE, formula, one_of, row
+from ..symbols import ALPHA, HALF2, UPSILON, alpha, phi2, upsilon
 
 J = sp.Symbol("J", nonnegative=True)
 K = sp.Symbol("K", real=True)

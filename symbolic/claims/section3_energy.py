@@ -6,14 +6,14 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.decide import Correction, by_cases, by_identity, refuted
-from symbolic.groups import crease_images
-from symbolic.logic import SPACES, energy_orders
-from symbolic.rotations import E1, E2, about, planar, product, reflect, scale
-from symbolic.statement import Maps, Several, Text, That, formula, one_of, row
-from symbolic.states import ExactState, degree6, degree8
-from symbolic.symbols import generic_crease, generic_fold
+from ..claim import Claim, Verdict
+from ..decide import Correction, by_cases, by_identity, refuted
+from ..groups import crease_images
+from ..logic import SPACES, energy_orders
+from ..rotations import E1, E2, about, planar, product, reflect, scale
+from ..statement import Maps, Several, Text, That, formula, one_of, row
+from ..states import ExactState, degree6, degree8
+from ..symbols import generic_crease, generic_fold
 
 _HALF, _THIRD = sp.Rational(1, 2), sp.Rational(1, 3)
 PATTERN_6 = "abcdcb"

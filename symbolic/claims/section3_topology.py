@@ -6,16 +6,16 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims._section3_joints import JOINT_CLAIMS
-from symbolic.claims.section3_degree6 import half_form
-from symbolic.decide import Correction, as_convention, by_cases, refuted
-from symbolic.identities import vanishes
-from symbolic.intervals import certify_sign
-from symbolic.rotations import rational_pair
-from symbolic.statement import Ratio, Several, formula, one_of, row
-from symbolic.states import degree6
-from symbolic.symbols import ALPHA, HALF2, HALF3
+from ..claim import Claim, Verdict
+from ..claims._section3_joints import JOINT_CLAIMS
+from ..claims.section3_degree6 import half_form
+from ..decide import Correction, as_convention, by_cases, refuted
+from ..identities import vanishes
+from ..intervals import certify_sign
+from ..rotations import rational_pair
+from ..statement import Ratio, Several, formula, one_of, row
+from ..states import degree6
+from ..symbols import ALPHA, HALF2, HALF3
 
 _HALF = sp.Rational(1, 2)
 Segment = tuple[str, Any, Any, Any]

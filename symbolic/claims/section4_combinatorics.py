@@ -13,10 +13,10 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims._section4_angles import compare
-from symbolic.claims.section4_cone import crease3
-from symbolic.cone import (
+from ..claim import Claim, Verdict
+from ..claims._section4_angles import compare
+from ..claims.section4_cone import crease3
+from ..cone import (
     ALPHA_PAIR,
     ELEVATION,
     azimuth,
@@ -26,10 +26,10 @@ from symbolic.cone import (
     root,
     turn,
 )
-from symbolic.decide import Correction, by_cases, refuted
-from symbolic.rotations import E1, E2, E3
-from symbolic.statement import WHOLE, Several, one_of, row
-from symbolic.symbols import upsilon
+from ..decide import Correction, by_cases, refuted
+from ..rotations import E1, E2, E3
+from ..statement import WHOLE, Several, one_of, row
+from ..symbols import upsilon
 
 Word = tuple[int, ...]
 N = sp.Symbol("N", positive=True, integer=True)

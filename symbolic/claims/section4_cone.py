@@ -1,6 +1,6 @@
 """Section 4, first part: deformation of the cone and the construction of its facets.
 
-Every proof runs on the rational form of `symbolic.cone`, hence for all N at once.
+Every proof runs on the rational form of `origami_nlp.symbolic.cone`, hence for all N at once.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims._section4_angles import ANGLE_CLAIMS, ROOTS, compare
-from symbolic.cone import (
+from ..claim import Claim, Verdict
+from ..claims._section4_angles import ANGLE_CLAIMS, ROOTS, compare
+from ..cone import (
     ALPHA_PAIR,
     ELEVATION,
     K,
@@ -22,9 +22,9 @@ from symbolic.cone import (
     root,
     turn,
 )
-from symbolic.decide import Correction, as_convention, by_cases, refuted
-from symbolic.rotations import E1, E2, E3, Vector, dot, reflect
-from symbolic.statement import WHOLE, Several, formula, one_of, row
+from ..decide import Correction, as_convention, by_cases, refuted
+from ..rotations import E1, E2, E3, Vector, dot, reflect
+from ..statement import WHOLE, Several, formula, one_of, row
 
 
 def _check_deformation(statement: tuple[str, ...]) -> Verdict:

@@ -7,15 +7,15 @@ from typing import Any
 
 import sympy as sp
 
-from symbolic.claim import Claim, Verdict
-from symbolic.claims._section4_angles import both_roots
-from symbolic.claims._section5_contact import CONTACT_CLAIMS
-from symbolic.cone import (
+from ..claim import Claim, Verdict
+from ..claims._section4_angles import both_roots
+from ..claims._section5_contact import CONTACT_CLAIMS
+from ..cone import (
     ALPHA_PAIR,
     K,
 )
-from symbolic.decide import Correction, by_cases, refuted
-from symbolic.statement import DEGREE, WHOLE, Ratio, Several, Table, Text, one_of, row
+from ..decide import Correction, by_cases, refuted
+from ..statement import DEGREE, WHOLE, Ratio, Several, Table, Text, one_of, row
 
 N = sp.Symbol("N", positive=True)
 H = sp.Symbol("h", positive=True)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from benchmarks import random_vertex
 from origami_nlp.atlas import Family, draw_atlas, family_of, follow, follow_family, parse_over
-from origami_nlp.bench import random_vertex
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.minima import judge_in_full_space
 

@@ -5,10 +5,7 @@ import subprocess
 import sys
 
 import pytest
-
-from origami_nlp.bench import FAMILIES
-from origami_nlp.paper import FIGURES
-from symbolic.catalogue import claims
+from origami_nlp.symbolic.catalogue import claims
 
 
 @pytest.fixture(scope="module")
@@ -32,10 +29,8 @@ def bash(program, script):
 
 ASKED = {
     "mini": {"minima"},
-    "paper reproduce cone-4": {n for n in FIGURES if n.startswith("cone-4")},
     "minima s.toml --effort ": {"quick", "normal", "thorough"},
     "paper verify --only s2.v": {c.id for c in claims() if c.id.startswith("s2.v")},
-    "bench --search --family ": set(FAMILIES),
     "minima s.toml --json ": set(),  # a file
 }
 
@@ -70,7 +65,11 @@ for line in lines:
 
 
 def test_zsh_is_told_words_with_what_they_mean_or_files(program):
-    asked = {"cone ph": '"phase":"Map the number', "transitions ": '"degree6"', "minima ": "_files"}
+    asked = {
+        "paper cone ph": '"phase":"Map the number',
+        "paper transitions ": '"degree6"',
+        "minima ": "_files",
+    }
     done = subprocess.run(
         [sys.executable, "-c", EACH, *asked],
         env={**program, "_ORIGAMI_NLP_COMPLETE": "complete_zsh"},

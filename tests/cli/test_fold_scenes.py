@@ -35,7 +35,9 @@ def pocket(tmp_path):
     return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
 
 
-COMMANDS = "model minima contacts modes load barriers critical space landscape follow boundary paper-grid".split()
+COMMANDS = (
+    "model minima contacts modes load barriers critical space landscape follow boundary".split()
+)
 OVER = ("--over", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 

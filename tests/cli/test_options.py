@@ -1,17 +1,15 @@
-"""One option, one meaning: over all commands, in their help at any width, and under former names."""
+"""One option, one meaning: over all commands, in their help at any width."""
 
-import json
 from collections import defaultdict
 
 import pytest
 from typer.main import get_command
 
-from origami_nlp.cli import app, former
+from origami_nlp.cli import app
 from origami_nlp.cli.group import WRITES
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
-    "--effort": "bench takes it with --search only",
     "--fold": "the crease pattern of an example, states, or paths",
     "--state": "load follows one, others leave the others out",
     "--contact": "of a FOLD file, or of an example",
@@ -79,48 +77,3 @@ def test_help_keeps_to_the_terminal_and_cuts_no_word(width, monkeypatch):
         words = " ".join(out.split())
         for text in (command.help, *(p.help for p in command.params)):
             assert " ".join(text.split()) in words, (path, text)
-
-
-@pytest.mark.parametrize(
-    ("path", "old", "new"),
-    [(path, *pair) for path, table in former.OPTIONS.items() for pair in table.items()],
-)
-def test_a_former_option_is_one_of_now_and_said_to_be(path, old, new):
-    command = get_command(app)
-    for word in path.split():
-        command = command.commands[word]
-    names = {name for p in command.params for name in (*p.opts, *p.secondary_opts)}
-    assert new in names and old not in names
-    # a wrong word at the end stops the command before it works
-    words = [old] if "-no-" in old or old == "--search" else [f"{old}=7"]
-    code, _, err = run(*path.split(), *words, "--wrong")
-    assert code == 2 and f"note: {old} is now {new}; " in err
-    assert "No such option: --wrong" in err and "No such option: " + old not in err
-
-
-def test_former_options_give_the_same_answer(tmp_path):
-    told = [
-        run("cone", "count", "--degree", 8, "--ratio", 2, option, 0.3, "--json", "-")
-        for option in ("--elevation", "--rest-elevation")
-    ]
-    assert told[0].code == told[1].code == 0 and told[0].out == told[1].out
-    assert json.loads(told[0].out)["schema"] and "note: " in told[0].err
-    assert "note: " not in told[1].err
-
-
-@pytest.mark.parametrize(("old", "new"), former.COMMANDS.items())
-def test_a_former_command_is_one_of_now_and_said_to_be(old, new):
-    code, out, err = run(*old.split(), "--help")
-    assert code == 0 and f"note: {old} is now {new}; " in err
-    usage = run(*new.split(), "--help").out.replace(f"origami-nlp {new} ", f"origami-nlp {old} ")
-    assert out.splitlines()[1:] == usage.splitlines()[1:]
-
-
-def test_what_comes_after_two_dashes_is_no_option():
-    assert former.renamed("space", ["--size", "8", "--", "--size"], True) == [
-        "--rings",
-        "8",
-        "--",
-        "--size",
-    ]
-    assert former.renamed("landscape", ["--size=8"], True) == ["--size=8"]

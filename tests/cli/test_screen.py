@@ -402,8 +402,7 @@ def test_terminals_have_a_bar(monkeypatch):
     ("args", "patched"),
     [
         (["paper", "panels"], "origami_nlp.minima.find_minima"),
-        (["transitions", "degree6"], "origami_nlp.space.find_transitions"),
-        (["paper", "audit", "CANDIDATES"], "origami_nlp.paper.audit_candidates"),
+        (["paper", "transitions", "degree6"], "origami_nlp.paper.find_transitions"),
     ],
 )
 def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):

@@ -78,7 +78,7 @@ def test_an_interrupted_search_leaves_a_clean_line(tmp_path):
 @pytest.mark.slow
 def test_who_asks_for_no_file_is_told_which_could_be_written_on_a_terminal_only(tmp_path):
     program = "from origami_nlp.cli import main; main()"
-    line = ["cone", "count", "--degree", 6, "--rest-elevation", 0.3]
+    line = ["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3]
     shown = Terminal(program, *line).read()
     assert shown.rstrip("\x1b[0m\n").endswith("--json writes this to a file")
     shown = Terminal(program, *line, "--json", tmp_path / "a.json").read()
@@ -92,8 +92,8 @@ def test_what_is_written_is_told_last(tmp_path):
     scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
     for command, options in (
         (["minima", scene, "--max-starts", 16], ["json", "fold"]),
-        (["cone", "count", "--degree", 6, "--rest-elevation", 0.3], ["json"]),
-        (["cone", "phase", "--degree", 6, "--size", 12], ["csv", "json"]),
+        (["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3], ["json"]),
+        (["paper", "cone", "phase", "--degree", 6, "--size", 12], ["csv", "json"]),
     ):
         files = {name: tmp_path / f"{command[0]}.{name}" for name in options}
         asked = (word for name, file in files.items() for word in (f"--{name}", file))

@@ -10,7 +10,17 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.__main__ import app as benchmarks
+from origami_nlp.cli import app
+from studies.__main__ import app as studies
 from tests.command_line import run
+
+PROGRAMS = {
+    "origami-nlp": app,
+    "python -m benchmarks": benchmarks,
+    "python -m studies": studies,
+}
+"""What is run here, by the words that call it."""
 
 GAP = "..."
 """Stands for words that a page leaves out of what is printed."""
@@ -33,6 +43,12 @@ def shown_after(text: str) -> list[str]:
     return [part if part.strip() else GAP for part in parts]
 
 
+def called(words: list[str]) -> tuple[str, list[str]]:
+    """Part what calls a program from its arguments."""
+    long = 3 if words[:2] == ["python", "-m"] else 1
+    return " ".join(words[:long]), words[long:]
+
+
 def run_line(line: str) -> tuple[int, str]:
     """Run a line in the folder where we are; exit code of its last command, and all that it shows."""
     lexer = shlex.shlex(line, posix=True, punctuation_chars="|>")
@@ -46,11 +62,12 @@ def run_line(line: str) -> tuple[int, str]:
         else:
             pipeline[-1].append(word)
     given, said, code = "", "", 0
-    for program, *arguments in pipeline:
-        assert program == "origami-nlp", f"{line!r}: only origami-nlp is run here; else say why not"
+    for words in pipeline:
+        program, arguments = called(words)
+        assert program in PROGRAMS, f"{line!r}: only origami-nlp is run here; else say why not"
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(given.encode()), "utf-8"))
-            code, given, complained = run(*arguments)
+            code, given, complained = run(*arguments, commands=PROGRAMS[program])
         said += complained
     if target:
         target.write_text(given)

@@ -13,7 +13,6 @@ import tomllib
 import pytest
 from typer.main import get_command
 
-from origami_nlp.cli import app
 from tests.documentation import shell
 from tests.documentation.pages import ROOT, blocks, inline_commands, markdown, name_of
 
@@ -87,14 +86,14 @@ def test_blocks_are_marked_with_reasons_and_none_hides_a_command(page):
 
 
 @functools.cache
-def commands_of_the_app():
-    return get_command(app)
+def commands_of(program):
+    return get_command(shell.PROGRAMS[program])
 
 
 def misnamed(text):
     """What of a command as people write it (`a|b`, `[--option VALUE]`) the command line does not know."""
-    words = re.sub(r"[][()]", " ", text).split()[1:]
-    commands = [commands_of_the_app()]
+    program, words = shell.called(re.sub(r"[][()]", " ", text).split())
+    commands = [commands_of(program)]
     while words and hasattr(commands[0], "list_commands") and not words[0].startswith("-"):
         inner = [c.get_command(None, name) for c in commands for name in words[0].split("|")]
         if None in inner:
@@ -117,7 +116,7 @@ def test_commands_in_the_text_exist_with_their_options(page):
     ]
     named = [
         *inline_commands(page),
-        *(s.strip() for s in shown if s.strip().startswith("origami-nlp ")),
+        *(s.strip() for s in shown if s.strip().startswith(tuple(shell.PROGRAMS))),
     ]
     wrong = {text: why for text in named if (why := misnamed(text))}
     assert not wrong
@@ -137,5 +136,7 @@ def test_the_runner_sees_what_is_wrong(tmp_path, monkeypatch):
     assert not shell.differs("one 1.50 2e-16 ... end 3 s", "one 1.501 7e-17 and so on, end 9 s")
     for shown in ("one 1.52", "one 1.50 2e-16 ... fin", "two ...", "one"):
         assert shell.differs(shown, "one 1.501 7e-17 and so on, end 9 s"), shown
-    assert misnamed("origami-nlp cone count|phase [--degree N]") == ""
-    assert misnamed("origami-nlp cone count|phases") and misnamed("origami-nlp minima X --nothing")
+    assert misnamed("origami-nlp paper cone count|phase [--degree N]") == ""
+    assert misnamed("origami-nlp paper cone count|phases") and misnamed(
+        "origami-nlp minima X --nothing"
+    )

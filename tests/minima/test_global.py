@@ -5,8 +5,8 @@ import importlib.util
 import numpy as np
 import pytest
 
+from benchmarks import family_scene
 from origami_nlp import find_minima
-from origami_nlp.bench import family_scene
 from tests.computed_once import thinned
 from tests.independent.global_minimum import proved
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from benchmarks import family_scene
 from origami_nlp import Vertex, find_minima
-from origami_nlp.bench import family_scene
 from origami_nlp.kkt import project
 from origami_nlp.programme import Model
 from tests.computed_once import shared

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from benchmarks import random_vertex
 from origami_nlp.atlas import family_of, find_boundaries, parse_over
-from origami_nlp.bench import random_vertex
 from origami_nlp.path import Web, flat_roots
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks import family_scene
 from origami_nlp import Model, find_minima
-from origami_nlp.bench import family_scene
 from origami_nlp.pattern import examples
 from origami_nlp.programme import random_strata
 from origami_nlp.proof import Kind, Proof, Tree, prove

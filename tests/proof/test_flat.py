@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from benchmarks import family_scene
 from origami_nlp import Model, Scene
-from origami_nlp.bench import family_scene
 from origami_nlp.pattern import Vertex
 from origami_nlp.proof import chains, prove
 from origami_nlp.proof.flat import Cone, flat_lemma, no_minimum

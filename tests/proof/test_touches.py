@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from benchmarks import family_scene
 from origami_nlp import Model, Scene, State, classify, find_minima
-from origami_nlp.bench import family_scene
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import prove
 from origami_nlp.proof.affine import variables

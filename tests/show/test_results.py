@@ -32,7 +32,7 @@ def results():
     states = o.find_states(sheet, starts=1)
     found += [states, o.overview(sheet), o.find_motion(sheet)]
     found.append(o.find_load_path(sheet, 1, to=0.01, state=states.minima[0]))
-    return {type(one).__name__: one for one in [*found, o.cone.phase_diagram(6, size=4)]}
+    return {type(one).__name__: one for one in [*found, o.paper.cone.phase_diagram(6, size=4)]}
 
 
 KINDS = {  # rows of the data frame, has a picture, has a schema, is read back

@@ -4,9 +4,9 @@ import time
 from dataclasses import dataclass
 
 import pytest
+from origami_nlp.symbolic.catalogue import Result, claims, decide_all
+from origami_nlp.symbolic.claim import Verdict
 
-from symbolic.catalogue import Result, claims, decide_all
-from symbolic.claim import Verdict
 from tests.computed_once import once
 
 

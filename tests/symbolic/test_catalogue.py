@@ -2,18 +2,18 @@
 
 from pathlib import Path
 
+import origami_nlp.symbolic.claims
 import pytest
+from origami_nlp.symbolic.claim import Claim, Verdict
 
-import symbolic.claims
 from origami_nlp.errors import OptionError
-from symbolic import catalogue
-from symbolic.claim import Claim, Verdict
+from origami_nlp.symbolic import catalogue
 
 BUDGET_SECONDS = 90.0
 
 
 def test_every_module_of_claims_is_listed():
-    folder = Path(symbolic.claims.__file__).parent
+    folder = Path(origami_nlp.symbolic.claims.__file__).parent
     defining = {
         p.stem
         for p in folder.glob("*.py")

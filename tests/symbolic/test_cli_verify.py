@@ -7,12 +7,12 @@ import sys
 from types import SimpleNamespace
 
 import pytest
+from origami_nlp.symbolic.claim import Claim, Verdict
+from origami_nlp.symbolic.left_out import LEFT_OUT
 
 from origami_nlp.cli import main
 from origami_nlp.errors import OptionError
-from symbolic import catalogue
-from symbolic.claim import Claim, Verdict
-from symbolic.left_out import LEFT_OUT
+from origami_nlp.symbolic import catalogue
 
 QUICK = ("s2.valley", "s3.J", "s2.elevation")
 

@@ -1,11 +1,10 @@
-"""The stable expressions solve the equations of `symbolic.derive`: exact polynomial identities."""
+"""The stable expressions solve the equations of `origami_nlp.symbolic.derive`: exact polynomial identities."""
 
 import pytest
 import sympy as sp
-
-from symbolic.derive import dihedral_form, reflection_form
-from symbolic.generate_forms import dihedral_pieces, families, require_equal
-from symbolic.identities import circle, to_circles, vanishes
+from origami_nlp.symbolic.derive import dihedral_form, reflection_form
+from origami_nlp.symbolic.generate_forms import dihedral_pieces, families, require_equal
+from origami_nlp.symbolic.identities import circle, to_circles, vanishes
 
 A1, A2, FOLD, ELEV = sp.symbols("alpha1 alpha2 phi2 v", real=True)
 CIRCLES = [circle(A1, "1"), circle(A2, "2"), circle(FOLD / 2, "f"), circle(ELEV, "v")]

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from origami_nlp.symbolic.generate import main, modules
 
 from origami_nlp.closed_forms import (
     Reason,
@@ -16,16 +17,17 @@ from origami_nlp.closed_forms import (
     wedge3,
 )
 from origami_nlp.errors import OrigamiError
-from symbolic.generate import main, modules
 
 
 def test_generated_modules_are_up_to_date():
     for path, text in modules().items():
-        assert path.read_text(encoding="utf-8") == text, f"run python -m symbolic.generate: {path}"
+        assert path.read_text(encoding="utf-8") == text, (
+            f"run python -m origami_nlp.symbolic.generate: {path}"
+        )
 
 
 def test_check_option_finds_a_stale_module(monkeypatch, tmp_path):
-    import symbolic.generate as generate
+    import origami_nlp.symbolic.generate as generate
 
     monkeypatch.setattr(generate, "TARGET", tmp_path)
     assert main(["--check"]) == 1

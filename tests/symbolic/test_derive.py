@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 import sympy as sp
-
-from symbolic.derive import (
+from origami_nlp.symbolic.derive import (
     cyclic_form,
     dihedral_fold_form,
     dihedral_form,
     dihedral_inner_form,
     reflection_form,
 )
+
 from tests.computed_once import thinned
 
 POINTS = 10_000

@@ -4,16 +4,15 @@ import mpmath
 import pytest
 import sympy as sp
 from hypothesis import given, settings, strategies as st
-
-from symbolic.identities import (
+from origami_nlp.symbolic.identities import (
     circle,
     counterexample,
     reduce,
     to_circles,
     vanishes,
 )
-from symbolic.intervals import certify_sign
-from symbolic.rotations import (
+from origami_nlp.symbolic.intervals import certify_sign
+from origami_nlp.symbolic.rotations import (
     E1,
     E2,
     E3,

@@ -2,12 +2,12 @@
 
 import pytest
 import sympy as sp
+from origami_nlp.symbolic.claims import section3_branches8 as s38b, section3_degree8 as s38
+from origami_nlp.symbolic.rotations import Quaternion
+from origami_nlp.symbolic.statement import StatementError, form_of
 
 from origami_nlp.errors import OrigamiError
-from symbolic import catalogue
-from symbolic.claims import section3_branches8 as s38b, section3_degree8 as s38
-from symbolic.rotations import Quaternion
-from symbolic.statement import StatementError, form_of
+from origami_nlp.symbolic import catalogue
 
 CLAIMS = catalogue.claims()
 DAMAGED = [(c.id, i) for c in CLAIMS for i in range(len(c.damaged))]

@@ -24,7 +24,7 @@ def texts(notebook):
 # the claims are decided once per run: the kernel reads the verdicts
 DECIDED = """
 import pickle
-from symbolic import catalogue
+from origami_nlp.symbolic import catalogue
 verdicts = pickle.loads({content!r})
 catalogue.decide_all = lambda claims: [catalogue.Result(c, verdicts[c.id]) for c in claims]
 """

@@ -5,11 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
+from origami_nlp.symbolic.catalogue import Result
+from origami_nlp.symbolic.claim import Claim, Verdict
+from origami_nlp.symbolic.left_out import LEFT_OUT
 
-from symbolic import report
-from symbolic.catalogue import Result
-from symbolic.claim import Claim, Verdict
-from symbolic.left_out import LEFT_OUT
+from origami_nlp.symbolic import report
 
 ERRATA = Path(__file__).parents[2] / "docs" / "errata.md"
 
@@ -56,7 +56,7 @@ def test_latex_is_balanced(run):
 def test_the_committed_errata_page_is_current(run):
     fresh = report.errata_page(run.results)
     assert ERRATA.read_text(encoding="utf-8") == fresh, (
-        "regenerate with `python -m symbolic.report docs/errata.md`"
+        "regenerate with `python -m origami_nlp.symbolic.report docs/errata.md`"
     )
 
 

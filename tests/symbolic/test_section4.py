@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from origami_nlp.symbolic.claims import section4_combinatorics
 from sympy.utilities.iterables import bracelets, necklaces
 
 from origami_nlp.closed_forms import cone_contact_elevation, cone_fold_angles, cone_partial_angles
-from symbolic.claims import section4_combinatorics
 from tests.symbolic.closed_forms_reference import loop_quaternion
 
 

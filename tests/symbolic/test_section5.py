@@ -5,11 +5,11 @@ from itertools import product
 import numpy as np
 import pytest
 import sympy as sp
+from origami_nlp.symbolic.catalogue import claim_by_id
+from origami_nlp.symbolic.claims.section5 import stiff_even_minima
+from origami_nlp.symbolic.left_out import LEFT_OUT
 
 from origami_nlp.closed_forms import cone_contact_elevation, cone_fold_angles, cone_partial_angles
-from symbolic.catalogue import claim_by_id
-from symbolic.claims.section5 import stiff_even_minima
-from symbolic.left_out import LEFT_OUT
 
 
 def test_left_out_statements_say_why():

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 import sympy as sp
-
-from origami_nlp import Vertex, examine, examples
-from origami_nlp.folding import fold_vertex
-from symbolic.claims import section3_contact
-from symbolic.claims.section3_energy import crease_average
-from symbolic.rotations import E3
-from symbolic.tips import (
+from origami_nlp.symbolic.claims import section3_contact
+from origami_nlp.symbolic.claims.section3_energy import crease_average
+from origami_nlp.symbolic.rotations import E3
+from origami_nlp.symbolic.tips import (
     TIPS,
     descent,
     disjoint,
@@ -20,6 +17,9 @@ from symbolic.tips import (
     tip_velocity,
     touching_facets,
 )
+
+from origami_nlp import Vertex, examine, examples
+from origami_nlp.folding import fold_vertex
 from tests.computed_once import panel_result
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 import sympy as sp
+from origami_nlp.symbolic.catalogue import claim_by_id
+from origami_nlp.symbolic.claims.section3_topology import derived_segments
 
 from origami_nlp import examples
 from origami_nlp.closed_forms import degree6
 from origami_nlp.folding import examine
-from symbolic.catalogue import claim_by_id
-from symbolic.claims.section3_topology import derived_segments
 
 PART = {"s3.flat-point": (1, 4), "s3.handle-joints": (1, 3), "s3.corner-points": (5, 12)}
 VERTEX = {name: examples.degree6(f"{p}*pi/{q}").vertex for name, (p, q) in PART.items()}

@@ -1,0 +1,233 @@
+"""Speed against error, on this machine: `python -m benchmarks COMMAND`, from a checkout."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from origami_nlp.arguments import check_whole
+from origami_nlp.cli import Group, Output, main, options as o, progress
+
+Unions = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        help="Where all known minima of each scene are kept: a run that is stopped goes on there.",
+    ),
+]
+DEGREES = (6, 8, 10, 12, 14, 16, 18, 30, 50, 100, 200, 500, 1000, 2000)
+QUICK = (6, 8, 10, 12, 100, 1000)
+"""Degrees of the cones that are counted, and those of a quick run."""
+
+
+def _families() -> list[str]:
+    from benchmarks import FAMILIES
+
+    return list(FAMILIES)
+
+
+def speed(
+    quick: o.Quick = False,
+    seed: o.Seed = 0,
+    unions: Unions = None,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Measure speed against error: ours, IPOPT alone, other solvers, grids, the paper's own test.
+
+    Set OMP_NUM_THREADS=1 for steady numbers: seconds are processor time of one thread.
+    """
+    from benchmarks import draw_bench, in_short, markdown as as_markdown, run_bench, write_bench
+
+    out = Output(json=json, figure=figure, markdown=markdown)
+    with progress.progress("speed") as report:
+        tell = lambda text: report(text=text)  # noqa: E731
+        data = run_bench(quick=quick, seed=seed, tell=tell, unions=unions)
+    out.page(in_short(data))
+    out.save("json", write_bench, data)
+    out.save("figure", draw_bench, data)
+    out.write("markdown", as_markdown, data, _link(figure, markdown))
+
+
+def _link(figure: Path | None, markdown: str | None) -> str | None:
+    """Return how the Markdown file may show the figure."""
+    if figure is None or markdown is None or figure.suffix.lower() not in (".png", ".svg"):
+        return None
+    return Path(os.path.relpath(figure.resolve(), Path(markdown).resolve().parent)).as_posix()
+
+
+def hard(json: o.JsonFile = None, markdown: o.MarkdownFile = None) -> None:
+    """Run the hard cases: error, iterations and verdict of each.
+
+    Exit code 1 if any of them fails.
+    """
+    from benchmarks import run_hard
+
+    out = Output(json=json, markdown=markdown)
+    with progress.progress("hard cases") as report:
+        found = run_hard(lambda name, outcome: report(text=f"{name}: {outcome.setting}"))
+    out.say(found.table())
+    out.write("json", found.to_dict)
+    out.write("markdown", found.markdown)
+    if found.failures:
+        raise typer.Exit(1)
+
+
+def profile(
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Search every panel of the paper once, with stopwatches: where the time goes."""
+    from dataclasses import asdict
+
+    from benchmarks import time_budget
+    from origami_nlp.pattern import panels
+
+    out = Output(json=json, figure=figure, markdown=markdown)
+    budgets = []
+    with progress.progress("profile") as report:
+        for scene in panels():
+            report(text=scene.label)
+            budgets.append(time_budget.measure(scene, seed))
+    out.say(time_budget.table(budgets))
+    found = [{**asdict(b), "total": b.total} for b in budgets]
+    out.write("json", lambda: {"schema": "origami-nlp/time-budget/1", "panels": found})
+    out.save("figure", time_budget.draw, budgets)
+    out.write("markdown", time_budget.markdown, budgets)
+
+
+def search(
+    family: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FAMILY",
+            autocompletion=_families,
+            help="A family of scenes (repeatable); default all.",
+        ),
+    ] = None,
+    quick: o.Quick = False,
+    before: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Another checkout to compare with.")
+    ] = None,
+    effort: Annotated[
+        str | None,
+        typer.Option(metavar="quick|normal|thorough", help="Of the main job (default normal)."),
+    ] = None,
+    unions: Unions = None,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Measure what searches find of all that is known, and when.
+
+    Known minima are kept in a temporary folder, or in that of --unions.
+    """
+    import tempfile
+
+    from benchmarks import coverage_markdown, draw_coverage, measure_coverage, scenes_for
+
+    out = Output(json=json, figure=figure, markdown=markdown)
+    with progress.progress("search") as report:
+        data = measure_coverage(
+            scenes_for(family or [], quick),
+            unions or Path(tempfile.gettempdir()) / "origami_nlp-unions",
+            before=before,
+            seeds=2 if quick else 5,
+            budget=1.0 if quick else 5.0,
+            effort=effort,
+            tell=lambda text: report(text=text),
+        )
+    out.page(coverage_markdown(data))
+    out.write("json", lambda: data)
+    out.save("figure", draw_coverage, data)
+    out.write("markdown", coverage_markdown, data)
+
+
+def patterns(
+    quick: o.Quick = False,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Solve whole patterns with every method: error against time, and sizes."""
+    from benchmarks import draw_patterns, run_patterns
+
+    out = Output(json=json, figure=figure, markdown=markdown)
+    with progress.progress("patterns") as report:
+        found = run_patterns(quick=quick, tell=lambda text: report(text=text))
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.save("figure", draw_patterns, found)
+    out.write("markdown", found.to_markdown)
+
+
+def proved(
+    scenes: Annotated[int, typer.Argument(metavar="SCENES", help="Vertices of each family.")],
+    json: o.JsonFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Prove how many minima vertices of degree 4, 5 and the cross have, with random springs."""
+    from benchmarks import count_proved
+
+    out = Output(json=json, markdown=markdown)
+    with progress.progress("proofs") as report:
+        found = count_proved(check_whole("SCENES", scenes, 1), tell=lambda text: report(text=text))
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.write("markdown", found.to_markdown)
+
+
+def design(
+    vertices: Annotated[int, typer.Argument(metavar="VERTICES", help="Vertices of each degree.")],
+    json: o.JsonFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Count how many states springs hold, degree 4 to 8, against CVXPY (where installed) and penalty methods."""
+    from benchmarks import measure_design
+
+    out = Output(json=json, markdown=markdown)
+    with progress.progress("design") as report:
+        found = measure_design(
+            check_whole("VERTICES", vertices, 1), tell=lambda text: report(text=text)
+        )
+    out.say(found)
+    out.write("json", found.to_dict)
+    out.write("markdown", found.to_markdown)
+
+
+def cones(
+    quick: o.Quick = False,
+    samples: o.Samples = 10,
+    seed: o.Seed = 0,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Measure the time of an exact count of a cone's minima against N, beside brute force, each with its error.
+
+    Of each degree so many --samples are drawn: random points (nu_0, r_k).
+    """
+    from benchmarks import MAP_DEGREES, as_markdown, measure
+
+    out = Output(markdown=markdown)
+    with progress.progress("cones") as report:
+        rows = measure(
+            QUICK if quick else DEGREES,
+            check_whole("--samples", samples, 1),
+            seed,
+            maps=(12,) if quick else MAP_DEGREES,
+            progress=lambda degree: report(text=f"degree {degree} done"),
+        )
+    out.page(as_markdown(rows))
+    out.write("markdown", as_markdown, rows)
+
+
+app = Group("Speed against error of this package and of others, measured on this machine.")
+app.add(speed, search, profile, hard, patterns, proved, design, cones)
+
+if __name__ == "__main__":
+    main(app)

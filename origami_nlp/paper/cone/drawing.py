@@ -1,0 +1,147 @@
+"""Drawings of folded cones: all different foldings of a degree, or one branch as it folds."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from origami_nlp.errors import OptionError
+from origami_nlp.files import save_figure
+from origami_nlp.paper.cone.branches import ConeBranch
+from origami_nlp.paper.cone.classes import direction_name
+from origami_nlp.paper.cone.flaps import write_flaps
+from origami_nlp.paper.cone.necklaces import foldings
+from origami_nlp.pattern import format_angle
+from origami_nlp.show import crease_legend, draw_state, drawn_height, label_text
+
+CELL, TITLE, LINE = 2.1, 0.42, 0.17
+"""Width of a drawing, height of its title, and of a line of the note below [in]."""
+MOST_DRAWN = 40
+
+
+def draw_foldings(
+    degree: int, elevation: float, path: str | os.PathLike[str] | None = None
+) -> Figure:
+    """Draw every folding that differs by more than a rotation, at one elevation.
+
+    A branch that ends before the elevation is drawn at its end, and its title says so.
+
+    Parameters
+    ----------
+    degree
+        N, even, at least 6.
+    elevation
+        v, signed [rad].
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A sheet of folded cones.
+
+    Raises
+    ------
+    OptionError
+        If there are more than MOST_DRAWN of them.
+    """
+    if degree > 16 or len(foldings(degree)) > MOST_DRAWN:
+        raise OptionError(
+            f"degree = {degree}: more than {MOST_DRAWN} foldings to draw: give --flaps to draw one"
+        )
+    direction = 1 if elevation >= 0 else -1
+    states = []
+    for f in foldings(degree):
+        branch = ConeBranch(f.flaps, direction)
+        size = min(abs(elevation), branch.end)
+        copies = f"{f.copies} cop{'y' if f.copies == 1 else 'ies'}"
+        title = f"{write_flaps(f.flaps)}, {f.symmetry}\n{copies}"
+        if size < abs(elevation):
+            title += f", ends at {_short(branch.end)}"
+        states.append((branch, direction * size, title))
+    note = f"degree {degree}, elevation {_short(elevation)} ({direction_name(direction)})"
+    return _sheet(states, note, path)
+
+
+def draw_branch(
+    branch: ConeBranch,
+    elevations: Sequence[float],
+    path: str | os.PathLike[str] | None = None,
+) -> Figure:
+    """Draw states of one branch.
+
+    Parameters
+    ----------
+    branch
+        Of `branch`.
+    elevations
+        v of each state, signed [rad].
+    path
+        Where to save, or None.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A sheet of folded cones.
+    """
+    states = [(branch, float(v), f"elevation {_short(v)}") for v in elevations]
+    note = (
+        f"branch {branch!r}, symmetry {branch.symmetry}; ends at "
+        f"{_short(branch.end)}: {branch.end_text}"
+    )
+    return _sheet(states, note, path)
+
+
+def _short(angle: float) -> str:
+    text = format_angle(angle)
+    return label_text(text) if len(text) <= 9 else f"{angle:.4f}".replace("-", "−")
+
+
+def _sheet(
+    states: Sequence[tuple[ConeBranch, float, str]],
+    note: str,
+    path: str | os.PathLike[str] | None,
+) -> Figure:
+    """Draw states in rows below each other, with what the colours mean."""
+    # of three or four columns those that fill the last row better
+    columns = min(len(states), max((4, 3), key=lambda c: -(-len(states) % c)))
+    angles = [np.asarray(branch.fold_angles(elevation)) for branch, elevation, _ in states]
+    shares = [
+        CELL * drawn_height(branch.vertex, phi)
+        for (branch, _, _), phi in zip(states, angles, strict=True)
+    ]
+    heights = [max(shares[k : k + columns]) + TITLE + 0.1 for k in range(0, len(states), columns)]
+    width = max(columns, 2) * CELL + 0.2
+    words = textwrap.wrap(note, int(width * 14.5))
+    handles = crease_legend()
+    keys = 1 if width > 5 else 2
+    below = 0.22 * keys + LINE * len(words) + 0.2
+    height = 0.1 + sum(heights) + below
+    figure = Figure(figsize=(width, height), dpi=110)
+    left = (width - columns * CELL) / 2
+    for k, (branch, _, title) in enumerate(states):
+        row, column = divmod(k, columns)
+        top = height - 0.1 - sum(heights[:row]) - TITLE
+        box = ((left + column * CELL) / width, (top - shares[k]) / height)
+        axes = figure.add_axes((*box, CELL / width, shares[k] / height))
+        size = 8.0 if branch.degree <= 12 else 6.5
+        draw_state(axes, branch.vertex, angles[k], size=size, crop=True)
+        at = (left + (column + 0.5) * CELL) / width
+        figure.text(at, (top + 0.08) / height, title, fontsize=9, ha="center", linespacing=1.25)
+    for number, line in enumerate(words):
+        figure.text(0.1 / width, (below - 0.2 - LINE * number) / height, line, fontsize=9)
+    figure.legend(
+        handles=handles,
+        loc="lower left",
+        ncols=4 // keys,
+        fontsize=9,
+        frameon=False,
+        borderaxespad=0.2,
+    )
+    if path is not None:
+        save_figure(figure, path)
+    return figure

@@ -1,0 +1,132 @@
+"""Flaps of a cone: assignments of valleys and mountains, read and written.
+
+A cone is a uniform vertex of even degree N; its n = N/2 flaps (two facets that share an even
+crease) are valleys (+1, V: partial fold angle rho_v >= 0) or mountains (-1, M).  Paper sections 4
+and 5.  A *branch* is an assignment and a sign of the elevation: 2^(n+1) branches leave the flat
+state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from numbers import Real
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import OptionError
+from origami_nlp.paper.cone.rules import LARGEST_DEGREE, check_degree
+
+Flaps = tuple[int, ...]
+"""One entry a flap, +1 valley or -1 mountain."""
+MEANING = "write +1 (valley) or -1 (mountain), one a flap"
+
+
+def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
+    """Read an assignment of the flaps.
+
+    Parameters
+    ----------
+    text
+        Letters V and M such as "VVM" (runs may be written V2M), or +1 (valley) and -1 (mountain), one a flap.
+    degree
+        N, if it is known: N/2 flaps are wanted.
+
+    Returns
+    -------
+    tuple of int
+        +1 or -1, one a flap.
+
+    Raises
+    ------
+    OptionError
+        If it is not an assignment, or not one of `degree`.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.parse_flaps("V2M")
+    (1, 1, -1)
+    """
+    if isinstance(text, str):
+        flaps: list[int] = []
+        number = ""
+        for letter in [*text.strip().upper().replace("_", ""), " "]:
+            if letter.isdigit() and letter.isascii() and flaps and len(number) < 5:
+                number += letter
+                continue
+            if number:
+                if int(number) < 1 or int(number) > LARGEST_DEGREE:
+                    raise OptionError(f"flaps = {text!r}: a run of {number} flaps")
+                flaps += [flaps[-1]] * (int(number) - 1)
+                number = ""
+            if letter in "VM":
+                flaps.append(1 if letter == "V" else -1)
+            elif letter != " ":
+                raise OptionError(f'flaps = {text!r}: write V and M, one a flap, such as "VVM"')
+    else:
+        values = text.tolist() if isinstance(text, np.ndarray) else text
+        if not isinstance(values, Sequence) or not all(
+            isinstance(f, Real) and f in (1, -1) for f in values
+        ):
+            raise OptionError(f"flaps = {shown(text)}: {MEANING}")
+        flaps = [int(f) for f in values]
+    if degree is not None and len(flaps) != degree // 2:
+        raise OptionError(
+            f"flaps = {write_flaps(flaps)!r} has {len(flaps)} flaps, a cone of degree {degree} "
+            f"has {degree // 2}"
+        )
+    check_degree(2 * len(flaps))
+    return tuple(flaps)
+
+
+def write_flaps(flaps: Sequence[int]) -> str:
+    """Write an assignment as letters V and M.
+
+    Parameters
+    ----------
+    flaps
+        +1 (valley) or -1 (mountain), one a flap.
+
+    Returns
+    -------
+    str
+        A letter a flap.
+
+    Raises
+    ------
+    OptionError
+        Unless `flaps` are +1 and -1.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.write_flaps((1, 1, -1))
+    'VVM'
+    """
+    if not isinstance(flaps, Sequence) or isinstance(flaps, str) or not {*flaps} <= {1, -1}:
+        raise OptionError(f"flaps = {shown(flaps)}: {MEANING}")
+    return "".join("V" if f > 0 else "M" for f in flaps)
+
+
+def class_of(flaps: Sequence[int]) -> tuple[int, int]:
+    """Count (valley flaps, changes around the ring) of an assignment: its class.
+
+    Parameters
+    ----------
+    flaps
+        +1 (valley) or -1 (mountain), one a flap.
+
+    Returns
+    -------
+    tuple of int
+        Both numbers.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.class_of((1, -1, 1, -1))
+    (2, 4)
+    """
+    changes = sum(flaps[i - 1] != flaps[i] for i in range(len(flaps)))
+    return sum(f > 0 for f in flaps), changes

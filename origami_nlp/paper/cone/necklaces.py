@@ -1,0 +1,171 @@
+"""Symmetries of folded cones, and how many foldings are different.
+
+Different foldings are counted up to rotation about the axis (necklaces) or up to rotation and
+reflection in planes through the axis (bracelets), at a given sign of the elevation and without
+swapping valleys and mountains.  Turning the sheet over swaps V with M and reverses the elevation:
+it pairs (word, up) with (swapped and reversed word, down), so over both signs and up to turning over
+the numbers are the same.  The paper speaks of rigid rotations (necklaces), prints the formula of
+bracelets, and tabulates necklaces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import gcd
+
+from origami_nlp.paper.cone.flaps import Flaps
+from origami_nlp.paper.cone.rules import check_degree
+
+LARGEST_LISTED = 32
+"""Largest degree whose different foldings are listed one by one (4,116 necklaces)."""
+
+
+def symmetry_of(flaps: Sequence[int]) -> str:
+    """Name the symmetry of the folded cone at any elevation but 0: "D3", "C2", "C1" ...
+
+    Rotations about the axis that keep the assignment make C_m; with a reflection in a plane through
+    the axis (through even or odd creases) it is D_m.  Nothing else can keep a folded cone: what turns
+    it over reverses the elevation, and odd creases are never alike even ones.
+    """
+    word = tuple(flaps)
+    turns = sum(word[k:] + word[:k] == word for k in range(len(word)))
+    back = word[::-1]
+    mirrored = any(back[k:] + back[:k] == word for k in range(len(word)))
+    return f"{'D' if mirrored else 'C'}{turns}"
+
+
+@dataclass(frozen=True)
+class Folding:
+    """One assignment of those that differ by rotation (or by rotation and reflection).
+
+    Attributes
+    ----------
+    flaps
+        The representative, alphabetically last (valleys first).
+    symmetry
+        Of the folded cone, "D2" ...
+    copies
+        Number of assignments it stands for.
+    chiral
+        Whether its mirror image is a different necklace.
+    """
+
+    flaps: Flaps
+    symmetry: str
+    copies: int
+    chiral: bool
+
+
+def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
+    """List the different foldings of a cone, valleys first.
+
+    Parameters
+    ----------
+    degree
+        N, even, 6 to `LARGEST_LISTED`.
+    mirrors_differ
+        Whether a folding and its mirror image are two: true, assignments up to rotation are listed (necklaces);
+        false, up to rotation and reflection (bracelets).
+
+    Returns
+    -------
+    list of Folding
+        One of each, with its symmetry and the number of assignments it stands for.
+
+    Raises
+    ------
+    OptionError
+        For another degree.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> [(cone.write_flaps(f.flaps), f.symmetry, f.copies) for f in cone.foldings(6)]
+    [('VVV', 'D3', 1), ('VVM', 'D1', 3), ('VMM', 'D1', 3), ('MMM', 'D3', 1)]
+    >>> len(cone.foldings(12)), len(cone.foldings(12, mirrors_differ=False))
+    (14, 13)
+    """
+    n = check_degree(degree, LARGEST_LISTED) // 2
+    found = []
+    for word in _necklace_words(n):
+        flaps = tuple(1 - 2 * letter for letter in word)
+        symmetry = symmetry_of(flaps)
+        copies, chiral = n // int(symmetry[1:]), symmetry[0] == "C"
+        if not mirrors_differ:
+            if flaps < _standard(flaps[::-1]):
+                continue
+            copies *= 2 if chiral else 1
+        found.append(Folding(flaps, symmetry, copies, chiral))
+    return found
+
+
+def _standard(flaps: Flaps) -> Flaps:
+    """Rotate an assignment to its alphabetically last form."""
+    return max(flaps[k:] + flaps[:k] for k in range(len(flaps)))
+
+
+def _necklace_words(n: int) -> Iterator[tuple[int, ...]]:
+    """Words of 0 and 1, smallest of their rotations, in alphabetical order.
+
+    Fredricksen, Kessler, Maiorana: the prenecklaces in order; a prenecklace of period p that divides n
+    is a necklace.
+    """
+    word = [0] * n
+    yield tuple(word)
+    while True:
+        last = n - 1
+        while last >= 0 and word[last] == 1:
+            last -= 1
+        if last < 0:
+            return
+        word[last] = 1
+        period = last + 1
+        for k in range(period, n):
+            word[k] = word[k - period]
+        if n % period == 0:
+            yield tuple(word)
+
+
+def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
+    """Count the different foldings of a cone exactly, for any degree.
+
+    Up to rotation there are (1/n) sum over d | n of psi(d) 2^(n/d).  The n reflections keep 2^((n+1)/2) words each
+    for odd n; for even n half of them 2^(n/2) and half of them 2^(n/2 + 1) (Burnside; the paper's formula).
+
+    Parameters
+    ----------
+    degree
+        N, even, at least 6.
+    mirrors_differ
+        See `foldings`.
+
+    Returns
+    -------
+    int
+        Exact, however large.
+
+    Raises
+    ------
+    OptionError
+        For another degree.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.number_of_foldings(30), cone.number_of_foldings(30, mirrors_differ=False)
+    (2192, 1224)
+    """
+    n = check_degree(degree) // 2
+    turned = sum(_totient(d) << (n // d) for d in range(1, n + 1) if n % d == 0) // n
+    if mirrors_differ:
+        return turned
+    if n % 2:
+        kept = n << ((n + 1) // 2)
+    else:
+        kept = (n // 2) * ((1 << (n // 2)) + (1 << (n // 2 + 1)))
+    return (n * turned + kept) // (2 * n)
+
+
+def _totient(d: int) -> int:
+    return sum(gcd(k, d) == 1 for k in range(1, d + 1))

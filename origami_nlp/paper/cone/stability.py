@@ -1,0 +1,200 @@
+"""Are the minima of cone branches stable when the vertex may leave the branch?
+
+A branch is one curve in the space of all closed states.  Every minimum on it is taken, as a state of the
+vertex without symmetry and with full contact, to `minima.judge_in_full_space`: closure, contact, multipliers,
+Hessian on the tangent space, and for unstable states a descent of admissible states.  Branches of one class have equal
+energies but different neighbourhoods, so every arrangement that no rotation or reflection makes equal is judged.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.arguments import check_callback
+from origami_nlp.minima import FullSpace, judge_in_full_space
+from origami_nlp.numerics import RANK, null_space
+from origami_nlp.paper.cone.branches import ConeBranch
+from origami_nlp.paper.cone.flaps import class_of
+from origami_nlp.paper.cone.minima import ConeCount, count
+from origami_nlp.paper.cone.necklaces import Folding, foldings
+from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.programme import Model
+
+LARGEST_DEGREE = 16
+"""The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""
+Progress = Callable[[int, int], None]
+"""Called as progress(states judged, all)."""
+
+
+@dataclass(frozen=True)
+class JudgedMinimum:
+    """One minimum of a branch, judged in the full contact-admissible space.
+
+    Attributes
+    ----------
+    branch
+        Where it is.
+    copies
+        Number of branches that rotations and reflections make of it.
+    kind
+        "interior", "contact" (at the end of the branch) or "cut" (see `ConeMinima`).
+    elevation
+        |v| [rad].
+    energy
+        Per k_odd.
+    depth
+        (U_flat - U)/U_flat.
+    fold_angles
+        All N [rad].
+    residual
+        Norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an equilibrium; at regular
+        interior states a positive value proves that the state is none.
+    full_space
+        The verdict, with certificate and descent.
+    """
+
+    branch: ConeBranch
+    copies: int
+    kind: str
+    elevation: float
+    energy: float
+    depth: float
+    fold_angles: tuple[float, ...] = field(repr=False)
+    residual: float
+    full_space: FullSpace = field(repr=False)
+
+    @property
+    def verdict(self) -> str:
+        """``stable``, ``unstable`` or ``undecided``."""
+        return self.full_space.verdict
+
+
+@dataclass(frozen=True)
+class ConeFullSpace:
+    """All branch minima of a cone in the full space.
+
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    ratio
+        k_even/k_odd.
+    rest
+        Rest angles.
+    states
+        One for each arrangement, direction and minimum.
+    """
+
+    cone: Cone
+    ratio: float
+    rest: Rest
+    states: tuple[JudgedMinimum, ...] = field(repr=False)
+
+    def count(self, verdict: str | None = None, kind: str | None = None) -> int:
+        """Count branch minima over all branches (copies included), of one verdict and kind."""
+        return sum(
+            s.copies for s in self.states if verdict in (None, s.verdict) and kind in (None, s.kind)
+        )
+
+
+def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:
+    """Make the cone as a scene: k_odd = 1, k_even = r, full contact, no imposed symmetry."""
+    flaps = degree // 2
+    return Scene(
+        Vertex((2 * math.pi / degree,) * degree),
+        (1.0, ratio) * flaps,
+        (rest.odd, rest.even) * flaps,
+        "none",
+        "full",
+        name=f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
+    )
+
+
+def full_space(
+    cone: Cone | int, ratio: float, elevation: float, *, progress: Progress | None = None
+) -> ConeFullSpace:
+    """Judge every branch minimum of a cone in the full contact-admissible space.
+
+    Parameters
+    ----------
+    cone
+        A `Cone`, or its degree: even, 6 to 16.
+    ratio
+        r_k = k_even/k_odd.
+    elevation
+        nu_0 of the rest state, signed [rad]; see `Cone.at_rest`.
+    progress
+        Called after each state.
+
+    Returns
+    -------
+    ConeFullSpace
+        Every minimum with its verdict, certificate and descent.
+
+    Raises
+    ------
+    OptionError, AngleError
+        For values out of range.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> judged = cone.full_space(6, ratio=1.0, elevation=0.5)
+    >>> judged.count(), judged.count("stable"), judged.count("undecided")
+    (8, 2, 0)
+    """
+    cone = Cone.of(cone, LARGEST_DEGREE)
+    ratio = check_ratio(ratio)
+    check_callback("progress", progress)
+    rest = cone.at_rest(elevation)
+    scene = cone_scene(cone.degree, ratio, rest)
+    model = Model(scene)
+    jobs = _jobs(count(cone, ratio, elevation))
+    flat = scene.energy(np.zeros(cone.degree))
+    states = []
+    for done, (folding, direction, kind, v) in enumerate(jobs, start=1):
+        own = ConeBranch(folding.flaps, direction, cone.end)
+        x = own.fold_angles(direction * v)
+        energy = float(scene.energy(x))
+        states.append(
+            JudgedMinimum(
+                own,
+                folding.copies,
+                kind,
+                v,
+                energy,
+                float((flat - energy) / flat) if flat > 0 else math.nan,
+                tuple(x.tolist()),
+                tangent_slope(model, x),
+                judge_in_full_space(scene, x),
+            )
+        )
+        if progress:
+            progress(done, len(jobs))
+    return ConeFullSpace(cone, ratio, rest, tuple(states))
+
+
+def _jobs(found: ConeCount) -> list[tuple[Folding, int, str, float]]:
+    """List (arrangement, direction, kind, |v|) of every minimum, for each arrangement that differs."""
+    m = found.minima
+    jobs = []
+    for folding in foldings(found.degree, mirrors_differ=False):
+        for direction in (1, -1):
+            own = m.of_class(*class_of(folding.flaps), direction)
+            pairs = zip(m.kind[own].tolist(), np.abs(m.elevation[own]).tolist(), strict=True)
+            jobs += [(folding, direction, kind, v) for kind, v in pairs]
+    return jobs
+
+
+def tangent_slope(model: Model, x: np.ndarray) -> float:
+    """Norm of the gradient of the energy along closed states [scene's units]; nan where closure is singular."""
+    local = model.local(x)
+    jacobian = local.closure_jacobian
+    if (np.linalg.svd(jacobian, compute_uv=False) <= RANK).any():
+        return math.nan
+    return float(np.linalg.norm(null_space(jacobian).T @ local.gradient)) * model.scale

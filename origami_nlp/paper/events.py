@@ -1,0 +1,248 @@
+"""Sector angles at which contacts of symmetric states become dependent: where the topology of X can change.
+
+Let the states x and the sector angle alpha of a family of vertices vary together.  The set {(x, alpha)} is cut by
+contact walls into smooth strata, and the topology of its slices X(alpha) changes only where alpha, as a function on a
+stratum, has a critical point (stratified Morse theory).  With closure g = 0 and active walls f_A = 0 such a point is a
+KKT point of "alpha is extreme":
+
+    g = 0,   f_A = 0,   (g_x; f_x)' lambda = 0,   (g_alpha; f_alpha) . lambda = 1.
+
+The system is square.  It is solved from many random starts for every set A of up to three walls; nothing is told
+about where to look.  Events at which a whole curve is critical (two walls coincide) are found as points of that curve.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.folding import crossing_depth, examine, fold_vertex
+from origami_nlp.numerics import DEPENDENT, RESOLVED, quaternion as quat
+from origami_nlp.pattern import Scene
+from origami_nlp.space import Chain, chain_of
+
+STARTS = 12
+"""Random starts for each set of walls."""
+MOST_WALLS = 3
+SOLVED = DEPENDENT
+"""Residual of an event: where its walls depend on each other nothing smaller is reached."""
+SEEN = 1e-6
+"""An event is a double zero of its walls: its state, and what touches there, are known to the square root of 1e-12."""
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A contact as one equation: fold angle `variable` at side * pi, or (variable -1) creases that meet."""
+
+    variable: int
+    side: int
+    name: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """A sector angle at which the active walls become dependent.
+
+    alpha: sector angle, polished to rounding [rad].  walls: active walls.  fold_angles: a state of it, all N.
+    multipliers: lambda of closure, then walls.  residual: of the polished equations (closure and walls).
+    curve: whether the state is one of a whole curve of such states.
+    admissible: whether the state is, contact and symmetric layers included.
+    """
+
+    alpha: float
+    walls: tuple[str, ...]
+    fold_angles: tuple[float, ...]
+    multipliers: tuple[float, ...]
+    residual: float
+    curve: bool
+    admissible: bool
+
+
+def walls_of(chain: Chain) -> list[Wall]:
+    """Every wall of a chain, each side of a fold limit by itself."""
+    creases = [ray.crease for ray in chain.scene.group.rays]
+    walls = []
+    for v, crease in enumerate(creases):
+        assert crease is not None
+        walls += [Wall(v, s, f"phi_{crease + 1} = {'+' if s > 0 else '-'}pi") for s in (-1, 1)]
+    last = len(creases)
+    if chain.kind == "degree6":
+        return [*walls, Wall(-1, last - 1, chain.walls[-1])]
+    return [*walls, Wall(-1, 0, chain.walls[0]), Wall(-1, last - 1, chain.walls[-1])]
+
+
+def find_events(
+    make: Callable[[float], Scene],
+    low: float,
+    high: float,
+    seed: int = 0,
+    starts: int = STARTS,
+) -> list[Event]:
+    """Find sector angles in [low, high] at which walls become dependent at a state that does not cross itself.
+
+    Parameters
+    ----------
+    make
+        Scene at a sector angle; the sector angles must be affine functions of it.
+    seed
+        Of the random starts.
+
+    Returns
+    -------
+    events
+        One for each sector angle and set of active walls, sorted by sector angle.
+    """
+    from scipy.optimize import root
+
+    rng = np.random.default_rng(seed)
+    middle = 0.5 * (low + high)
+    chain = chain_of(make(middle))
+    walls = walls_of(chain)
+    k = chain.size
+    found: dict[tuple[int, tuple[str, ...]], Event] = {}
+    for count in range(1, MOST_WALLS + 1):
+        for chosen in itertools.combinations(range(len(walls)), count):
+            variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
+            if len(set(variables)) < len(variables):
+                continue
+            system = System(make, middle, chain, [walls[i] for i in chosen])
+            for _ in range(starts):
+                z = np.concatenate([rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]])
+                for i in chosen:
+                    if walls[i].variable >= 0:
+                        z[walls[i].variable] = walls[i].side * math.pi
+                z = np.concatenate([z, system.first_multipliers(z)])
+                answer = root(
+                    system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
+                )
+                if np.abs(answer.fun).max() > 1e-7 or np.abs(answer.x).max() > 1e6:
+                    continue
+                event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
+                if event is None:
+                    continue
+                key = (round(event.alpha / RESOLVED), event.walls)
+                if key not in found or (event.admissible and not found[key].admissible):
+                    found[key] = event
+    return sorted(found.values(), key=lambda e: (e.alpha, e.walls))
+
+
+class System:
+    """The KKT system of one set of walls, compiled."""
+
+    def __init__(
+        self, make: Callable[[float], Scene], middle: float, chain: Chain, walls: list[Wall]
+    ) -> None:
+        import casadi as ca
+
+        k = chain.size
+        x, alpha = ca.SX.sym("x", k), ca.SX.sym("alpha")
+        equations = _equations(make, middle, chain, walls, x, alpha)
+        self.count = equations.numel()
+        lam = ca.SX.sym("lam", self.count)
+        jx, ja = ca.jacobian(equations, x), ca.jacobian(equations, alpha)
+        f = ca.vertcat(equations, jx.T @ lam, ca.dot(ja, lam) - 1)
+        z = ca.vertcat(x, alpha, lam)
+        self._residual = ca.Function("f", [z], [f])
+        self._jacobian = ca.Function("j", [z], [ca.jacobian(f, z)])
+        self._gradients = ca.Function("g", [x, alpha], [equations, ca.horzcat(jx, ja)])
+        self.k = k
+
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """Evaluate the KKT system at z = (x, alpha, lambda)."""
+        return np.asarray(self._residual(z)).ravel()
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """Evaluate its Jacobian."""
+        return np.asarray(self._jacobian(z))
+
+    def gradients(self, x: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
+        """Equations and their derivatives in (x, alpha)."""
+        value, jac = self._gradients(x, alpha)
+        return np.asarray(value).ravel(), np.asarray(jac)
+
+    def first_multipliers(self, z: np.ndarray) -> np.ndarray:
+        """Return the multipliers that fit best at the x and alpha of z."""
+        _, jac = self.gradients(z[: self.k], z[self.k])
+        target = np.concatenate([np.zeros(self.k), [1.0]])
+        return np.linalg.lstsq(jac.T, target, rcond=1e-8)[0]
+
+
+def _equations(
+    make: Callable[[float], Scene],
+    middle: float,
+    chain: Chain,
+    walls: list[Wall],
+    x: Any,
+    alpha: Any,
+) -> Any:
+    """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
+    import casadi as ca
+
+    from origami_nlp.programme import fold_piece
+
+    one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
+    slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
+    start = one - slope * middle
+    sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
+    group = chain.scene.group
+    piece = fold_piece(group.kind, group.order, (True,) * chain.size, x, sectors)
+    rows: list[Any] = [piece.equations]
+    for wall in walls:
+        if wall.variable >= 0:
+            rows.append(x[wall.variable] - wall.side * math.pi)
+        elif chain.kind == "degree6":
+            rows.append(piece.rays[-1][2])  # crease 4 on the line of crease 1
+        elif wall.side == 0:
+            assert piece.end_normal is not None
+            rows.append(quat.dot(piece.rays[0], piece.end_normal))
+        else:
+            rows.append(piece.rays[-1][1])
+    return ca.vertcat(*rows)
+
+
+def _polished(
+    make: Callable[[float], Scene],
+    walls: list[Wall],
+    system: System,
+    z: np.ndarray,
+    low: float,
+    high: float,
+) -> Event | None:
+    """Newton steps to rounding, and the state looked at; None where there is no such state.
+
+    Where a whole curve is critical the Jacobian is singular: steps of least length stay on the curve's nearest point.
+    """
+    for _ in range(30):
+        f = system.residual(z)
+        if np.abs(f).max() <= 1e-15:
+            break
+        z = z - np.linalg.lstsq(system.jacobian(z), f, rcond=1e-6)[0]
+    residual = float(np.abs(system.residual(z)).max())
+    x, alpha = z[: system.k], float(z[system.k])
+    if residual > SOLVED or not np.abs(x).max() <= math.pi + RESOLVED or not low <= alpha <= high:
+        return None
+    scene = make(alpha)
+    phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
+    creases, q = fold_vertex(scene.vertex, phi)
+    if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SEEN:
+        return None
+    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SEEN
+    elements = scene.group.elements
+    good = examine(scene.vertex, phi, tolerance=SEEN, elements=elements).admissible
+    names = tuple(wall.name for wall in walls)
+    lam = tuple(z[system.k + 1 :].tolist())
+    return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)
+
+
+def _deepest(creases: np.ndarray) -> float:
+    """Depth of the deepest crossing of two non-adjacent facets."""
+    n = len(creases)
+    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
+    i, j = np.triu_indices(n, 2)
+    apart = ~((i == 0) & (j == n - 1))
+    return float(crossing_depth(arcs[i[apart]], arcs[j[apart]]).max())

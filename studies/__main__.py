@@ -1,0 +1,146 @@
+"""Studies of the source paper: `python -m studies COMMAND`, from a checkout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from origami_nlp.cli import Group, Output, Source, main, options as o, progress, search, takes_scene
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import parse_angle
+from studies import FIGURES
+
+
+def reproduce(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="FIGURE",
+            autocompletion=lambda: list(FIGURES),
+            help=f"One of {', '.join(FIGURES)}.",
+        ),
+    ],
+    figure: o.FigureFile = None,
+    out: Annotated[Path | None, o.OutFolder] = None,
+    seed: o.Seed = 0,
+) -> None:
+    """Draw a figure of the paper anew, from exact states and boundaries.
+
+    FIGURE.png and FIGURE.pdf go to the folder --out, without --figure to the one you are in.
+    """
+    from origami_nlp.files import make_folder, save_figure
+
+    if name not in FIGURES:
+        raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")
+    targets = [] if figure is None else [figure]
+    if out is not None or figure is None:
+        folder = make_folder(out or Path("."), "--out")
+        targets += [folder / f"{name}.{ending}" for ending in ("png", "pdf")]
+    output = Output(*(("--figure" if t is figure else "--out", t) for t in targets))
+    with progress.progress(name) as report:
+        drawn = FIGURES[name](name, seed, report)
+    drawn.tell(output.console)
+    for target in targets:
+        # what is an image in a vector file is smooth: the figure's own dots are enough
+        save_figure(drawn.figure, target, "figure" if str(target).endswith(".pdf") else 200)
+    output.written(*targets)
+
+
+def audit(
+    file: o.Candidates,
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
+    from studies import (
+        as_markdown,
+        audit_candidates,
+        audit_to_dict,
+        read_candidates,
+        summary_table,
+    )
+
+    out = Output(json=json, markdown=markdown)
+    candidates = read_candidates(file)
+    with progress.progress("audit", len(candidates)) as report:
+        panels = audit_candidates(candidates, seed=seed, progress=report)
+    out.say(summary_table(panels))
+    out.write("json", audit_to_dict, panels)
+    out.write("markdown", as_markdown, panels)
+
+
+@takes_scene(o.SceneFile)
+def grid(
+    scene: Source,
+    size: o.Size = 65,
+    seed: o.Seed = 0,
+) -> None:
+    """List the grid-local minima of SCENE's landscape and follow each downhill to an exact minimum."""
+    from origami_nlp.chart import landscape
+    from studies import follow_grid_minima, grid_minima_table
+
+    stated = scene.read()
+    if not 9 <= size <= 4097:
+        raise OptionError(f"--size = {size} must lie between 9 and 4097")
+    chart = landscape(stated, 9)
+    if chart.kind != "area":
+        why = chart.reason or "it has one symmetric freedom only"
+        raise OptionError(f"scene has no two-dimensional chart: {why}")
+    out = Output()
+    result = search.search(stated, scene.name, seed=seed)
+    out.say(result.table())
+    out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
+
+
+def fractions(
+    size: o.Size = 40,
+    markdown: o.MarkdownFile = None,
+    json: o.JsonFile = None,
+) -> None:
+    """Go through every number of stable states printed in section 5, under nine readings."""
+    from origami_nlp.paper.cone import check_size
+    from origami_nlp.show import folding_table, rows_markdown
+    from studies import (
+        STATEMENTS,
+        check_statements,
+        findings_to_dict,
+        section5_table as table,
+    )
+
+    check_size(size)
+    out = Output(markdown=markdown, json=json)
+    with progress.progress("printed numbers", len(STATEMENTS)) as report:
+        findings = check_statements(size, progress=report)
+    title = "numbers printed in section 5; what occurs there (share of the printed one)"
+    short = [table.short_row(f) for f in findings]
+    out.say(folding_table(table.SHORT_HEADS, short, title, (1, 3)))
+    rows = [table.finding_row(f) for f in findings]
+    out.write("markdown", rows_markdown, table.FINDING_HEADS, rows)
+    out.write("json", findings_to_dict, findings)
+
+
+def limits(
+    elevation: o.Elevation = "0.6",
+    ratio: o.Ratio = 1.0,
+    json: o.JsonFile = None,
+) -> None:
+    """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
+    from origami_nlp.show import folding_table
+    from studies import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
+
+    out = Output(json=json)
+    found = measure(parse_angle(elevation, "--elevation"), ratio)
+    out.say(folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p"))
+    out.write("json", limits_to_dict, found)
+
+
+app = Group(
+    "What only readers of the source paper need: its figures, candidates, grids and numbers."
+)
+app.add(reproduce, audit, grid, fractions, limits)
+
+if __name__ == "__main__":
+    main(app)

@@ -1,0 +1,150 @@
+"""Branch minima in the full space: every verdict against a formulation that shares no code with it."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp.cli import app
+from origami_nlp.errors import OrigamiError
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.minima import find_minima
+from origami_nlp.paper import cone
+from origami_nlp.paper.cone.stability import cone_scene, tangent_slope
+from origami_nlp.programme import Model
+
+POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
+
+
+@pytest.fixture(scope="module", params=POINTS, ids=str)
+def judged(request):
+    return cone.full_space(*request.param)
+
+
+def slope_by_differences(scene, x):
+    """Gradient of the energy along closed states, with closure differentiated numerically."""
+    h = 1e-6
+    jacobian = np.stack(
+        [
+            (fold_vertex(scene.vertex, x + h * e)[1] - fold_vertex(scene.vertex, x - h * e)[1])[1:]
+            / (2 * h)
+            for e in np.eye(len(x))
+        ],
+        axis=1,
+    )
+    gradient = np.array(scene.stiffness) * (x - np.array(scene.rest_angles))
+    fit = np.linalg.lstsq(jacobian.T, gradient, rcond=None)[0]
+    return float(np.linalg.norm(gradient - jacobian.T @ fit)), jacobian
+
+
+def test_every_minimum_of_every_arrangement_is_there(judged):
+    count = cone.count(judged.cone.degree, judged.ratio, judged.rest.elevation)
+    total = count.stable_interior + count.stable_contact + count.falling_at_cut
+    assert judged.count() == total
+    assert judged.count(kind="interior") == count.stable_interior
+    assert judged.count(kind="cut") == count.falling_at_cut
+    stable, unstable, undecided = (judged.count(v) for v in ("stable", "unstable", "undecided"))
+    assert stable + unstable + undecided == judged.count()
+    seen = {(s.branch.flaps, s.branch.direction) for s in judged.states}
+    m = count.minima
+    for k in range(len(m)):
+        of_class = [
+            f.flaps
+            for f in cone.foldings(judged.cone.degree, mirrors_differ=False)
+            if cone.class_of(f.flaps) == (m.valleys[k], m.changes[k])
+        ]
+        assert all((flaps, int(m.direction[k])) in seen for flaps in of_class)
+
+
+def test_interior_verdicts_follow_from_slope_and_second_differences(judged):
+    """At a regular interior state: a slope off the branch decides, else the energy along closed arcs."""
+    scene = cone_scene(judged.cone.degree, judged.ratio, judged.rest)
+    rng = np.random.default_rng(0)
+    for state in (s for s in judged.states if s.kind == "interior"):
+        x = np.array(state.fold_angles)
+        slope, jacobian = slope_by_differences(scene, x)
+        assert slope == pytest.approx(state.residual, abs=1e-7)
+        if slope > 1e-6:
+            assert state.verdict == "unstable", state.branch
+            continue
+        null = np.linalg.svd(jacobian)[2][3:]
+        rises = []
+        for _ in range(200):
+            y = x + 1e-3 * (d := rng.normal(size=len(null)) @ null) / np.linalg.norm(d)
+            for _ in range(6):  # back onto closure
+                q = fold_vertex(scene.vertex, y)[1][1:]
+                y = y - np.linalg.pinv(jacobian) @ q
+            assert np.abs(fold_vertex(scene.vertex, y)[1][1:]).max() < 1e-13
+            rises.append(scene.energy(y) - scene.energy(x))
+        assert (min(rises) > 0) == (state.verdict == "stable")
+
+
+def test_descents_close_are_admissible_and_fall(judged):
+    scene = cone_scene(judged.cone.degree, judged.ratio, judged.rest)
+    for state in (s for s in judged.states if s.verdict == "unstable"):
+        path = np.array([a for a, _ in state.full_space.descent])
+        energies = scene.energy(path)
+        assert np.abs(path[0] - state.fold_angles).max() < 1e-8
+        assert (np.diff(energies) < 0).all()
+        for angles in path[:: max(1, len(path) // 8)]:
+            told = examine(scene.vertex, angles)
+            assert told.admissible and told.closure_residual < 1e-11, told.reason
+
+
+@pytest.mark.slow
+def test_a_search_without_branches_finds_the_stable_ones_and_no_other():
+    judged = cone.full_space(6, 1.0, 0.5)
+    scene = cone_scene(6, 1.0, judged.rest)
+    found = [np.array(m.fold_angles) for m in find_minima(scene, max_starts=60, prove=False).minima]
+    for state in judged.states:
+        near = min(np.abs(np.array(state.fold_angles) - x).max() for x in found)
+        assert (near < 1e-6) == (state.verdict == "stable"), state.branch
+
+
+def test_arrangements_of_one_class_have_one_energy_but_their_own_slope():
+    """(V4M2, 4 changes) of degree 12: VVVMVM and VVMVVM are not equal by rotation or reflection."""
+    count = cone.count(12, 1.0, 0.5)
+    m = count.minima
+    row = np.flatnonzero((m.valleys == 4) & (m.changes == 4) & (m.direction == 1)).item()
+    scene = cone_scene(12, 1.0, count.rest)
+    words = [
+        f.flaps for f in cone.foldings(12, mirrors_differ=False) if cone.class_of(f.flaps) == (4, 4)
+    ]
+    assert len(words) == 2
+    states = [cone.ConeBranch(w, 1).fold_angles(m.elevation[row]) for w in words]
+    assert scene.energy(states[0]) == pytest.approx(scene.energy(states[1]), rel=1e-13)
+    slopes = [tangent_slope(Model(scene), x) for x in states]
+    assert abs(slopes[0] - slopes[1]) > 1e-4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degree, many", [(6, 40), (8, 25), (10, 5), (12, 3)])
+def test_only_equilibria_are_stable_at_random_parameters(degree, many):
+    """Every stable interior state balances; every verdict is decided; random (r, nu_0)."""
+    rng = np.random.default_rng(degree)
+    for _ in range(many):
+        nu = rng.uniform(-np.pi / 2 + 2 * np.pi / degree, np.pi / 2)
+        judged = cone.full_space(degree, float(10 ** rng.uniform(-2.5, 2.5)), float(nu))
+        for state in judged.states:
+            assert state.verdict != "undecided", state
+            if state.kind == "interior":
+                assert (state.residual < 1e-9) == (state.verdict == "stable"), state
+
+
+def test_command_reports_verdicts(tmp_path):
+    out = tmp_path / "full.json"
+    options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "--json", str(out)]
+    result = CliRunner().invoke(app, ["paper", "cone", "full", *options])
+    assert result.exit_code == 0, result.output
+    told = json.loads(out.read_text())
+    assert told["branch_minima"] == told["stable"] + told["unstable"] + told["undecided"]
+    assert all(s["certificate"] for s in told["states"])
+
+
+@pytest.mark.parametrize(
+    "degree, ratio, nu", [(18, 1.0, 0.3), (7, 1.0, 0.3), (6, -1.0, 0.3), (6, 1.0, -0.7)]
+)
+def test_bad_input_is_named(degree, ratio, nu):
+    with pytest.raises(OrigamiError, match=r"degree|ratio|elevation"):
+        cone.full_space(degree, ratio, nu)

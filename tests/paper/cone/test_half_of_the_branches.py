@@ -1,0 +1,190 @@
+"""How many branches of a cone hold a minimum: half, where and under which rule; every exception by brute force."""
+
+import math
+from itertools import pairwise, product
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from origami_nlp.folding import examine
+from origami_nlp.paper import cone
+from tests.independent import cone_branches as brute
+
+
+def tied_ratio(degree, valleys, rest_elevation):
+    """r on the curve U'(0+) = 0 of the class (valleys, up) and of its complement (down), 50 digits."""
+    n, a = degree // 2, valleys
+    k = mp.tan(mp.pi / 4 - mp.pi / degree)
+    odd = 4 * mp.atan(k * mp.tan(mp.mpf(rest_elevation) / 2))
+    return odd / rest_elevation * ((n - a) / k - a * k) / (2 * (2 * a - n))
+
+
+def minima_by_digits(degree, ratio, rest_elevation, nodes=120):
+    """Minima off the flat state of every branch, from 50-digit slopes crease by crease; rest_elevation > 0."""
+    k = mp.tan(mp.pi / 4 - mp.pi / degree)
+    n, nu = degree // 2, mp.mpf(rest_elevation)
+    rest = 4 * mp.atan(k * mp.tan(nu / 2)), -2 * nu
+    found = []
+    for direction, flaps in product((1, -1), product((1, -1), repeat=n)):
+        share = [k if f == direction else 1 / k for f in flaps]
+        end = mp.pi / 2 if -direction not in flaps else mp.pi / 2 - 2 * mp.pi / degree
+
+        def slope(s, share=share, flaps=flaps):
+            t = mp.tan(s / 2)
+            rho = [2 * f * mp.atan(c * t) for f, c in zip(flaps, share, strict=True)]
+            rate = [
+                f * c * (1 + t * t) / (1 + (c * t) ** 2) for f, c in zip(flaps, share, strict=True)
+            ]
+            odd = sum(
+                (rho[j - 1] + rho[j] - rest[0]) * (rate[j - 1] + rate[j]) for j in range(len(rho))
+            )
+            even = sum((-2 * f * s - rest[1]) * -2 * f for f in flaps)
+            return odd + ratio * even
+
+        signs = []
+        for s in [mp.mpf(0), *(end * mp.mpf(i) / nodes for i in range(1, nodes + 1))]:
+            value = slope(s)
+            signs.append(0 if abs(value) < mp.mpf(10) ** -45 else int(mp.sign(value)))
+        minima = sum(a < 0 <= b for a, b in pairwise(signs))
+        found.append(minima + (signs[-1] < 0))
+    return found
+
+
+@pytest.mark.slow
+def test_off_the_curves_the_count_is_half_and_on_a_curve_it_is_not():
+    """N = 8, nu_0 = 0.5, U'(0+) = 0 of M V_3 up and of M_3 V down: four branches each hold none."""
+    with mp.workdps(50):
+        exact = tied_ratio(8, 3, 0.5)
+        assert float(exact) == pytest.approx(0.24690741358, abs=1e-11)
+        for factor, wanted in ((1 - mp.mpf(10) ** -4, 16), (1, 12), (1 + mp.mpf(10) ** -4, 16)):
+            by_digits = minima_by_digits(8, exact * factor, 0.5)
+            assert sum(by_digits) == wanted and max(by_digits) == 1
+            found = cone.count(8, float(exact * factor), 0.5)
+            assert found.branches_with_minimum == wanted
+            # a curve is a tie, and is reported as one
+            assert set(found.undecided) == ({(3, 2, 1), (1, 2, -1)} if factor == 1 else set())
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+def test_a_flat_rest_state_leaves_no_minimum_on_any_branch(degree):
+    assert cone.count(degree, 1.0, 0.0).branches_with_minimum == 0
+    assert brute.count(degree, 1.0, 0.0) == (0, 0, 0)
+
+
+def maps(degree, end, size=200):
+    low = -cone.Cone(degree).steep_end
+    cells = (np.arange(size) + 0.5) / size
+    elevations = low + (math.pi / 2 - low) * cells
+    return cone.count_map(cone.Cone(degree, end=end), 10 ** (4 * cells - 2), elevations)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "degree, end, more, share",
+    [
+        (6, "contract", None, 0),
+        (8, "contact", 20, 0.0453),
+        *(
+            pytest.param(*row, marks=pytest.mark.slow)
+            for row in (
+                (14, "contract", 142, 0.0143),
+                (8, "contract", None, 0),
+                (12, "contract", None, 0),
+                (6, "contact", None, 0),
+                (12, "contact", None, 0),
+                (10, "contract", 37, 0.0352),
+                (10, "contact", 37, 0.0453),
+            )
+        ),
+    ],
+)
+def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, share):
+    """The table of docs/cones.md: 200 x 200 points, r from 0.01 to 100."""
+    plane = maps(degree, end)
+    half = plane.branches // 2
+    assert set(np.unique(plane.total).tolist()) == {half, more or half}
+    assert (plane.total != half).mean() == pytest.approx(share, abs=5e-5)
+
+
+def test_the_true_end_of_one_steep_flap_gives_degree_8_twenty_minima():
+    """Brute force at points of the map: 20 of 32, the four more pinned by contact on M V_3 up."""
+    plane = maps(8, "contact", 40)
+    rows, columns = np.nonzero(plane.total == 20)
+    assert len(rows) > 40
+    for i, k in list(zip(rows, columns, strict=True))[::20]:
+        r, nu = float(plane.ratios[i]), float(plane.elevations[k])
+        found = cone.count(cone.Cone(8, end="contact"), r, nu)
+        inside, falls = brute.per_branch(8, r, nu, "contact")
+        assert inside.sum() + falls.sum() == 20 and found.falling_at_cut == 0
+        assert (inside.sum(), falls.sum()) == (found.stable_interior, found.stable_contact)
+        lone = [w.count(1) == 3 and d == 1 for w, d in brute.branches(8)]
+        assert falls[lone].all()
+        # cut short, the same point has half
+        assert sum(brute.count(8, r, nu)) == 16
+
+
+def test_more_than_half_needs_no_second_minimum_on_a_branch():
+    """N = 14: 142 of 256 branches with one minimum each: 14 that climb from the flat state fall later."""
+    r, nu = 0.0092, -1.1101
+    found = cone.count(14, r, nu)
+    inside, falls = brute.per_branch(14, r, nu)
+    each = inside + falls
+    assert each.max() == 1 and each.sum() == found.branches_with_minimum == 142
+    total = found.stable_interior + found.stable_contact + found.falling_at_cut
+    assert total == 142 > found.branches // 2
+    climbing = []
+    for (flaps, direction), own in zip(brute.branches(14), each, strict=True):
+        at_flat = brute.slope(14, flaps, direction, 1e-9, r, brute.rest_angles(14, nu))
+        climbing.append(at_flat > 0 and own == 1)
+    assert sum(climbing) == 14
+
+
+def test_the_37_minima_of_degree_10_lie_on_32_branches():
+    """Five of them hold two, inside and at the end: M V_4 up."""
+    found = cone.count(10, 0.02, -0.9)
+    inside, falls = brute.per_branch(10, 0.02, -0.9)
+    each = inside + falls
+    assert each.sum() == 37 and (each > 0).sum() == found.branches_with_minimum == 32
+    assert {brute.branches(10)[b] for b in np.nonzero(each == 2)[0]} == {
+        (w, d) for w, d in brute.branches(10) if d == 1 and w.count(1) == 4
+    }
+
+
+# ---------------------------------------------------------------- ends where nothing touches
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_cut_end_is_where_nothing_touches(degree, direction):
+    """The embedding knows nothing of branches: contact at all ends but the cut ones, which can be passed."""
+    for folding in cone.foldings(degree, mirrors_differ=False):
+        branch = cone.ConeBranch(folding.flaps, direction)
+        cut = bool(branch.cone.is_cut(branch.steep))
+        further = cone.ConeBranch(folding.flaps, direction, "contact")
+        assert cut == (branch.steep == 1) and not further.cone.is_cut(branch.steep)
+        assert ("no contact" in branch.end_text) == cut
+        if not cut:
+            continue
+        for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):
+            told = examine(branch.vertex, further.fold_angles(direction * v))
+            assert told.admissible, told.reason
+            assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3
+
+
+@pytest.mark.parametrize(
+    "degree, r, nu", [(6, 0.02, -0.497), (10, 0.02, -0.895), (12, 0.02, -0.995)]
+)
+def test_no_state_at_a_cut_is_called_pinned_by_contact(degree, r, nu):
+    """And every branch that falls at its cut holds a minimum further along."""
+    m = cone.count(degree, r, nu).minima
+    rows = np.nonzero(m.kind == "cut")[0]
+    assert len(rows)
+    further = cone.count(cone.Cone(degree, end="contact"), r, nu)
+    assert further.falling_at_cut == 0
+    for k in range(len(m)):
+        steep = degree // 2 - m.valleys[k] if m.direction[k] > 0 else m.valleys[k]
+        assert m.kind[k] in (("interior", "cut") if steep == 1 else ("interior", "contact"))
+    for k in rows:
+        own = further.minima.of_class(m.valleys[k], m.changes[k], m.direction[k])
+        assert np.abs(further.minima.elevation[own]).max() > cone.Cone(degree).steep_end

@@ -1,0 +1,303 @@
+"""Branches of the cone: fold angles to 14 digits, where they end, their symmetries and numbers."""
+
+import json
+import math
+from itertools import product
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from typer.testing import CliRunner
+
+from origami_nlp.cli import app
+from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.paper import cone
+from origami_nlp.paper.cone.necklaces import symmetry_of
+from origami_nlp.paper.cone.rules import END_RULES
+
+
+def words(flaps):
+    return product((1, -1), repeat=flaps)
+
+
+# ---------------------------------------------------------------- fold angles
+
+
+def partial_mp(degree, v, flap):
+    """Partial fold angle from the mirror condition itself: c_2 stays in the plane through b_2 and e3.
+
+    c_2 = Q(e2, v) Q(e1, rho) b_2 has no component along b_2 x e3:
+    cos(alpha) cos(v) = cos(rho) cos(alpha) - sin(rho) sin(alpha) sin(v).
+    """
+    a = 2 * mp.pi / degree
+    size = mp.sqrt(mp.cos(a) ** 2 + (mp.sin(a) * mp.sin(v)) ** 2)
+    shift = mp.atan2(mp.sin(a) * mp.sin(v), mp.cos(a))
+    opening = mp.acos(mp.cos(a) * mp.cos(v) / size)
+    roots = [opening - shift, -opening - shift]
+    return next(r for r in roots if r * flap > 0)
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12, 50, 1000])
+@pytest.mark.parametrize("share", [1e-10, 1e-5, 0.3, 0.999])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_fold_angles_agree_with_50_digits(degree, share, direction):
+    rng = np.random.default_rng(degree)
+    flaps = tuple(rng.choice([1, -1], degree // 2).tolist())
+    branch = cone.ConeBranch(flaps, direction)
+    v = direction * share * branch.end
+    phi = branch.fold_angles(v)
+    with mp.workdps(60):
+        exact_v = mp.mpf(v)
+        rho = {f: partial_mp(degree, exact_v, f) for f in (1, -1)}
+        for j, f in enumerate(flaps):
+            odd = rho[flaps[j - 1]] + rho[f]
+            assert float(abs(phi[2 * j] - odd) / abs(odd)) < 1e-14
+            even = -2 * f * abs(exact_v)
+            assert float(abs(phi[2 * j + 1] - even) / abs(even)) < 1e-15
+
+
+@given(st.integers(3, 10), st.data())
+@settings(max_examples=60)
+def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
+    flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))
+    direction = data.draw(st.sampled_from([1, -1]))
+    branch = cone.ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
+    share = data.draw(st.floats(0.01, 0.999))
+    phi = branch.fold_angles(direction * share * branch.end)
+    state = examine(branch.vertex, phi)
+    assert state.admissible, state.reason
+    assert state.closure_residual < 1e-13
+    creases, _ = fold_vertex(branch.vertex, phi)
+    odd = creases[::2]
+    axis = np.cross(odd[1] - odd[0], odd[2] - odd[0])
+    heights = odd @ (axis / np.linalg.norm(axis))  # all odd creases at the same elevation
+    np.testing.assert_allclose(np.abs(heights), abs(math.sin(share * branch.end)), atol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_the_contact_rule_is_where_facets_touch(degree, direction):
+    """Just before the end every branch is embedded; just after it none is (or the sheet is folded flat)."""
+    from origami_nlp.closed_forms import cone_fold_angles
+
+    for folding in cone.foldings(degree):
+        branch = cone.ConeBranch(folding.flaps, direction, "contact")
+        before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
+        after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
+        assert examine(branch.vertex, before).admissible
+        assert not examine(branch.vertex, after).admissible
+
+
+def test_only_a_single_steep_flap_goes_past_the_contracts_end():
+    for degree in (6, 8, 10, 12, 14, 1000):
+        steep = np.arange(degree // 2 + 1)
+        contract, contact = (cone.Cone(degree, end=e).ends(steep) for e in END_RULES)
+        assert contract[0] == contact[0] == math.pi / 2
+        np.testing.assert_array_equal(contract[2:], contact[2:])
+        assert (
+            contract[1]
+            == cone.Cone(degree).steep_end
+            < contact[1]
+            == cone.Cone(degree).lone_end
+            <= math.pi / 2
+        )
+    assert cone.Cone(6).lone_end == pytest.approx(math.atan(math.sqrt(2)), rel=1e-15)
+
+
+def test_past_the_end_it_says_so():
+    branch = cone.ConeBranch((1, 1, -1), 1)
+    with pytest.raises(AngleError, match=r"past the end .* pi/6"):
+        branch.fold_angles([0.1, 0.53])
+    with pytest.raises(AngleError, match="past the end"):
+        cone.ConeBranch((1, 1, 1), 1).fold_angles(1.58)
+    with pytest.raises(AngleError, match="up has elevations >= 0"):
+        branch.fold_angles(-0.1)
+    with pytest.raises(AngleError, match="finite"):
+        branch.fold_angles(math.nan)
+    np.testing.assert_array_equal(branch.fold_angles(0.0), np.zeros(6))
+    assert np.abs(cone.ConeBranch((1, 1, 1), -1).fold_angles(-math.pi / 6)).max() == pytest.approx(
+        math.pi, abs=1e-14
+    )
+
+
+# ---------------------------------------------------------------- assignments
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 16])
+def test_classes_and_their_multiplicities_are_those_of_all_words(degree):
+    found = {}
+    for word in words(degree // 2):
+        found[cone.class_of(word)] = found.get(cone.class_of(word), 0) + 1
+    classes = cone.assignment_classes(degree)
+    keys = zip(classes.valleys.tolist(), classes.changes.tolist(), strict=True)
+    assert dict(zip(keys, classes.multiplicity, strict=True)) == found
+    both = [(c.valleys, c.changes, c.multiplicity) for c in cone.energy_classes(degree)]
+    assert sorted(both) == sorted(2 * [(*key, many) for key, many in found.items()])
+
+
+@given(st.integers(3, 60))
+@settings(max_examples=30)
+def test_multiplicities_sum_to_all_assignments(half):
+    assert sum(cone.assignment_classes(2 * half).multiplicity) == 2**half
+
+
+def orbits(degree, mirrored):
+    """Different words by sorting all of them into orbits."""
+    seen = set()
+    for word in words(degree // 2):
+        images = [word[k:] + word[:k] for k in range(len(word))]
+        images += [w[::-1] for w in images] if mirrored else []
+        seen.add(max(images))
+    return seen
+
+
+@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 16])
+def test_lists_and_formulas_agree_with_orbits(degree):
+    for mirrored, listed, number in (
+        (False, cone.foldings(degree), cone.number_of_foldings(degree)),
+        (
+            True,
+            cone.foldings(degree, mirrors_differ=False),
+            cone.number_of_foldings(degree, mirrors_differ=False),
+        ),
+    ):
+        theirs = orbits(degree, mirrored)
+        assert {f.flaps for f in listed} == theirs
+        assert len(listed) == len(theirs) == number
+        assert sum(f.copies for f in listed) == 2 ** (degree // 2)
+
+
+def test_numbers_of_foldings():
+    """The paper's table holds necklaces, its formula gives bracelets; both for any degree."""
+    printed = [4, 6, 8, 14, 20, 36, 60, 108, 188, 352, 632, 1182, 2192]
+    assert [cone.number_of_foldings(n) for n in range(6, 31, 2)] == printed
+    assert [cone.number_of_foldings(n, mirrors_differ=False) for n in (12, 14, 16, 30)] == [
+        13,
+        18,
+        30,
+        1224,
+    ]
+    for degree in (1000, 1002):
+        n = degree // 2
+        turned = cone.number_of_foldings(degree)
+        mirrored = cone.number_of_foldings(degree, mirrors_differ=False)
+        assert 0 <= n * turned - 2**n < n * n * 2 ** (n // 2)
+        # a bracelet is one necklace, or two that mirror each other
+        assert turned < 2 * mirrored < 2 * turned
+
+
+def test_symmetries_of_degree_8():
+    names = {cone.write_flaps(f.flaps): (f.symmetry, f.copies) for f in cone.foldings(8)}
+    assert names == {
+        "VVVV": ("D4", 1),
+        "VVVM": ("D1", 4),
+        "VVMM": ("D1", 4),
+        "VMVM": ("D2", 2),
+        "VMMM": ("D1", 4),
+        "MMMM": ("D4", 1),
+    }
+    assert symmetry_of(cone.parse_flaps("VVMVMM")) == "C1"
+    assert [f.chiral for f in cone.foldings(12)].count(True) == 2
+
+
+@given(st.integers(3, 7), st.data())
+@settings(max_examples=40)
+def test_symmetry_keeps_the_folded_shape(half, data):
+    """Rotations and reflections of the name map the fold angles onto themselves; no others do."""
+    flaps = tuple(data.draw(st.lists(st.sampled_from([1, -1]), min_size=half, max_size=half)))
+    phi = cone.ConeBranch(flaps, 1).fold_angles(0.3 * cone.Cone(2 * half).steep_end)
+    turns = sum(np.allclose(np.roll(phi, k), phi, atol=1e-9) for k in range(2 * half))
+    mirrors = sum(np.allclose(np.roll(phi[::-1], k), phi, atol=1e-9) for k in range(2 * half))
+    assert symmetry_of(flaps) == f"{'D' if mirrors else 'C'}{turns}"
+    assert mirrors in (0, turns)
+
+
+def test_assignments_are_read_and_written():
+    assert (
+        cone.parse_flaps("V2M")
+        == cone.parse_flaps("vvm")
+        == (*cone.parse_flaps("M_1V2")[1:], -1)
+        == (1, 1, -1)
+    )
+    assert cone.write_flaps((1, -1, -1)) == "VMM"
+    assert cone.branch((1, -1, -1), "down").energy_class.name == "M2V down"
+    assert cone.branch("VMVM", "up").energy_class.name == "M2V2 up (4 changes)"
+    for bad in ("VXM", "VM", "", "V0MM", "2VM", "V99999999M"):
+        with pytest.raises(OptionError):
+            cone.parse_flaps(bad)
+    with pytest.raises(OptionError, match="has 3 flaps, a cone of degree 8 has 4"):
+        cone.parse_flaps("VVM", 8)
+
+
+# ---------------------------------------------------------------- command line, drawings
+
+
+def test_branch_gives_fold_angles_in_degrees():
+    out = CliRunner().invoke(
+        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "-pi/9", "--json", "-"]
+    )
+    assert out.exit_code == 0
+    data = json.loads(out.stdout)
+    assert (
+        data["direction"] == "down" and data["symmetry"] == "D1" and data["end_rule"] == "contract"
+    )
+    np.testing.assert_allclose(np.radians(data["edges_foldAngle"]), data["fold_angles"])
+    assert data["edges_assignment"][1::2] == ["M", "M", "V"]
+    assert data["edges_foldAngle"][1] == pytest.approx(-40, rel=1e-14)
+    table = CliRunner().invoke(
+        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "0.2"]
+    )
+    assert table.exit_code == 0 and "VVM up" in table.stdout
+
+
+def test_foldings_are_listed(tmp_path):
+    target = tmp_path / "foldings.json"
+    out = CliRunner().invoke(
+        app, ["paper", "cone", "foldings", "--degree", "12", "--json", str(target)]
+    )
+    assert out.exit_code == 0 and "(necklaces): 14" in out.stdout
+    data = json.loads(target.read_text())
+    assert (data["necklaces"], data["bracelets"]) == (14, 13)
+    assert len(data["necklace_list"]) == 14 and len(data["bracelet_list"]) == 13
+    many = CliRunner().invoke(app, ["paper", "cone", "foldings", "--degree", "1000", "--json", "-"])
+    assert json.loads(many.stdout)["necklaces"] == str(cone.number_of_foldings(1000))
+    with pytest.raises(OptionError, match="up to 32"):
+        CliRunner().invoke(
+            app, ["paper", "cone", "foldings", "--degree", "34", "--list"], catch_exceptions=False
+        )
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_foldings_are_drawn(tmp_path, ending):
+    target = tmp_path / f"cone.{ending}"
+    figure = cone.draw_foldings(6, 0.7, target)
+    assert target.stat().st_size > 5000
+    titles = [text.get_text() for text in figure.texts]
+    assert len(figure.axes) == 4 and sum("ends at π/6" in t for t in titles) == 3
+    with pytest.raises(OptionError, match="to draw"):
+        cone.draw_foldings(18, 0.3)
+
+
+def test_a_branch_is_drawn_by_command(tmp_path):
+    target = tmp_path / "branch.pdf"
+    command = [
+        "paper",
+        "cone",
+        "draw",
+        "--flaps",
+        "VVM",
+        "--elevation",
+        "-0.2",
+        "--figure",
+        str(target),
+    ]
+    out = CliRunner().invoke(app, command)
+    assert out.exit_code == 0 and target.stat().st_size > 5000
+    with pytest.raises(AngleError, match="past the end"):
+        cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
+    with pytest.raises(OptionError, match="--degree is missing"):
+        CliRunner().invoke(
+            app, ["paper", "cone", "draw", "--figure", str(target)], catch_exceptions=False
+        )

@@ -1,0 +1,264 @@
+"""Phase boundaries of cones: different counts on either side, and nothing but boundaries where counts change."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+from mpmath import mp
+from typer.testing import CliRunner
+
+from origami_nlp.cli import app
+from origami_nlp.paper import cone
+from origami_nlp.paper.cone.phase_curves import KINDS
+
+SIDE = 1e-9
+SLOW = pytest.mark.slow
+
+
+def counts_of(branches, ratio, nu, depth):
+    """Minima of one class: (inside, at its end)."""
+    found = cone.count(branches.cone, ratio, nu, depth=depth).minima
+    own = found.of_class(branches.valleys, branches.changes, branches.direction)
+    return int((own & found.interior).sum()), int((own & ~found.interior).sum())
+
+
+def sample(curve, many, rng):
+    """Points of a curve away from its ends and from the largest ratios."""
+    inner = np.arange(1, len(curve.ratio) - 1)
+    inner = inner[(curve.ratio[inner] > 1e-4) & (curve.ratio[inner] < 1e4)]
+    return rng.choice(inner, min(many, len(inner)), replace=False) if len(inner) else inner
+
+
+@pytest.mark.parametrize(
+    "degree, depth",
+    [
+        (6, 0.0),
+        *(pytest.param(n, 0.0, marks=SLOW) for n in (8, 10, 12)),
+        pytest.param(8, 1e-3, marks=SLOW),
+        pytest.param(10, 0.05, marks=SLOW),
+    ],
+)
+def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
+    rng = np.random.default_rng(degree)
+    kinds = set()
+    for curve in cone.phase_boundaries(degree, depth=depth, lines=120):
+        for k in sample(curve, 3, rng):
+            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
+            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
+            assert sides[0] != sides[1], (curve, nu, ratio)
+            changed = abs(sum(sides[0]) - sum(sides[1]))
+            if curve.kind in ("start", "fold", "depth", "depth-at-end"):
+                assert changed == 1
+            kinds.add(curve.kind)
+    assert {"start", "end"} <= kinds if depth == 0 else {"depth", "end"} <= kinds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 20])
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.3])
+def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
+    rng = np.random.default_rng(degree)
+    for curve in cone.phase_boundaries(cone.Cone(degree, rest), depth=depth):
+        for k in sample(curve, 8, rng):
+            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
+            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
+            assert sides[0] != sides[1], (curve, nu, ratio)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "degree, depth",
+    [
+        (6, 0.0),
+        pytest.param(8, 1e-3, marks=SLOW),
+        pytest.param(10, 0.0, marks=SLOW),
+        pytest.param(12, 0.02, marks=SLOW),
+    ],
+)
+def test_class_counts_change_only_across_boundaries(degree, depth):
+    """Along a vertical line the changes of every class's counts are the crossings of its curves."""
+    curves = cone.phase_boundaries(degree, depth=depth)
+    low, high = cone.Cone(degree).rest_range
+    for nu in (0.93 * low, 0.31 * high, 0.77 * high):
+        for branches in cone.energy_classes(degree):
+            levels = []
+            for curve in (c for c in curves if c.branches == branches):
+                x, y = curve.rest_elevation, curve.ratio
+                hit = np.flatnonzero((x[:-1] - nu) * (x[1:] - nu) < 0)
+                w = (nu - x[hit]) / (x[hit + 1] - x[hit])
+                levels += np.exp((1 - w) * np.log(y[hit]) + w * np.log(y[hit + 1])).tolist()
+            levels = sorted(r for r in levels if 1e-5 < r < 1e5)
+            between = np.sqrt(np.array([1e-5, *levels]) * np.array([*levels, 1e5]))
+            seen = [counts_of(branches, float(r), nu, depth) for r in between]
+            assert all(a != b for a, b in itertools.pairwise(seen)), (branches, nu)
+            # and nothing happens between two crossings
+            for r, wanted, a, b in zip(between, seen, [1e-5, *levels], [*levels, 1e5], strict=True):
+                for w in (0.2, 0.8):
+                    inner = math.exp((1 - w) * math.log(a) + w * math.log(b))
+                    assert counts_of(branches, inner, nu, depth) == wanted, (branches, nu, r)
+
+
+@given(
+    degree=st.sampled_from([6, 8, 10, 12, 14]),
+    log_ratio=st.floats(-4, 4),
+    place=st.floats(0.01, 0.99),
+)
+@settings(max_examples=60)
+def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
+    """The branches (word, up) and (complement, down) leave the flat state in opposite directions."""
+    low, high = cone.Cone(degree).rest_range
+    nu = low + (high - low) * place
+    if abs(nu) < 1e-3:
+        return
+    count = cone.count(degree, 10**log_ratio, nu)
+    assert count.branches_with_minimum >= count.branches // 2
+    # exactly half unless a fold has added a pair
+    slopes = 0
+    for direction in (1, -1):
+        odd, even = cone.SideEnergy.of(degree, direction, nu).at(np.zeros(1)).slopes
+        falls = (odd + 10**log_ratio * even)[:, 0] < 0
+        branches = cone.assignment_classes(degree).multiplicity
+        slopes += sum(m for m, f in zip(branches, falls, strict=True) if f)
+    assert slopes == count.branches // 2
+
+
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+@pytest.mark.parametrize("degree", [6, 10, 16])
+def test_class_energy_is_that_of_all_creases(degree, rest):
+    """Against the sum over the fold angles of an assignment, and derivatives against 40 digits."""
+
+    rng = np.random.default_rng(degree)
+    low, high = cone.Cone(degree, rest).rest_range
+    for folding in cone.foldings(degree, mirrors_differ=False)[::3]:
+        for direction in (1, -1):
+            branches = next(
+                b
+                for b in cone.energy_classes(cone.Cone(degree, rest))
+                if (b.valleys, b.changes, b.direction) == (*cone.class_of(folding.flaps), direction)
+            )
+            t, nu = rng.uniform(0, branches.end), rng.uniform(low, high)
+            phi = cone.ConeBranch(folding.flaps, direction).fold_angles(direction * t)
+            state = cone.Cone(degree, rest).at_rest(nu)
+            energy = cone.class_energy(branches, t, nu)
+            assert energy.flat[0] - energy.wells[0] == pytest.approx(
+                ((phi[::2] - state.odd) ** 2).sum() / 2, rel=1e-12
+            )
+            assert energy.flat[1] - energy.wells[1] == pytest.approx(
+                ((phi[1::2] - state.even) ** 2).sum() / 2, rel=1e-12
+            )
+            with mp.workdps(40):
+                exact = _by_digits(folding.flaps, direction, degree, state)
+                assert float(energy.slopes[0]) == pytest.approx(
+                    float(mp.diff(exact, t)), rel=1e-12, abs=1e-12
+                )
+                assert float(energy.curvatures[0]) == pytest.approx(
+                    float(mp.diff(exact, t, 2)), rel=1e-11, abs=1e-11
+                )
+
+
+def _by_digits(flaps, direction, degree, state):
+    """A(t) from eq:partial-N without the modulus, crease by crease."""
+    sine = mp.sin(2 * mp.pi / degree)
+
+    def partial(flap, t):
+        plus = 1 if flap * direction > 0 else -1  # shallow: +
+        return flap * mp.acos((mp.cos(t) + plus * sine) / (1 + plus * mp.cos(t) * sine))
+
+    def energy(t):
+        rho = [partial(f, t) for f in flaps]
+        return sum((rho[i - 1] + rho[i] - mp.mpf(state.odd)) ** 2 for i in range(len(rho))) / 2
+
+    return energy
+
+
+@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
+def test_rest_angles_of_many_are_those_of_one(rest):
+    low, high = cone.Cone(12, rest).rest_range
+    nu = np.linspace(low, high, 41)[1:-1]
+    odd, even = cone.Cone(12, rest).rest_angles(nu)
+    single = [cone.Cone(12, rest).at_rest(float(v)) for v in nu]
+    assert np.allclose(odd, [s.odd for s in single], rtol=1e-15, atol=0)
+    assert np.allclose(even, [s.even for s in single], rtol=1e-15, atol=0)
+
+
+def test_printed_plateaus_agree_with_the_symbolic_claims():
+    """s5.plateau-N counts branches of finite depth as r -> infinity; so do the maps."""
+    from origami_nlp.symbolic.claims.section5 import stiff_even_minima
+
+    for degree in (6, 8, 10, 12):
+        counts = cone.count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
+        assert (counts.total == stiff_even_minima(degree // 2)).all()
+
+
+def test_command_writes_map_and_boundaries(tmp_path):
+    files = {k: tmp_path / f"phase.{k}" for k in ("png", "csv", "json")}
+    wanted = [
+        f"--{option}={files[k]}"
+        for option, k in (("figure", "png"), ("csv", "csv"), ("json", "json"))
+    ]
+    result = CliRunner().invoke(
+        app, ["paper", "cone", "phase", "--degree", "8", "--size", "12", *wanted]
+    )
+    assert result.exit_code == 0, result.output
+    told = json.loads(files["json"].read_text())
+    assert told["schema"] == "origami-nlp/cone-phase/1" and told["branches"] == "32"
+    assert {b["kind"] for b in told["boundaries"]} <= set(KINDS)
+    rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
+    assert len(rows) == 144
+    for nu, ratio, *numbers in rows[::17]:
+        count = cone.count(8, ratio, nu)
+        assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
+    assert np.array(told["interior"]).shape == (12, 12)
+    assert files["png"].stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    "options, word",
+    [
+        (["--degree", "7"], "degree"),
+        (["--degree", "8", "--size", "1"], "size"),
+        (["--degree", "8", "--depth", "2"], "depth"),
+        (["--degree", "8", "--figure", "x.txt"], "figure"),
+        (["--degree", "8", "--csv", "no/such/folder.csv"], "csv"),
+        (["--degree", "8", "--rest", "mine"], "rest"),
+    ],
+)
+def test_bad_options_are_named(options, word):
+    result = CliRunner().invoke(app, ["paper", "cone", "phase", *options])
+    assert result.exit_code != 0 and word in str(result.exception or result.output)
+
+
+def test_diagram_counts_only_inside_when_asked():
+    both, inside = (cone.phase_diagram(6, size=9, contact=c) for c in (True, False))
+    assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
+    assert (inside.minima == both.map.interior).all() and (inside.minima < both.minima).any()
+
+
+M2V_REGIONS = (((math.pi / 8, math.pi / 6), 0.7), ((-math.pi / 2, -math.pi / 36), 7.0))
+"""Where M_2V up is said to be stable "for nearly every parameter set": nu_0 and the largest r."""
+
+
+def m2v_shares(direction: int, mirror: int, size: int = 4) -> list[float]:
+    """Share of each region in which M_2V of degree 6 holds an interior minimum deeper than 1e-3.
+
+    direction: +1 up, -1 down in our convention.  mirror: -1 where nu_0 is minus the paper's.
+    """
+    branches = next(b for b in cone.energy_classes(6) if (b.valleys, b.direction) == (1, direction))
+    first, last = cone.Cone(6).rest_range
+    cells = (np.arange(size) + 0.5) / size
+    shares = []
+    for (low, high), top in M2V_REGIONS:
+        nu = mirror * (low + (high - low) * cells)
+        grid = itertools.product(0.01 * (top / 0.01) ** cells, nu[(first < nu) & (nu < last)])
+        shares.append(float(np.mean([counts_of(branches, r, v, 1e-3)[0] > 0 for r, v in grid])))
+    return shares
+
+
+def test_m2v_up_never_holds_a_minimum_in_our_convention():
+    """Both A and B climb from the flat state on M_2V up; the paper's sentence fits M_2V down."""
+    assert m2v_shares(1, -1) == m2v_shares(1, 1) == [0, 0]
+    assert m2v_shares(-1, 1)[0] > m2v_shares(-1, -1)[0]

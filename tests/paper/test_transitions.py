@@ -1,0 +1,159 @@
+"""Transitions of the admissible space: found without being told where, and confirmed without the sweep."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from origami_nlp.cli import app
+from origami_nlp.errors import OptionError
+from origami_nlp.paper import find_transitions
+from origami_nlp.paper.events import find_events
+from origami_nlp.paper.transitions import signature_of
+from origami_nlp.pattern import degree6, degree8
+from origami_nlp.space import find_space
+from tests.computed_once import once, thinned
+from tests.independent.search_layers import symmetrically_admissible
+from tests.independent.search_manifold import Piece
+
+LOW, HIGH = 0.1, math.pi / 2 - 0.1
+
+
+@pytest.fixture(scope="module")
+def events6():
+    return once("events-6", lambda: find_events(degree6, LOW, HIGH, starts=6))
+
+
+@pytest.fixture(scope="module")
+def events8():
+    return once("events-8", lambda: find_events(degree8, LOW, HIGH, starts=4))
+
+
+@pytest.mark.slow
+def test_events_of_degree_6(events6):
+    """Only where 4 alpha = pi (creases 1 and 4 of the strip meet) and 3 alpha = pi (1 and 3, 2 and 4 meet)."""
+    alphas = np.array([e.alpha for e in events6])
+    known = np.array([math.pi / 4, math.pi / 3])
+    assert np.abs(alphas[:, None] - known).min(axis=1).max() < 1e-13
+    for alpha in known:
+        assert any(e.admissible for e in events6 if abs(e.alpha - alpha) < 1e-9)
+    assert max(e.residual for e in events6) < 1e-10
+
+
+def test_events_of_degree_8(events8):
+    """Only where 4 alpha = pi: the two sector angles are equal, and creases 1 and 3 meet on the axis."""
+    assert max(abs(e.alpha - math.pi / 4) for e in events8) < 1e-13
+    assert any(e.admissible for e in events8)
+
+
+def test_curves_of_events_are_told(events6):
+    curve = [e for e in events6 if e.curve]
+    assert curve
+    assert {round(e.alpha, 9) for e in curve} == {round(math.pi / 3, 9)}
+    assert {len(e.walls) for e in curve} == {2}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("make", "alpha", "changes"),
+    thinned(
+        [
+            (degree6, math.pi / 3, True),
+            (degree6, math.pi / 4, False),
+            (degree8, math.pi / 4, False),
+        ],
+        3,
+    ),
+)
+def test_signatures_on_both_sides(make, alpha, changes):
+    below, at, above = (
+        signature_of(find_space(make(a), 12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
+    )
+    assert below.topology == above.topology
+    assert below.corners != above.corners
+    assert (at.topology != below.topology) == changes
+    assert (above.picture_holes != below.picture_holes) == changes
+
+
+@pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])
+@pytest.mark.parametrize(("held", "free"), [(1, 3), (3, 1)])
+def test_pi_3_is_confirmed_by_states_that_share_no_code(phi_1, held, free):
+    """With phi_2 = -pi, or phi_4 = -pi, a state is admissible above pi/3 (a strip), at pi/3 (a handle), not below."""
+    verdicts = []
+    for shift in (-1e-5, 0.0, 1e-5):
+        piece = Piece.of(degree6(math.pi / 3 + shift))
+        x = np.array([phi_1, -math.pi, 2.4, -math.pi])
+        for _ in range(60):  # Newton in phi_3 and the free one
+            g, jac = piece.closure(x[None])
+            x[[2, free]] -= np.linalg.lstsq(jac[0][:, [2, free]], g[0], rcond=1e-9)[0]
+        assert np.abs(piece.closure(x[None])[0]).max() < 1e-13
+        assert x[held] == -math.pi
+        assert x[2] > math.pi / 2  # beyond the end of the surface
+        if shift == 0:
+            assert x[free] == pytest.approx(-math.pi, abs=1e-12)
+            x[free] = -math.pi
+        verdicts.append(bool(symmetrically_admissible(piece, x[None])[0]))
+    assert verdicts == [False, True, True]
+
+
+def test_pi_4_is_confirmed_by_flat_foldings_that_share_no_code():
+    """The flat folding (pi, -pi, -pi, pi) has an order of layers up to pi/4: beyond, crease 4 passes crease 1."""
+    x = math.pi * np.array([[1.0, -1.0, -1.0, 1.0]])
+    verdicts = [
+        bool(symmetrically_admissible(Piece.of(degree6(math.pi / 4 + shift)), x)[0])
+        for shift in (-1e-5, 1e-5)
+    ]
+    assert verdicts == [True, False]
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_pi_4_of_degree_8_is_confirmed_by_flat_foldings_that_share_no_code(sign):
+    """Creases 1 and 3 change roles: the flat foldings (-pi, pi, 0) and (0, pi, -pi) are admissible on one side each."""
+    x = sign * math.pi * np.array([[-1.0, 1.0, 0.0], [0.0, 1.0, -1.0]])
+    verdicts = []
+    for shift in (-1e-5, 1e-5):
+        piece = Piece.of(degree8(math.pi / 4 + shift))
+        assert np.abs(piece.closure(x)[0]).max() < 1e-12
+        verdicts.append(symmetrically_admissible(piece, x).tolist())
+    assert verdicts == [[True, False], [False, True]]
+
+
+def test_unknown_families_are_refused():
+    with pytest.raises(OptionError, match="degree6, degree8"):
+        find_transitions("degree7")
+    with pytest.raises(OptionError, match="samples = 1"):
+        find_transitions("degree6", samples=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "known"),
+    [
+        ("degree6", [math.pi / 4, math.pi / 3]),
+        pytest.param(
+            "degree8",
+            [math.pi / 4],
+            marks=pytest.mark.xfail(
+                reason="corners of the mesh nearer than 3e-6 to pi/4 are not resolved: the sweep reports a second, "
+                "unexplained bracket 2.7e-6 below the event"
+            ),
+        ),
+    ],
+)
+def test_sweep_and_events_agree(family, known, tmp_path):
+    out = tmp_path / "sweep.json"
+    result = CliRunner().invoke(
+        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "--json", str(out)]
+    )
+    assert result.exit_code == 0, result.output
+    data = json.loads(out.read_text())
+    assert data["unexplained"] == []
+    assert data["silent"] == []
+    assert np.allclose([t["alpha"] for t in data["transitions"]], known, rtol=0, atol=1e-13)
+    for t in data["transitions"]:
+        low, high = t["bracket"]
+        assert high - low < 1e-5
+        assert low - 1e-6 <= t["alpha"] <= high + 1e-6
+        assert t["witnesses"]
