@@ -1,0 +1,387 @@
+"""Escape barriers of the stable states of a sheet: along traced curves, and by descents out of them (`kkt.ways_out`)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.facets import OutOfTime, Sheet
+from origami_nlp.kkt import (
+    ALONE,
+    BOUND,
+    FLOOR,
+    OPEN,
+    TRACED,
+    Escape,
+    barriers,
+    energy_scale,
+    level_of,
+    ways_out,
+)
+from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW
+from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
+from origami_nlp.sheets.curves import Traced
+from origami_nlp.sheets.descent import AT_LIMIT, descend
+from origami_nlp.sheets.pops import is_jump, pop_rows
+from origami_nlp.sheets.pressing import press
+from origami_nlp.sheets.state import SheetState
+
+MOST_CREASES = 60
+"""Creases up to which ways out are sought by descents."""
+MOST_STATES = 8
+"""Stable states out of which they are: those of lowest energy, and their equals."""
+NEAREST = 3
+"""Other stable states that rays lead towards, those at equal distances counted as one."""
+STEP = 0.25
+"""Longest step along a ray, of all creases [rad]."""
+FIRST = 0.02
+"""First step along a ray [rad]; each is twice the one before."""
+SECTIONS, MOST_CONFIRMED = 3, 3
+"""Of `kkt.ways_out`: a descent takes some ten milliseconds."""
+LANDED = 6
+"""States of a ray from which descents begin, at most."""
+FARTHEST = 12.0
+"""How far rays go [rad]."""
+DENSE = 0.1
+"""Steps of a way down are cut to this length [rad], and each state on it looked at."""
+
+
+class SheetTerrain:
+    """Stable states of a sheet with descents between them: what `kkt.ways_out` walks on."""
+
+    def __init__(
+        self, sheet: Sheet, minima: np.ndarray, contact: bool, modes: Sequence[list[np.ndarray]]
+    ) -> None:
+        self.sheet, self.minima, self.contact, self._modes = sheet, minima, contact, modes
+        self._pops = pop_rows(sheet.pattern)
+        scale = energy_scale(sheet.pattern.stiffness)
+        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
+        self._landed: dict[bytes, np.ndarray] = {}
+
+    def _change(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Energy of a state over that of another, without the rounding of either."""
+        p = self.sheet.pattern
+        return float((p.stiffness * (b - a)) @ ((a + b) / 2 - p.rest))
+
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies over that of a stable state."""
+        return np.array([self._change(self.minima[k], x) for x in states])
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the torque."""
+        return self.sheet.scale * float(np.linalg.norm(self.sheet.torque(x)))
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance over all fold angles."""
+        return float(np.linalg.norm(a - b))
+
+    def _noise(self, k: int) -> float:
+        return LEVEL * self.sheet.scale * max(self.sheet.energy(self.minima[k]), 1.0)
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state has less energy than a stable one."""
+        return self._change(self.minima[k], x) < -self._noise(k)
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
+        at = self.minima[k]
+        if np.abs(end - at).max() <= BESIDE:
+            return False
+        others = [y for i, y in enumerate(self.minima) if i != k]
+        lowest = not any(self._change(at, y) <= self._noise(k) for y in others)
+        slack = (self.slope(end) + self.slope(at)) * BESIDE
+        return lowest or self._change(at, end) <= slack
+
+    def is_admissible(self, x: np.ndarray) -> bool:
+        """Whether a closed state is within the fold limits, and no facets cross where that is asked for."""
+        within = self.sheet.residual(x) <= CLOSES and bool((np.abs(x) <= math.pi).all())
+        within = within and self.sheet.closure.on_sheet(x)
+        return within and not (self.contact and self.sheet.crossings.find(x))
+
+    def _step(
+        self, a: np.ndarray, start: np.ndarray, held: np.ndarray | None = None, jumps: bool = False
+    ) -> np.ndarray | None:
+        """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
+        start = np.clip(start, -math.pi, math.pi)
+        shut = np.abs(start) >= math.pi - AT_LIMIT
+        shut = shut if held is None else shut | held
+        x, residual = self.sheet.project(start, shut)
+        if residual > CLOSES and held is None and shut.any():
+            x, _ = self.sheet.project(start)
+        x = np.clip(x, -math.pi, math.pi)
+        if not self.is_admissible(x):
+            return None
+        return None if self.contact and not jumps and is_jump(self._pops, a, x) else x
+
+    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        """States between two; creases that both have shut stay so."""
+        out = []
+        shut = (np.abs(a) >= math.pi - AT_LIMIT) & (a == b)
+        flat = (a == 0) & (b == 0)
+        for share in shares:
+            start = a + share * (b - a)
+            x = self._step(a, start, shut | flat)
+            x = self._step(a, start) if x is None else x
+            if x is None or self.contact and is_jump(self._pops, x, b):
+                return None
+            if np.abs(x - start).max() > np.abs(b - a).max() + CLOSES:
+                return None
+            out.append(x)
+        return np.array(out)
+
+    def land(self, states: np.ndarray) -> np.ndarray:
+        """Where descents end."""
+        out = np.full(states.shape, math.nan)
+        for i, x in enumerate(states):
+            if x.any():
+                key = x.tobytes()
+                if key not in self._landed:
+                    self._landed[key] = self._down(x)
+                out[i] = self._landed[key]
+        return out
+
+    def _down(self, x: np.ndarray) -> np.ndarray:
+        try:
+            end = press(self.sheet, x, keep=True) if self.contact else descend(self.sheet, x)
+        except (np.linalg.LinAlgError, ArithmeticError):
+            return np.full(len(x), math.nan)
+        return end.phi if end.arrived else np.full(len(x), math.nan)
+
+    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """Go down step by step; `state` alone where a step leaves closed admissible states, or climbs over it."""
+        try:
+            path = (
+                press(self.sheet, state, keep=True).path
+                if self.contact
+                else descend(self.sheet, state).path
+            )
+        except (np.linalg.LinAlgError, ArithmeticError):
+            return state[None]
+        out = [state]
+        for x in path[1:] if path else ():
+            while self.distance(out[-1], x) > DENSE:
+                share = DENSE / self.distance(out[-1], x)
+                inner = self.between(out[-1], x, np.array([0.9 * share]))
+                if inner is None or self.distance(inner[0], x) >= self.distance(out[-1], x):
+                    return state[None]
+                if self.distance(inner[0], out[-1]) > 2 * DENSE:
+                    return state[None]
+                out.append(inner[0])
+            out.append(x)
+            if until(x):
+                break
+        if max(self._change(state, y) for y in out) > self.floor:
+            return state[None]
+        return np.array(out)
+
+    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """States of least energy with a vertex flat that pops between two states: motions of paper pass it there."""
+        found = []
+        for row in self._pops:
+            if (row @ a) * (row @ b) >= 0:
+                continue
+            kept = row > 0
+            start = self._step(a, np.where(kept, 0.0, (a + b) / 2), kept, jumps=True)
+            if start is not None:
+                end = descend(self.sheet, start, kept=kept).phi
+                found += [x for x in (start, end) if self.is_admissible(x)]
+        return found
+
+    def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
+        """Go along the softest mode both ways, pop each vertex, to the flat state and on, and to other stable states."""
+        out, to_flat = [], {}
+        for k in which:
+            x = self.minima[k]
+            for mode in self._modes[k]:
+                out += [(k, self._walk(x, None, side * mode)) for side in (1.0, -1.0)]
+            for loop in self.sheet.pattern.vertices:
+                out.append((k, self._popped(x, np.array(loop.creases))))
+            for target in [np.zeros(len(x)), *self._others(k)]:
+                out.append((k, self._walk(x, target, None)))
+                if not out[-1][1][-1].any():
+                    to_flat[k] = out[-1][1]
+        for k, path in to_flat.items():
+            out += [
+                (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
+            ]
+        return [(k, self._thinned(k, path)) for k, path in out]
+
+    def _thinned(self, k: int, path: np.ndarray) -> np.ndarray:
+        """Leave out states of a ray, but for the highest ones: a way is cut finer where it is the lowest."""
+        if len(path) <= LANDED + 1:
+            return path
+        tops = np.argsort(self.rise(k, path), kind="stable")[-1:]
+        some = np.linspace(0, len(path) - 1, LANDED).round().astype(int)
+        return path[np.unique(np.r_[some, tops])]
+
+    def _others(self, k: int) -> np.ndarray:
+        """Return the other stable states that are nearest to one."""
+        apart = np.linalg.norm(self.minima - self.minima[k], axis=1)
+        apart[k] = math.inf
+        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
+        return np.asarray(self.minima[near])
+
+    def _popped(self, x: np.ndarray, creases: np.ndarray) -> np.ndarray:
+        """Go to where the creases round a vertex are flat, and on to their folds turned over."""
+        flat = x.copy()
+        flat[creases] = 0.0
+        path = self._walk(x, flat, None)
+        if np.abs(path[-1][creases]).max() > 0:
+            return path
+        over = path[-1].copy()
+        over[creases] = -x[creases]
+        return np.concatenate([path, self._walk(path[-1], over, None)[1:]])
+
+    def _walk(self, x: np.ndarray, goal: np.ndarray | None, along: np.ndarray | None) -> np.ndarray:
+        """Walk towards a goal, or along a direction, as far as states close and are admissible."""
+        path, step, gone = [x], FIRST, 0.0
+        while gone < FARTHEST:
+            way = along if goal is None else goal - path[-1]
+            assert way is not None
+            left = float(np.linalg.norm(way))
+            if left == 0.0:
+                break
+            length = step if goal is None else min(step, left)
+            held = None if goal is None else (path[-1] == goal) & (goal == 0)
+            new = self._step(path[-1], path[-1] + length / left * way, held)
+            if new is None:
+                break
+            moved = float(np.linalg.norm(new - path[-1]))
+            if not 0.05 * length < moved < 3 * length:
+                break
+            if goal is None:
+                along = new - path[-1]
+            path.append(new)
+            gone += step
+            step = min(2 * step, STEP)
+        return np.array(path)
+
+
+def with_escapes(
+    sheet: Sheet,
+    states: Sequence[SheetState],
+    curves: Sequence[Traced],
+    contact: bool,
+) -> list[SheetState]:
+    """Add what it takes to leave each stable state.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    states
+        Judged; ways lead to minima among them, numbered in their order.
+    curves
+        That were traced.
+    contact
+        Whether facets must not cross.
+
+    Returns
+    -------
+    list of SheetState
+        With `escape` where they are minima.
+    """
+    minima = [s for s in states if s.verdict == "minimum"]
+    if not minima:
+        return list(states)
+    found = iter(_escapes(sheet, minima, curves, contact))
+    return [replace(s, escape=next(found)) if s.verdict == "minimum" else s for s in states]
+
+
+def _escapes(
+    sheet: Sheet, minima: Sequence[SheetState], curves: Sequence[Traced], contact: bool
+) -> list[Escape]:
+    at = np.array([s.fold_angles for s in minima])
+    energies = np.array([s.energy for s in minima])
+    scale = energy_scale(sheet.pattern.stiffness)
+    level = level_of(energies, scale)
+    traced = curve_passes(sheet, curves, at)
+    heights, sure = (np.full((len(at),) * 2, math.inf) for _ in range(2))
+    if traced is not None:
+        heights, sure = (t.heights() * sheet.scale for t in (traced.passes, traced.sure))
+    exact = _exact(sheet, minima, traced, sure, level, scale)
+    why = ""
+    if sheet.size > MOST_CREASES:
+        why = f"more than {MOST_CREASES} creases: ways out are not sought"
+    loose = [k for k, s in enumerate(minima) if s.freedoms > 0 and k not in exact]
+    last = energies[loose[:MOST_STATES]].max(initial=-math.inf) + level
+    sought = [] if why else [k for k in loose if energies[k] <= last]
+    ways = {}
+    beyond = np.full(len(at), math.inf)
+    if sought and len(at) > 1:
+        modes = [_modes(sheet, s) for s in minima]
+        terrain = SheetTerrain(sheet, at, contact, modes)
+        try:
+            ways = ways_out(terrain, sought, SECTIONS, MOST_CONFIRMED)
+        except OutOfTime:
+            why = "interrupted by the time limit"
+    for k, way in ways.items():
+        if way.to < 0:
+            beyond[k] = way.height
+        else:
+            heights[k, way.to] = min(heights[k, way.to], energies[k] + way.height)
+    out = []
+    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+        if k in exact:
+            out.append(exact[k])
+        elif minima[k].freedoms == 0:
+            out.append(Escape(math.inf, ALONE, "no other closed state is near"))
+        elif math.isinf(barrier):
+            reason = why or "no way that was tried led to a state of lower energy"
+            if not why and len(at) == 1:
+                reason = "no other state is known that it could be left for"
+            elif not why and k not in sought:
+                reason = f"more than {MOST_STATES} states: sought for those of lowest energy"
+            out.append(Escape(math.nan, OPEN, reason))
+        else:
+            barrier = max(barrier, FLOOR * scale)
+            what = "an explicit way out climbs so high; lower ones are not excluded"
+            top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
+            out.append(Escape(barrier, BOUND, what, to + 1, top, barrier < SHALLOW * scale))
+    return out
+
+
+def _exact(
+    sheet: Sheet,
+    minima: Sequence[SheetState],
+    traced: CurvePasses | None,
+    sure: np.ndarray,
+    level: float,
+    scale: float,
+) -> dict[int, Escape]:
+    """Return the barriers that curves tell exactly: a way that climbs no higher than every way does."""
+    if traced is None:
+        return {}
+    energies = np.array([s.energy for s in minima])
+    found = {}
+    for k, (barrier, to) in enumerate(barriers(energies, sure, level, scale)):
+        if minima[k].freedoms != 1 or not traced.sure.on_curves[k]:
+            continue
+        equal = np.flatnonzero(energies <= energies[k] + level).tolist()
+        others = [*equal, *([to] if to >= 0 else [])]
+        least = traced.least(k, others, level / sheet.scale) * sheet.scale
+        if math.isinf(least):
+            why = "its curve leads to no state of no higher energy: it ends at limits or contacts"
+            found[k] = Escape(math.inf, TRACED, why)
+        elif math.isfinite(barrier) and energies[k] + barrier <= least + level:
+            why = "the lowest pass of the curves of closed states, both ways"
+            top = tuple(traced.sure.top(k, to).tolist())
+            found[k] = Escape(barrier, TRACED, why, to + 1, top, barrier < SHALLOW * scale)
+    return found
+
+
+def _modes(sheet: Sheet, state: SheetState) -> list[np.ndarray]:
+    """Return the softest motions of a state that closure allows, shut creases held, where they are single."""
+    phi = state.fold_angles
+    shut = np.flatnonzero(np.abs(phi) >= math.pi - AT_LIMIT)
+    z = sheet.kernel(phi, shut)
+    lam, _, _ = sheet.multipliers(phi, shut)
+    values, vectors = np.linalg.eigh(z.T @ (sheet.hessian(phi, lam) @ z))
+    pairs = zip(values[:1], values[1:2], strict=False)
+    if not len(values) or any(b - a <= SETTLED for a, b in pairs):
+        return []
+    return [z @ vectors[:, 0]]
