@@ -7,6 +7,7 @@ and at the stable states on it: between two cuts the energy is monotone.  Curves
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -158,7 +159,7 @@ class _Network:
         seen = traced.stretches
         clear = curve.fits and (seen is None or not seen.unclear)
         flags = None if seen is None else list(_flags(curve, seen))
-        for (p, a), (q, b) in zip(cuts, cuts[1:], strict=False):
+        for (p, a), (q, b) in itertools.pairwise(cuts):
             if flags is None or self._passes(curve, flags, p, q):
                 self.edges.append((a, b))
                 self.clear.append(clear)

@@ -1,7 +1,8 @@
-"""Escape barriers of the stable states of a sheet: along traced curves, and by descents out of them (`kkt.ways_out`)."""
+"""Escape barriers of the stable states of a sheet: along traced curves, and by descents out of them."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -43,6 +44,10 @@ SECTIONS, MOST_CONFIRMED = 3, 3
 """Of `kkt.ways_out`: a descent takes some ten milliseconds."""
 LANDED = 6
 """States of a ray from which descents begin, at most."""
+SHRUNK = 1.0, 0.75, 0.5, 0.25, 0.0
+"""Of a state, its folds times these, whose vertex is made flat: the first at which facets do not cross."""
+HALVINGS = 12
+"""Of a step into contact."""
 FARTHEST = 12.0
 """How far rays go [rad]."""
 DENSE = 0.1
@@ -125,7 +130,7 @@ class SheetTerrain:
             start = a + share * (b - a)
             x = self._step(a, start, shut | flat)
             x = self._step(a, start) if x is None else x
-            if x is None or self.contact and is_jump(self._pops, x, b):
+            if x is None or (self.contact and is_jump(self._pops, x, b)):
                 return None
             if np.abs(x - start).max() > np.abs(b - a).max() + CLOSES:
                 return None
@@ -184,14 +189,12 @@ class SheetTerrain:
             if (row @ a) * (row @ b) >= 0:
                 continue
             kept = row > 0
-            start = self._step(a, np.where(kept, 0.0, (a + b) / 2), kept, jumps=True)
-            if start is not None:
-                end = descend(self.sheet, start, kept=kept).phi
-                found += [x for x in (start, end) if self.is_admissible(x)]
+            if (x := self._lowest_flat((a + b) / 2, kept)) is not None:
+                found.append(x)
         return found
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
-        """Go along the softest mode both ways, pop each vertex, to the flat state and on, and to other stable states."""
+        """Go along the softest mode both ways, pop each vertex, go to the flat state and on, and to other states."""
         out, to_flat = [], {}
         for k in which:
             x = self.minima[k]
@@ -207,7 +210,33 @@ class SheetTerrain:
             out += [
                 (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
             ]
-        return [(k, self._thinned(k, path)) for k, path in out]
+        return [(k, self._thinned(k, path)) for k, path in out] + self._over_flat_vertices(which)
+
+    def _over_flat_vertices(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
+        """Go from states of least energy with one vertex flat down to both sides: backwards, these are ways out."""
+        out, seen = [], []
+        for k, loop in itertools.product(which, self.sheet.pattern.vertices):
+            x, creases = self.minima[k], np.array(loop.creases)
+            kept = np.isin(np.arange(len(x)), creases)
+            flat = self._lowest_flat(x, kept) if x[creases].any() else None
+            if flat is None or any(np.abs(flat - y).max() <= BESIDE for y in seen):
+                continue
+            seen.append(flat)
+            sides = []
+            for side in (FIRST, -FIRST):
+                beside = self._step(flat, np.where(kept, side * x, flat))
+                down = [] if beside is None else self.path_down(beside, lambda _: False)
+                if len(down) > 1:
+                    sides.append(down)
+            for down, other in itertools.permutations(sides, 2):
+                apart = np.abs(self.minima - down[-1]).max(axis=1)
+                j = int(apart.argmin())
+                if apart[j] <= BESIDE:
+                    back = [self.minima[j], *down[-2::-1], flat, other[0]]
+                    self._landed |= {y.tobytes(): self.minima[j] for y in down}
+                    self._landed[other[0].tobytes()] = other[-1]
+                    out.append((j, np.array(back)))
+        return out
 
     def _thinned(self, k: int, path: np.ndarray) -> np.ndarray:
         """Leave out states of a ray, but for the highest ones: a way is cut finer where it is the lowest."""
@@ -215,7 +244,26 @@ class SheetTerrain:
             return path
         tops = np.argsort(self.rise(k, path), kind="stable")[-1:]
         some = np.linspace(0, len(path) - 1, LANDED).round().astype(int)
-        return path[np.unique(np.r_[some, tops])]
+        flat = [i for i, x in enumerate(path) if any(not x[row > 0].any() for row in self._pops)]
+        return path[np.unique(np.r_[some, tops, flat].astype(int))]
+
+    def _lowest_flat(self, x: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
+        """Go down from a state with some creases made flat, which stay so, as far as facets do not cross."""
+        starts = (self._step(x, np.where(kept, 0.0, t * x), kept, jumps=True) for t in SHRUNK)
+        good = next((y for y in starts if y is not None), None)
+        if good is None:
+            return None
+        for y in descend(self.sheet, good, kept=kept).path[1:]:
+            share = 1.0
+            for _ in range(HALVINGS):
+                new = self._step(good, good + share * (y - good), kept, jumps=True)
+                if new is not None:
+                    good = new
+                    break
+                share /= 2
+            if share < 1.0:
+                break
+        return good
 
     def _others(self, k: int) -> np.ndarray:
         """Return the other stable states that are nearest to one."""
@@ -381,7 +429,6 @@ def _modes(sheet: Sheet, state: SheetState) -> list[np.ndarray]:
     z = sheet.kernel(phi, shut)
     lam, _, _ = sheet.multipliers(phi, shut)
     values, vectors = np.linalg.eigh(z.T @ (sheet.hessian(phi, lam) @ z))
-    pairs = zip(values[:1], values[1:2], strict=False)
-    if not len(values) or any(b - a <= SETTLED for a, b in pairs):
+    if not len(values) or (len(values) > 1 and values[1] - values[0] <= SETTLED):
         return []
     return [z @ vectors[:, 0]]

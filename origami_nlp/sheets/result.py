@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.minima import shallow_words, softest_words, stability_words
 from origami_nlp.numerics import STATIONARY, rank
