@@ -46,6 +46,8 @@ LANDED = 6
 """States of a ray from which descents begin, at most."""
 SHRUNK = 1.0, 0.75, 0.5, 0.25, 0.0
 """Of a state, its folds times these, whose vertex is made flat: the first at which facets do not cross."""
+NEARLY = 1.0, 0.97, 0.9
+"""Of a state with a vertex flat, its other folds times these, beside which the vertex pops."""
 HALVINGS = 12
 """Of a step into contact."""
 FARTHEST = 12.0
@@ -223,15 +225,19 @@ class SheetTerrain:
                 continue
             seen.append(flat)
             sides = []
-            for side in (FIRST, -FIRST):
-                beside = self._step(flat, np.where(kept, side * x, flat))
+            for y in (x, -x, *self._others(k)):
+                starts = (
+                    self._step(flat, np.where(kept, FIRST * y, t * flat), jumps=True)
+                    for t in NEARLY
+                )
+                beside = next((z for z in starts if z is not None), None)
                 down = [] if beside is None else self.path_down(beside, lambda _: False)
                 if len(down) > 1:
                     sides.append(down)
             for down, other in itertools.permutations(sides, 2):
                 apart = np.abs(self.minima - down[-1]).max(axis=1)
                 j = int(apart.argmin())
-                if apart[j] <= BESIDE:
+                if apart[j] <= BESIDE and (kept @ down[0]) * (kept @ other[0]) < 0:
                     back = [self.minima[j], *down[-2::-1], flat, other[0]]
                     self._landed |= {y.tobytes(): self.minima[j] for y in down}
                     self._landed[other[0].tobytes()] = other[-1]
