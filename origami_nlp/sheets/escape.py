@@ -24,22 +24,23 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
-from origami_nlp.sheets.curves import Traced
+from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.descent import AT_LIMIT, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
+from origami_nlp.sheets.starts import creases_around
 from origami_nlp.sheets.state import SheetState
 
 MOST_CREASES = 60
 """Creases up to which ways out are sought by descents."""
-MOST_STATES = 8
-"""Stable states out of which they are: those of lowest energy, and their equals."""
 NEAREST = 3
 """Other stable states that rays lead towards, those at equal distances counted as one."""
 STEP = 0.25
 """Longest step along a ray, of all creases [rad]."""
 FIRST = 0.02
 """First step along a ray [rad]; each is twice the one before."""
+MOST_DESCENTS, A_STATE = 60, 15
+"""Descents in all, and for each state out of which ways are sought."""
 SECTIONS, MOST_CONFIRMED = 3, 3
 """Of `kkt.ways_out`: a descent takes some ten milliseconds."""
 LANDED = 6
@@ -60,8 +61,15 @@ class SheetTerrain:
     """Stable states of a sheet with descents between them: what `kkt.ways_out` walks on."""
 
     def __init__(
-        self, sheet: Sheet, minima: np.ndarray, contact: bool, modes: Sequence[list[np.ndarray]]
+        self,
+        sheet: Sheet,
+        minima: np.ndarray,
+        contact: bool,
+        modes: Sequence[list[np.ndarray]],
+        around: Sequence[list[int]],
+        most: int,
     ) -> None:
+        self._around, self._left, self._half = around, most, most / 2
         self.sheet, self.minima, self.contact, self._modes = sheet, minima, contact, modes
         self._pops = pop_rows(sheet.pattern)
         scale = energy_scale(sheet.pattern.stiffness)
@@ -151,6 +159,10 @@ class SheetTerrain:
         return out
 
     def _down(self, x: np.ndarray) -> np.ndarray:
+        """Return where a descent ends; nan where it does not arrive, or there were enough of them."""
+        self._left -= 1
+        if self._left < 0:
+            return np.full(len(x), math.nan)
         try:
             end = press(self.sheet, x, keep=True) if self.contact else descend(self.sheet, x)
         except (np.linalg.LinAlgError, ArithmeticError):
@@ -202,8 +214,7 @@ class SheetTerrain:
             x = self.minima[k]
             for mode in self._modes[k]:
                 out += [(k, self._walk(x, None, side * mode)) for side in (1.0, -1.0)]
-            for loop in self.sheet.pattern.vertices:
-                out.append((k, self._popped(x, np.array(loop.creases))))
+            out += [(k, self._popped(x, np.array(creases))) for creases in self._around]
             for target in [np.zeros(len(x)), *self._others(k)]:
                 out.append((k, self._walk(x, target, None)))
                 if not out[-1][1][-1].any():
@@ -216,12 +227,20 @@ class SheetTerrain:
 
     def _over_flat_vertices(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Go from states of least energy with one vertex flat down to both sides: backwards, these are ways out."""
-        out, seen = [], []
-        for k, loop in itertools.product(which, self.sheet.pattern.vertices):
-            x, creases = self.minima[k], np.array(loop.creases)
+        out: list[tuple[int, np.ndarray]] = []
+        seen: list[np.ndarray] = []
+        for k, creases in itertools.product(which, self._around):
+            x = self.minima[k]
+            if self._left < self._half:
+                break
             kept = np.isin(np.arange(len(x)), creases)
+            self._left -= 1
             flat = self._lowest_flat(x, kept) if x[creases].any() else None
-            if flat is None or any(np.abs(flat - y).max() <= BESIDE for y in seen):
+            if (
+                flat is None
+                or not flat.any()
+                or any(np.abs(flat - y).max() <= BESIDE for y in seen)
+            ):
                 continue
             seen.append(flat)
             sides = []
@@ -231,9 +250,9 @@ class SheetTerrain:
                     for t in NEARLY
                 )
                 beside = next((z for z in starts if z is not None), None)
-                down = [] if beside is None else self.path_down(beside, lambda _: False)
-                if len(down) > 1:
-                    sides.append(down)
+                self._left -= 1
+                if beside is not None and len(d := self.path_down(beside, lambda _: False)) > 1:
+                    sides.append(d)
             for down, other in itertools.permutations(sides, 2):
                 apart = np.abs(self.minima - down[-1]).max(axis=1)
                 j = int(apart.argmin())
@@ -316,23 +335,20 @@ class SheetTerrain:
 
 
 def with_escapes(
-    sheet: Sheet,
-    states: Sequence[SheetState],
-    curves: Sequence[Traced],
-    contact: bool,
+    curves: Curves, states: Sequence[SheetState], contact: bool, most: int
 ) -> list[SheetState]:
     """Add what it takes to leave each stable state.
 
     Parameters
     ----------
-    sheet
-        The programme.
+    curves
+        Of the sheet, those that were traced.
     states
         Judged; ways lead to minima among them, numbered in their order.
-    curves
-        That were traced.
     contact
         Whether facets must not cross.
+    most
+        Descents in all: as many as the search made.
 
     Returns
     -------
@@ -342,18 +358,19 @@ def with_escapes(
     minima = [s for s in states if s.verdict == "minimum"]
     if not minima:
         return list(states)
-    found = iter(_escapes(sheet, minima, curves, contact))
+    found = iter(_escapes(curves, minima, contact, most))
     return [replace(s, escape=next(found)) if s.verdict == "minimum" else s for s in states]
 
 
 def _escapes(
-    sheet: Sheet, minima: Sequence[SheetState], curves: Sequence[Traced], contact: bool
+    curves: Curves, minima: Sequence[SheetState], contact: bool, most: int
 ) -> list[Escape]:
+    sheet = curves.sheet
     at = np.array([s.fold_angles for s in minima])
     energies = np.array([s.energy for s in minima])
     scale = energy_scale(sheet.pattern.stiffness)
     level = level_of(energies, scale)
-    traced = curve_passes(sheet, curves, at)
+    traced = curve_passes(sheet, curves.found, at)
     heights, sure = (np.full((len(at),) * 2, math.inf) for _ in range(2))
     if traced is not None:
         heights, sure = (t.heights() * sheet.scale for t in (traced.passes, traced.sure))
@@ -362,13 +379,17 @@ def _escapes(
     if sheet.size > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: ways out are not sought"
     loose = [k for k, s in enumerate(minima) if s.freedoms > 0 and k not in exact]
-    last = energies[loose[:MOST_STATES]].max(initial=-math.inf) + level
+    most = min(most, MOST_DESCENTS)
+    many = -(-most // A_STATE)
+    last = energies[loose[:many]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways = {}
     beyond = np.full(len(at), math.inf)
     if sought and len(at) > 1:
         modes = [_modes(sheet, s) for s in minima]
-        terrain = SheetTerrain(sheet, at, contact, modes)
+        terrain = SheetTerrain(
+            sheet, at, contact, modes, creases_around(sheet.pattern, curves.labels), most
+        )
         try:
             ways = ways_out(terrain, sought, SECTIONS, MOST_CONFIRMED)
         except OutOfTime:
@@ -389,7 +410,7 @@ def _escapes(
             if not why and len(at) == 1:
                 reason = "no other state is known that it could be left for"
             elif not why and k not in sought:
-                reason = f"more than {MOST_STATES} states: sought for those of lowest energy"
+                reason = f"sought for the {len(sought)} states of lowest energy"
             out.append(Escape(math.nan, OPEN, reason))
         else:
             barrier = max(barrier, FLOOR * scale)

@@ -223,8 +223,8 @@ class _Search:
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
-        states = self._by_energy()
-        self.tally.judged = with_escapes(self.sheet, states, self.curves.found, self.contact)
+        states, most = self._by_energy(), self.tally.starts
+        self.tally.judged = with_escapes(self.curves, states, self.contact, most)
         self.sheet.check_time()
 
     def states(self) -> tuple[SheetState, ...]:

@@ -230,7 +230,9 @@ class SheetState(Brief):
 
 def _plain(escape: Escape | None) -> dict[str, Any] | None:
     """Return plain data of an escape barrier; None for what is not known, or infinite."""
-    return escape and {**asdict(escape), "barrier": escape.barrier if escape.known else None}
+    if escape is None:
+        return None
+    return {**asdict(escape), "barrier": escape.barrier if escape.known else None}
 
 
 def _escape(data: dict[str, Any] | None) -> Escape | None:
