@@ -154,7 +154,12 @@ class Terrain(Protocol):
         """Stationary states near two states that go down to different sides."""
 
 
-def ways_out(terrain: Terrain, which: Sequence[int]) -> dict[int, Way]:
+def ways_out(
+    terrain: Terrain,
+    which: Sequence[int],
+    sections: int = SECTIONS,
+    confirmed: int = MOST_CONFIRMED,
+) -> dict[int, Way]:
     """Find a way out of states of a terrain that climbs little.
 
     Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
@@ -167,6 +172,10 @@ def ways_out(terrain: Terrain, which: Sequence[int]) -> dict[int, Way]:
         States, energies and descents.
     which
         Numbers of the states.
+    sections
+        That a step is cut at in one round.
+    confirmed
+        Ways out of a state that are gone down carefully.
 
     Returns
     -------
@@ -174,10 +183,10 @@ def ways_out(terrain: Terrain, which: Sequence[int]) -> dict[int, Way]:
         A way by number, where one was found.
     """
     partings = _partings(terrain, which)
-    _sharpen(terrain, [p for parts in partings.values() for p in parts[:MOST_CONFIRMED]])
+    _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
     ways = {}
     for k, parts in partings.items():
-        lowest = sorted(parts[:MOST_CONFIRMED], key=lambda p: p.height)
+        lowest = sorted(parts[:confirmed], key=lambda p: p.height)
         found = (_way(terrain, part) for part in lowest)
         way = next(filter(None, found), None)
         if way is not None:
@@ -228,12 +237,11 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
     return away
 
 
-def _sharpen(terrain: Terrain, parts: Sequence[_Parting]) -> None:
+def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None:
     """Cut the steps in which descents part finer, those of several states together."""
-    even = np.arange(1, SECTIONS + 1) / (SECTIONS + 1)
-    narrow = 4.0 ** np.arange(
-        -SECTIONS, 0
-    )  # what is left in the first step may be left much sooner
+    even = np.arange(1, sections + 1) / (sections + 1)
+    # what is left in the first step may be left much sooner
+    narrow = 4.0 ** np.arange(-sections, 0)
     for _ in range(ROUNDS):
         inner = {
             i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)

@@ -52,6 +52,11 @@ from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
 )
+from .stability import (
+    shallow_words as shallow_words,
+    softest_words as softest_words,
+    stability_words as stability_words,
+)
 from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
@@ -63,6 +68,7 @@ from .touch_draws import (
     touch_starts as touch_starts,
 )
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata
+from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,
     images as images,

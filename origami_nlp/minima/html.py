@@ -93,7 +93,7 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
             f"{m.energy:.6g}",
             Words(m.kind, colour=KINDS[m.kind].colour),
             freedom_words(m.local_dimension, freedom),
-            softest_words(m),
+            softest_words(m.softest),
             m.escape.words() if m.escape else "-",
             ", ".join(_degrees(a) for a in m.fold_angles),
             "\n".join(contact_words(c) for c in m.contacts) or "none closed",

@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from origami_nlp.kkt import BOUND, rounded_up
+from origami_nlp.kkt import BOUND, Escape, rounded_up
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
@@ -43,11 +43,16 @@ def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str
     (barrier below 1e-4 of sum k pi^2/2)".
     """
     shallow = sum(m.shallow for m in minima)
-    if shallow:
-        firm = _count_words(scene, [m for m in minima if not m.shallow], none)
-        ones = "ones" if shallow > 1 else "one"
-        return f"{firm}, and {shallow} shallow {ones} (barrier below {_power(SHALLOW)} of sum k pi^2/2)"
-    return _count_words(scene, minima, none)
+    firm = _count_words(scene, [m for m in minima if not m.shallow], none)
+    return firm + shallow_words(shallow)
+
+
+def shallow_words(many: int) -> str:
+    """Say how many states are shallow, behind how many are not; empty where none is."""
+    if not many:
+        return ""
+    ones = "ones" if many > 1 else "one"
+    return f", and {many} shallow {ones} (barrier below {_power(SHALLOW)} of sum k pi^2/2)"
 
 
 def _power(value: float) -> str:
@@ -93,25 +98,30 @@ def number_words(numbers: Sequence[int]) -> str:
     return ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs)
 
 
-def softest_words(minimum: Minimum) -> str:
+def softest_words(softest: float) -> str:
     """Say the smallest stiffness in a cell of a table: "0.0243", or "held" where contacts leave nothing free."""
-    return "held" if math.isinf(minimum.softest) else f"{minimum.softest:.3g}"
+    return "held" if math.isinf(softest) else f"{softest:.3g}"
 
 
 def stiffness_words(minimum: Minimum) -> str:
     """Say in a line how stiff a minimum is and what it takes to leave it."""
-    if math.isinf(minimum.softest):
-        least = min((c.multiplier for c in minimum.contacts), default=0.0)
+    forces = [c.multiplier for c in minimum.contacts]
+    return stability_words(minimum.softest, forces, minimum.local_dimension == 0, minimum.escape)
+
+
+def stability_words(
+    softest: float, forces: Sequence[float], isolated: bool, e: Escape | None
+) -> str:
+    """Say how stiff a state is, with forces of its contacts, and what it takes to leave it."""
+    if isolated:
+        return "held by geometry: no free direction"
+    if math.isinf(softest):
+        least = min(forces, default=0.0)
         held = f"; smallest contact multiplier {least:.3g} N m" if least > 0 else ""
         stiff = f"held by contacts: no free direction has a stiffness{held}"
-        if minimum.local_dimension == 0:
-            stiff = "held by geometry: no free direction"
     else:
-        stiff = (
-            f"softest stiffness {minimum.softest:.4g} N m/rad (per unit length of all fold angles)"
-        )
-    e = minimum.escape
-    if e is None or minimum.local_dimension == 0:
+        stiff = f"softest stiffness {softest:.4g} N m/rad (per unit length of all fold angles)"
+    if e is None:
         return stiff
     if not e.known:
         return f"{stiff}; escape barrier {e.method}: {e.why}"

@@ -93,7 +93,7 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind]),
             freedom_words(m.local_dimension, freedom),
-            softest_words(m),
+            softest_words(m.softest),
             m.escape.words() if m.escape else "-",
             f"{m.closure_residual:.0e}",
             "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",

@@ -177,7 +177,7 @@ class _Searches:
     def find(self, pattern: Pattern) -> tuple[SheetState, ...]:
         """Return the stable states."""
         left = max(self.until - time.monotonic(), 0.0)
-        found = find_states(pattern, self.starts, self.seed, seconds=left)
+        found = find_states(pattern, self.starts, self.seed, seconds=left, escape=False)
         self.cut = bool(found.search.left_out)
         return found.minima
 

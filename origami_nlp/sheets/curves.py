@@ -36,11 +36,14 @@ class Traced:
         Where facets cross along it; None where contact is not asked for.
     crossroads
         States of it, not flat or folded flat, at which closure loses rank, [n] each.
+    meets
+        All states of it at which closure loses rank.
     """
 
     curve: Interpolant
     stretches: Stretches | None
     crossroads: tuple[np.ndarray, ...]
+    meets: tuple[np.ndarray, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -52,8 +55,10 @@ class Traced:
         seen = self.stretches
         if seen is not None:
             seen = replace(seen, states=image(symmetry, seen.states))
-        crossroads = tuple(image(symmetry, x) for x in self.crossroads)
-        return Traced(self.curve.image(symmetry), seen, crossroads)
+        crossroads, meets = (
+            tuple(image(symmetry, x) for x in which) for which in (self.crossroads, self.meets)
+        )
+        return Traced(self.curve.image(symmetry), seen, crossroads, meets)
 
 
 class Curves:
@@ -100,8 +105,9 @@ class Curves:
         """
         curve = interpolate(self.sheet, follow_curve(self.sheet, phi, along, LONG))
         seen = self._clearance.along(curve) if self._contact else None
-        meet = [x for x in dips(self.sheet, curve) if np.abs(np.sin(x)).max() > FLAT]
-        new = [Traced(curve, seen, tuple(meet))]
+        meets = tuple(dips(self.sheet, curve))
+        meet = [x for x in meets if np.abs(np.sin(x)).max() > FLAT]
+        new = [Traced(curve, seen, tuple(meet), meets)]
         self.found += new
         for symmetry in self.labels.images:
             other = image(symmetry, phi)

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
 from origami_nlp.minima import find_minima
@@ -27,13 +27,14 @@ from origami_nlp.sheets.crossroads import split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import Descended, descend
+from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
-from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
+from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
@@ -42,8 +43,6 @@ OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 MOST_TRACED = 250
 """Creases up to which curves are traced; descents beyond."""
-ON_PLANE = 1e-6
-"""Planes of states that agree to this are one."""
 MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
 MOST_POPPED = 2
@@ -53,7 +52,7 @@ MOST_CURVES = 64
 SECONDS = 300.0
 """For a search, of wall time."""
 FAILURES = np.linalg.LinAlgError, ArithmeticError
-"""What linear algebra may end in at some start: that start is counted and named, the search goes on."""
+"""What linear algebra may end in at some start: it is counted and named."""
 
 
 def find_states(
@@ -62,6 +61,7 @@ def find_states(
     seed: int = 0,
     contact: bool = True,
     seconds: float = SECONDS,
+    escape: bool = True,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
@@ -70,16 +70,15 @@ def find_states(
     pattern
         With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
     starts
-        Random starts in a row that find no other minimum or curve before the search ends; ten times as many in all at
-        most.
+        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
     seed
-        Of the random starts: how creases are numbered, where the sheet lies in space, and from which side it is seen
-        change nothing.
+        Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was found by then is kept, what was left out is
-        named.
+        Wall time for the search, give or take a second or two: what was left out is named.
+    escape
+        Say what it takes to leave each minimum (`SheetState.escape`).
 
     Returns
     -------
@@ -103,6 +102,7 @@ def find_states(
     pattern = as_pattern(pattern)
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
+    check_flag("escape", escape)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
@@ -118,6 +118,8 @@ def find_states(
             break
     search.part(POPS, search.pop, MOST_POPPED * starts)
     search.part("images of minima under symmetries", search.add_images)
+    if escape:
+        search.part(BARRIERS, search.add_escapes)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
         raise Interrupted(found)
@@ -163,7 +165,7 @@ class _Search:
             self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
     def known(self, phi: np.ndarray) -> bool:
-        """Tell whether a state was judged already."""
+        """Tell whether a state was judged."""
         return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
 
     def add(self, state: SheetState) -> None:
@@ -175,14 +177,12 @@ class _Search:
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
-        closed = close(self.sheet, phi)
-        if closed is None or self.known(closed):
+        if (closed := close(self.sheet, phi)) is None or self.known(closed):
             self.tally.open += closed is None
             return
         for side in (self._side, -self._side):
             end = descend(self.sheet, closed, side=side)
-            better = None if end.arrived else stationary_beside(self.sheet, end.phi)
-            if better is not None:
+            if not end.arrived and (better := stationary_beside(self.sheet, end.phi)) is not None:
                 end = replace(end, phi=better, arrived=True)
             if not end.arrived:
                 self.tally.unfinished += 1
@@ -221,6 +221,12 @@ class _Search:
                 return
             self.add(replace(state, verdict="undecided", kind=None, certificate=why))
 
+    def add_escapes(self) -> None:
+        """Add what it takes to leave each minimum."""
+        states, most = self._by_energy(), self.tally.starts
+        self.tally.judged = with_escapes(self.curves, states, self.contact, most)
+        self.sheet.check_time()
+
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
         return tuple(s.moved(self._middle) for s in self._by_energy())
@@ -248,9 +254,8 @@ class _Search:
     def pop(self, most: int) -> None:
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
 
-        Motions of paper pass from one side of a vertex to the other at its flat state only (`pops`), so that there are
-        states on either side; those that touching facets hold are seldom met by descents that let facets cross.  Where
-        the sheet has symmetries, one of a minimum and its images is enough.
+        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
+        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
         """
         popped: list[np.ndarray] = []
         while True:
@@ -334,10 +339,8 @@ class _Search:
         """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
         sheet, tally = self.sheet, self.tally
         off = phi - basis @ (basis.T @ phi)
-        for other, there in tally.planes:
-            if other.shape == basis.shape and np.abs(off - there).max() < ON_PLANE:
-                if np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE:
-                    return
+        if tally.has_plane(basis, off):
+            return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
@@ -388,8 +391,7 @@ class _Search:
         self.attempt(self._explore, start)
 
     def _explore(self, start: np.ndarray) -> None:
-        phi = self._begun(start)
-        if phi is not None:
+        if (phi := self._begun(start)) is not None:
             self._enter(phi)
 
     def _begun(self, start: np.ndarray) -> np.ndarray | None:

@@ -66,6 +66,12 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     SheetState
         With the verdict and what it rests on.
     """
+    state = _judged(sheet, phi, contact)
+    return replace(state, softest=state.eigenvalue * sheet.scale)
+
+
+def _judged(sheet: Sheet, phi: np.ndarray, contact: bool) -> SheetState:
+    """Judge a state, see `judge`."""
     phi = np.asarray(phi, float)
     shut = np.clip(phi, -math.pi, math.pi)
     if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close

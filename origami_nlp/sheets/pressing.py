@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -88,11 +89,13 @@ class _Press:
     def __init__(self, sheet: Sheet, phi: np.ndarray, keep: bool = False) -> None:
         self.sheet, self.features = sheet, sheet.features
         self.radius, self.pops = TRUST, pop_rows(sheet.pattern) if keep else None
+        self.path: list[np.ndarray] = []
         self.known: dict[object, Touch] = {}
         self._go(phi)
 
     def _go(self, phi: np.ndarray) -> None:
         """Be at a state."""
+        self.path.append(phi)
         self.phi, self.energy = phi, self.sheet.energy(phi)
         self.place = Placed(self.sheet.crossings.poses, phi)
         self.near = self._facing(REACH)
@@ -112,6 +115,10 @@ class _Press:
 
     def run(self, most: int) -> Descended:
         """Go down."""
+        end = self._run(most)
+        return replace(end, path=tuple(self.path))
+
+    def _run(self, most: int) -> Descended:
         sheet = self.sheet
         slips = 0
         for step in range(most):
@@ -212,6 +219,7 @@ class _Press:
         if not opened and self._rows().gaps.min(initial=0.0) < -CLOSES:
             self.phi, self.known = before
             self._go(self.phi)
+            del self.path[-2:]
             return False
         return True
 

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.minima import shallow_words, softest_words, stability_words
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
@@ -24,6 +23,7 @@ WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
 POPS = "minima with a vertex popped"
+BARRIERS = "escape barriers"
 """Parts of a search that its time may end."""
 
 
@@ -251,7 +251,8 @@ class SheetResult(Told, Turnable):
         """Return the minima as a table."""
         rows = []
         for k, s in enumerate(self.minima, 1):
-            curved = "rigid" if np.isinf(s.eigenvalue) else f"{s.eigenvalue:.4g}"
+            barrier = s.escape.words() if s.escape else "-"
+            barrier += ", shallow" * s.shallow
             limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
             touched = dict.fromkeys(c.where for c in s.contacts if len(c.where) == 2)
             pairs = [f"{a + 1}|{b + 1}" for a, b in touched]
@@ -261,22 +262,27 @@ class SheetResult(Told, Turnable):
                 shown = ", ".join(map(str, limits[:3])) + (", ..." if len(limits) > 3 else "")
                 words.append(f"fold limit of {shown}")
             touching = "; ".join(words)
-            rows.append(
-                [str(k), f"{s.energy:.10g}", str(s.kind), str(s.freedoms), curved, touching]
-            )
-        heads = "state", "energy", "kind", "freedoms", "curvature", "contacts"
-        return Table(heads, rows, title=self._title(), columns="lrlrrl")
+            cells = [f"{s.energy:.10g}", str(s.kind), str(s.freedoms), softest_words(s.softest)]
+            rows.append([str(k), *cells, barrier, touching])
+        heads = "state", "energy", "kind", "freedoms", "softest", "barrier", "contacts"
+        return Table(heads, rows, title=self._title(), columns="lrlrrrl")
 
     def _title(self) -> str:
-        many = len(self.minima)
+        shallow = sum(s.shallow for s in self.minima)
+        many = len(self.minima) - shallow
         name = f"{self.pattern.name}: " if self.pattern.name else ""
-        return f"{name}{many} stable state{'s' * (many != 1)}"
+        return f"{name}{many} stable state{'s' * (many != 1)}{shallow_words(shallow)}"
 
     def told(self) -> Iterable[Piece]:
         """Say what was found, what was not decided, and how it was looked for."""
         yield self.table() if self.minima else self._title()
         for k, state in enumerate(self.minima, 1):
             touches = [c.words() for c in state.contacts if c.type != "fold-limit"]
+            if state.escape is not None:
+                forces = [c.force for c in state.contacts]
+                isolated = state.freedoms == 0
+                words = stability_words(state.softest, forces, isolated, state.escape)
+                yield f"state {k}: {words}"
             if touches:
                 yield f"state {k} touches: " + "; ".join(touches)
         for s in self.crossing:

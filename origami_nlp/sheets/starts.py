@@ -85,12 +85,16 @@ def _grown(sheet: Sheet, labels: Labels, rng: np.random.Generator) -> np.ndarray
     return phi
 
 
-def popped_starts(pattern: Pattern, labels: Labels, phi: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield a state [n] with each vertex popped that is not flat, in an order that labels do not change."""
+def creases_around(pattern: Pattern, labels: Labels) -> list[list[int]]:
+    """Return the creases round each vertex, in an order of vertices that labels do not change."""
     rank = np.argsort(labels.order)
     around = [list(loop.creases) for loop in pattern.vertices]
-    around.sort(key=lambda creases: sorted(rank[creases].tolist()))
-    for creases, (size, share) in product(around, POPPED):
+    return sorted(around, key=lambda creases: sorted(rank[creases].tolist()))
+
+
+def popped_starts(pattern: Pattern, labels: Labels, phi: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield a state [n] with each vertex popped that is not flat, in an order that labels do not change."""
+    for creases, (size, share) in product(creases_around(pattern, labels), POPPED):
         if phi[creases].any():
             start = size * phi
             start[creases] *= share

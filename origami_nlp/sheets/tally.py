@@ -11,6 +11,9 @@ from origami_nlp.sheets.curves import Traced
 from origami_nlp.sheets.result import SheetSearch
 from origami_nlp.sheets.state import SheetState
 
+ON_PLANE = 1e-6
+"""Planes of states that agree to this are one."""
+
 
 @dataclass(eq=False)
 class Tally:
@@ -42,6 +45,15 @@ class Tally:
     failed: list[str] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     interrupted: bool = False
+
+    def has_plane(self, basis: np.ndarray, off: np.ndarray) -> bool:
+        """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is known."""
+        return any(
+            other.shape == basis.shape
+            and np.abs(off - there).max() < ON_PLANE
+            and np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE
+            for other, there in self.planes
+        )
 
     def summary(self, found: Sequence[Traced]) -> SheetSearch:
         """Sum up what was done, with the curves that are known."""
