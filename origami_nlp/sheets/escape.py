@@ -77,7 +77,7 @@ def _escapes(
     heights, sure = (np.full((len(at),) * 2, math.inf) for _ in range(2))
     if traced is not None:
         heights, sure = (t.heights() * sheet.scale for t in (traced.passes, traced.sure))
-    exact = _exact(sheet, minima, traced, sure, level, scale)
+    exact = _exact(sheet, minima, traced, sure, level, scale, contact)
     why = ""
     if sheet.size > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: ways out are not sought"
@@ -130,6 +130,7 @@ def _exact(
     sure: np.ndarray,
     level: float,
     scale: float,
+    contact: bool,
 ) -> dict[int, Escape]:
     """Return the barriers that curves tell exactly: a way that climbs no higher than every way does."""
     if traced is None:
@@ -143,7 +144,9 @@ def _exact(
         others = [*equal, *([to] if to >= 0 else [])]
         least = traced.least(k, others, level / sheet.scale) * sheet.scale
         if math.isinf(least):
-            why = "its curve leads to no state of no higher energy: it ends at limits or contacts"
+            if contact:  # samples at which facets cross are no proof that no way leads past
+                continue
+            why = "its curve leads to no state of no higher energy: it ends at limits"
             found[k] = Escape(math.inf, TRACED, why)
         elif math.isfinite(barrier) and energies[k] + barrier <= least + level:
             why = "the lowest pass of the curves of closed states, both ways"
