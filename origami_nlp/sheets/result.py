@@ -99,12 +99,12 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
-    popped: int = 0
-    by_pops: int = 0
-    wells: int = 0
-    resolved: int = 0
-    coarse: int = 0
-    failed: tuple[str, ...] = ()
+    popped: int = field(default=0, repr=False)
+    by_pops: int = field(default=0, repr=False)
+    wells: int = field(default=0, repr=False)
+    resolved: int = field(default=0, repr=False)
+    coarse: int = field(default=0, repr=False)
+    failed: tuple[str, ...] = field(default=(), repr=False)
     left_out: tuple[str, ...] = ()
     interrupted: bool = field(default=False, repr=False)
 

@@ -32,7 +32,8 @@ def test_every_command_that_searches_has_a_limit():
 
     commands = get_command(app).commands
     for name in SEARCHES:
-        options = [option for p in commands[name].params for option in p.opts]
+        group = commands["paper"].commands if name == "transitions" else commands
+        options = [option for p in group[name].params for option in p.opts]
         assert "--seconds" in options, name
 
 
