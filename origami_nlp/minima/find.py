@@ -120,8 +120,8 @@ def find_minima(
         Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
-        Wall time after which the search goes no further, a proof neither, and what is left is not judged in the full
-        space: the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+        Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
+        what is left of it, counted in processor time. The report says so, and the answer depends on the machine.  None: the effort alone bounds it.
     escape
         Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
         of it, which takes about as long as the search of a small vertex. False: do not.
