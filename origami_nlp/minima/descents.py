@@ -8,8 +8,8 @@ Hessian the identity: all curvature comes from closure and from the contacts tha
 a fold limit whose R pulls, and a gap whose multiplier does, is let go; a step that reaches a limit, a mirror or another
 facet stops there and holds it.  What comes out are candidates: polishing and judging them is for others.
 
-Directions are rounded to `CHOSEN` and ties go to the first, so that a descent goes the same way on other processors as
-well, but beside singular strata: states differ by what rounding leaves, and this does not grow from step to step.
+Directions are rounded to `CHOSEN` and ties go to the first, so that a descent goes the same way on other processors,
+but beside singular strata: states differ by what rounding leaves, and this does not grow from step to step.
 """
 
 from __future__ import annotations

@@ -121,7 +121,8 @@ def find_minima(
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
-        what is left of it, counted in processor time. The report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+        what is left, counted in processor time.  The report says so, and the answer
+        depends on the machine.  None: the effort alone bounds it.
     escape
         Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
         of it, which takes about as long as the search of a small vertex. False: do not.
