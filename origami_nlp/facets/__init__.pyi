@@ -25,4 +25,4 @@ from .orders import Orders as Orders
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
 from .stacks import Stack as Stack
-from .touches import Placed as Placed, Touch as Touch
+from .touches import Parallel as Parallel, Placed as Placed, Touch as Touch

@@ -30,6 +30,7 @@ def judge_by_splitting(
     choices = _Choices(state)
     pending = [state.contacts.base]
     while pending:
+        state.programme.check_time()
         rows = pending.pop()
         b = judge_branch(state.on(rows), accuracy)
         if b.verdict == "minimum":

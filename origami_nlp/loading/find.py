@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ def load_path(
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the minimum at load 0.
+        Number (1-based) of the minimum at load 0; the path keeps its winding round the axis (`Scene.windings`).
     back
         Whether the load then falls back to 0.
     confirm
@@ -96,12 +97,15 @@ def load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search: dict[str, Any] = {"effort": effort, "seed": seed, "max_starts": max_starts}
-    result = find_minima(driver.scene_at(0.0), prove=False, **search)
+    result = find_minima(driver.scene_at(0.0), prove=False, escape=False, **search)
     if not result.minima:
         raise OptionError("no minimum was found at load 0")
     check_whole("state", state, 1, len(result.minima))
+    start = result.minima[state - 1]
+    if len(scene.windings) > 1:  # a path keeps the winding of its first state
+        driver = Driver(replace(scene, winding=start.winding), crease)
     job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps)
-    x = job.web.line.programme.reduce(np.array(result.minima[state - 1].fold_angles))  # type: ignore[attr-defined]
+    x = job.web.line.programme.reduce(np.array(start.fold_angles))  # type: ignore[attr-defined]
     job.begin(x, 0.0)
     for end in ends:
         arrived = job.go(x, 0.0, end, once=to == "snap")
@@ -277,7 +281,7 @@ class _Job:
         known = self._nearest(way, loads[0]), after
         minima, found = [], []
         for t, state in zip(loads, known, strict=True):
-            result = find_minima(self.driver.scene_at(t), prove=False, **search)
+            result = find_minima(self.driver.scene_at(t), prove=False, escape=False, **search)
             minima.append(len(result.minima))
             angles = np.array([m.fold_angles for m in result.minima])
             apart = np.abs(angles - state).max(axis=1, initial=0.0) if state is not None else []

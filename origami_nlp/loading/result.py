@@ -143,7 +143,7 @@ class LoadedPath(Told, Turnable):
         if self.WAY:
             yield self.WAY
         yield from self._more()
-        yield Words(f"{self.steps} steps, {self.evaluations} evaluations of the KKT system", "dim")
+        yield Words(f"{self.steps} steps", "dim")
         yield from (Words(line, "bold") for line in self.alarms)
 
     def _more(self) -> Iterator[str]:

@@ -28,6 +28,7 @@ from origami_nlp.numerics import (
     STATIONARY,
     TOUCHES,
     bracketed_roots,
+    first_largest,
 )
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.flat import AT_FLAT, crossing, flat_passage
@@ -243,7 +244,7 @@ def first_contact_event(
 
 
 def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
-    first: tuple[float, Found] | None = None
+    found: list[Found] = []
     for k in np.flatnonzero(b.forces < PULLS * b.system.size):
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
         if frame is None:
@@ -257,10 +258,8 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
             event = found_at("leaves", frame, share, a.hold.contacts[k])
         else:
             event = _pole(curve, a, b, force)
-        h = _step(a, event.frame, curve.root)
-        if first is None or h < first[0]:
-            first = h, event
-    return None if first is None else first[1]
+        found.append(event)
+    return _named(curve, a, found) if found else None
 
 
 def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found:
@@ -282,7 +281,15 @@ def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) 
     if not found:
         why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
         return Found("singular", a, None, np.nan, False, why)
-    return min(found, key=lambda e: _step(a, e.frame, curve.root))
+    return _named(curve, a, found)
+
+
+def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[Found]) -> Found:
+    """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
+    steps = [_step(a, e.frame, curve.root) for e in found]
+    together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
+    held = [e for e in together if e.contact in curve.hold.contacts]
+    return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
 def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
@@ -314,8 +321,11 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
         why = bad.seen.refused or "closure"
         return good, Found("refused", good, None, np.nan, False, why)
     first = min(h for h, *_ in met)
-    # of contacts that close together, the one that does so to first order knows best where
-    _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
+    # of contacts that close together, the one that does so to first order knows best where; of several the first
+    together = sorted((m for m in met if m[0] <= first + ENDS), key=lambda m: m[3])
+    _, _, frame, contact = together[
+        int(first_largest(np.array([rate for _, rate, *_ in together])))
+    ]
     opening = frame.programme.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
 

@@ -82,6 +82,7 @@ class System:
         held: tuple[Contact, ...],
         multipliers: np.ndarray | None = None,
     ) -> None:
+        sheet.check_time()
         phi, size = point[:-1], len(point) - 1
         self.held, self.creases = held, creases_of(held)
         self.free = np.setdiff1d(np.arange(size), self.creases)

@@ -16,6 +16,7 @@ from origami_nlp.sheet_loading.loaded import LoadedSheet
 from origami_nlp.sheet_loading.packing import carried_at
 from origami_nlp.sheet_loading.result import SheetLoadPath
 from origami_nlp.sheets import draw_sheet
+from origami_nlp.show import label_text
 
 MOST_DRAWN = 4
 """Sheets beside each other."""
@@ -57,7 +58,7 @@ def draw_sheet_load(path: SheetLoadPath, target: str | os.PathLike[str] | None =
         state = np.array(phi)
         contacts = carried_at(LoadedSheet(sheet, path.driver, t), state)
         draw_sheet(axes, path.pattern, state, contacts=contacts)
-        axes.set_title(title, fontsize=9)
+        axes.set_title(label_text(title), fontsize=9)
     if target is not None:
         save_figure(figure, target)
     return figure

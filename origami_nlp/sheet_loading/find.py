@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import OutOfTime, Sheet
 from origami_nlp.kkt import State, classify
 from origami_nlp.loading import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.numerics import SAME, SETTLED
@@ -44,6 +45,8 @@ OVER = (1e-5, 1e-4, 1e-3)
 minimum."""
 FLAT = 1e-3
 """Largest fold angle of a state that is called flat in words [rad]."""
+SECONDS = 300.0
+"""For a path and its searches, of wall time."""
 SIDE = 0.01
 """Torque over the mean stiffness between a snap and the searches beside it."""
 MEETS = ("touches", "slides")
@@ -63,6 +66,7 @@ def find_load_path(
     starts: int = 40,
     seed: int = 0,
     steps: Steps | None = None,
+    seconds: float = SECONDS,
 ) -> SheetLoadPath:
     """Load a stable state of a sheet, and follow it.
 
@@ -88,6 +92,9 @@ def find_load_path(
         Of the searches.
     steps
         Of the tracer, lengths as root mean squares over creases.
+    seconds
+        Wall time for all of it, give or take a second or two: what was followed by then is kept, and what was left
+        out is named.
 
     Returns
     -------
@@ -97,7 +104,7 @@ def find_load_path(
     Raises
     ------
     OptionError
-        If an argument is not what it must be, or the sheet has no such state.
+        If an argument is not what it must be, the sheet has no such state, or the time was over before the path began.
 
     Examples
     --------
@@ -119,8 +126,9 @@ def find_load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     far = 2 * math.pi * float(pattern.stiffness.sum()) / work.arm
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
-    number, begun = _state(pattern, state, search)
+    until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    searches = _Searches(check_whole("starts", starts, 0), check_whole("seed", seed, 0), until)
+    number, begun = _state(pattern, state, searches)
     if isinstance(work, Pull) and work.conjugate(begun.fold_angles) <= SAME * work.arm:
         a, b = work.corners
         raise OptionError(
@@ -128,13 +136,24 @@ def find_load_path(
             "the other"
         )
     job = _Job(pattern, work, min(0.0, *ends), max(0.0, *ends), steps or STEPS)
-    for end in ends:
-        arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")
-        if back and arrived is not None:
-            job.between(0.0, end)
-            job.go(*arrived, 0.0, once=False)
-            job.between(*ends)
-    return job.path(number, search if confirm else None)
+    job.sheet.until = until
+    try:
+        for end in ends:
+            arrived = job.go(begun.fold_angles, 0.0, end, once=to == "snap")
+            if back and arrived is not None:
+                job.between(0.0, end)
+                job.go(*arrived, 0.0, once=False)
+                job.between(*ends)
+    except OutOfTime:
+        if not job.ways:
+            raise OptionError(
+                f"seconds = {seconds:g}: the time was over before a leg of the path was followed: give more"
+            ) from None
+        job.alarms.append(
+            f"ended for time, {seconds:g} s: the path goes on from where it ends here"
+        )
+    job.sheet.until = math.inf
+    return job.path(number, searches, confirm)
 
 
 def _work(pattern: Pattern, load: Any) -> Work:
@@ -146,12 +165,33 @@ def _work(pattern: Pattern, load: Any) -> Work:
     return Torque(pattern, tuple(load) if several else (load,))
 
 
-def _state(pattern: Pattern, state: Any, search: dict[str, Any]) -> tuple[int, SheetState]:
+@dataclass(eq=False)
+class _Searches:
+    """Searches for stable states with what is left of the time; `cut` where one of them ended for it."""
+
+    starts: int
+    seed: int
+    until: float
+    cut: bool = False
+
+    def find(self, pattern: Pattern) -> tuple[SheetState, ...]:
+        """Return the stable states."""
+        left = max(self.until - time.monotonic(), 0.0)
+        found = find_states(pattern, self.starts, self.seed, seconds=left, escape=False)
+        self.cut = bool(found.search.left_out)
+        return found.minima
+
+
+def _state(pattern: Pattern, state: Any, searches: _Searches) -> tuple[int, SheetState]:
     """Return the number of the state that is loaded, and the state."""
     number = 0
     if not isinstance(state, SheetState):
         number = check_whole("state", state, 1)
-        found = find_states(pattern, **search).minima
+        found = searches.find(pattern)
+        if searches.cut:
+            raise OptionError(
+                "seconds: the time was over before the search for the state at load 0 was through: give more"
+            )
         if not found:
             raise OptionError("no stable state was found at load 0")
         state = found[check_whole("state", state, 1, len(found)) - 1]
@@ -294,11 +334,12 @@ class _Job:
         turns = [e for _, e in branch.events if e.type in SNAPS and e is not event]
         return turns[-1].state.t if turns else None
 
-    def path(self, state: int, search: dict[str, Any] | None) -> SheetLoadPath:
+    def path(self, state: int, searches: _Searches, confirm: bool) -> SheetLoadPath:
         """Judge what was followed, and pack it."""
         packed = pack_branches(self.sheet, self.work, self.branches)
         self.alarms += packed.alarms
-        snaps = tuple(self._snap(k, packed, search) for k in range(len(self.falls)))
+        only = searches if confirm else None
+        snaps = tuple(self._snap(k, packed, only) for k in range(len(self.falls)))
         legs = tuple(self._leg(way) for way in self.ways)
         tally = self.follower.tally
         return SheetLoadPath(
@@ -320,7 +361,7 @@ class _Job:
         ]
         return Leg(int(way.toward), tuple(points), way.why, way.snap, "", None)
 
-    def _snap(self, k: int, packed: Packed, search: dict[str, Any] | None) -> Snap:
+    def _snap(self, k: int, packed: Packed, searches: _Searches | None) -> Snap:
         fall = self.falls[k]
         event, landed = fall.event, fall.landed
         at = event.state
@@ -340,7 +381,7 @@ class _Job:
             str(landed.kind),
             landed.certificate,
             fall.restabilises,
-            self._confirmed(k, search) if search is not None else None,
+            self._confirmed(k, searches) if searches is not None else None,
         )
 
     def _at(self, landed: SheetState, load: float, other: float) -> LoadedState | None:
@@ -351,7 +392,7 @@ class _Job:
             return None
         return self.follower.curve(begun.held).where(begun.x, -1, other, begun.tangent)
 
-    def _confirmed(self, k: int, search: dict[str, Any]) -> Confirmed | None:
+    def _confirmed(self, k: int, searches: _Searches) -> Confirmed | None:
         """Search on both sides of a snap for the states that the path has there."""
         if not isinstance(self.work, Torque):
             return None
@@ -359,18 +400,19 @@ class _Job:
         way = next(w for w in self.ways if w.snap == k + 1)
         at = float(fall.event.state.x[-1])
         loads = (at - way.toward * SIDE, at + way.toward * SIDE)
-        states = self.branches[way.branch].states[: way.count]
-        near = min(states, key=lambda s: abs(float(s.x[-1]) - loads[0]))
+        stable = self.branches[way.branch].states[: way.count]
+        near = min(stable, key=lambda s: abs(float(s.x[-1]) - loads[0]))
         before = self.follower.curve(near.held).where(near.x, -1, loads[0], near.tangent)
         after = self._at(fall.landed, fall.load, loads[1])
         minima, found = [], []
         for load, state in zip(loads, (before, after), strict=True):
-            result = find_states(self.work.loaded(load * scale), **search)
-            minima.append(len(result.minima))
+            states = searches.find(self.work.loaded(load * scale))
+            if searches.cut:
+                self.alarms.append(f"ended for time: snap {k + 1} was not confirmed by searches")
+                return None
+            minima.append(len(states))
             far = [
-                float(np.abs(m.fold_angles - state.phi).max())
-                for m in result.minima
-                if state is not None
+                float(np.abs(m.fold_angles - state.phi).max()) for m in states if state is not None
             ]
             found.append(bool(far) and min(far) <= SETTLED)
         return Confirmed(
