@@ -21,7 +21,7 @@ from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import CLOSES, RESOLVED, SAME, STATIONARY, rank
+from origami_nlp.numerics import ANSWERED, CLOSES, RESOLVED, SAME, STATIONARY, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -198,9 +198,12 @@ class _Search:
     def _judged(self, phi: np.ndarray) -> SheetState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        if state.verdict in ("minimum", "undecided") and (
-            state.kkt_residual > STATIONARY or sheet.loose(phi)
-        ):
+        left = state.kkt_residual > STATIONARY
+        if state.verdict == "not a minimum":
+            left &= state.kkt_residual < ANSWERED
+        elif state.verdict in ("minimum", "undecided"):
+            left |= sheet.loose(phi)
+        if left and state.verdict != "crosses":
             better = stationary_beside(self.sheet, phi)
             if better is not None:
                 return judge(sheet, better, self.contact)
