@@ -129,14 +129,12 @@ def _decide(state: State, accuracy: float) -> Classification:
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if choices is None or len(choices) > 1 or not contacts.complete:
+    if contacts.complete and (relaxed or len(choices) > 1):
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
             lower = follow_descent(state, whole)
             if lower is not None:
                 return _refuted(lower)
-        elif not contacts.complete:
-            return _of_larger(state, [whole])
     if not contacts.complete:
         judged, failed = judge_by_splitting(state, accuracy)
         if isinstance(judged, Lower):
