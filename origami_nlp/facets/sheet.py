@@ -83,7 +83,7 @@ class Sheet(PatternEquations):
         self.contact = contact
         self.multiplicity = np.ones(self.size, int)
         self._load = np.zeros(self.size)
-        self._touches: list[Touch] = []
+        self._touches: list[tuple[Touch, Touch]] = []
         self._numbers: dict[Touch, int] = {}
         self._seen: dict[str, tuple[bytes, Any]] = {}
 
@@ -166,8 +166,9 @@ class Sheet(PatternEquations):
         """Evaluate values and first derivatives at a state [n]; dense."""
         c, j = self.closure(x)
         none, size = np.zeros((0, self.size)), self.crossings.size
+        known: dict[Contact, tuple[float, np.ndarray]] = self.kept("gaps", x, dict)
         return PatternLocal(
-            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size
+            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size, known
         )
 
     def constraints(
@@ -216,12 +217,12 @@ class Sheet(PatternEquations):
         same = replace(touch, sign=1.0)
         number = self._numbers.setdefault(same, len(self._touches))
         if number == len(self._touches):
-            self._touches.append(same)
+            self._touches.append((same, replace(same, sign=-1.0)))
         return Contact("gap", number, 1 if touch.sign > 0 else -1)
 
     def touch(self, contact: Contact) -> Touch:
         """Return the touch of a contact."""
-        return replace(self._touches[contact.index], sign=float(contact.side))
+        return self._touches[contact.index][contact.side < 0]
 
     def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
         """Return what is asked for several times of one state."""
