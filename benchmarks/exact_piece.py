@@ -23,6 +23,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 
+from origami_nlp.errors import OptionError
 from origami_nlp.programme import Gap, Model
 
 LARGEST_DENOMINATOR = 720
@@ -84,11 +85,20 @@ def cross_moving(p: Moving, q: Moving) -> Moving:
 class ExactPiece:
     """The programme of a `Model` in extended precision; make and use it inside `mp.workdps`.
 
+    Of states that wind once round the axis of their symmetry.
+
     stiffness, rest: weighted stiffness / scale, and rest angles, of the n variables.
+
+    Raises
+    ------
+    OptionError
+        If the model is of another winding.
     """
 
     def __init__(self, model: Model) -> None:
         s, n = model.structure, model.size
+        if s.winding > 1:
+            raise OptionError(f"winding = {s.winding}: 50 digits are had of states that wind once")
         self.kind, self.order, self.size = s.kind, s.order, n
         self.gap_list, self.count = s.gaps, len(s.has_crease)
         p = model.parameters

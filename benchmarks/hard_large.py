@@ -40,7 +40,7 @@ def _wedges() -> Iterator[Outcome]:
         for contact in ("fold-limits", "full"):
             if group == "C" and contact == "full":
                 continue
-            scene = _wedge_scene(group, period, contact)
+            scene = _wedge_scene(group, period, contact).of_one_winding
             result = find_minima(scene, max_starts=STARTS)
             title = f"{scene.group.name}, {Model(scene).size} fold angles, contact {contact}"
             outcome = against_50_digits(title, result, 1e-12)

@@ -70,7 +70,7 @@ class Judge:
     @classmethod
     def of(cls, scene: Scene, seed: int, union: Union | None = None) -> Judge:
         """Start from the minima that the main job lists, and those of a union."""
-        result = find_minima(scene, seed=seed)
+        result = find_minima(scene, seed=seed, escape=False)
         judge = cls(scene, Model(scene))
         for m in result.minima:
             judge.learn(judge.model.reduce(np.array(m.fold_angles)), m.kind, "main job", m.polished)

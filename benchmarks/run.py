@@ -184,7 +184,7 @@ def _whole_job(problem: Problem, judge: Judge, seed: int, rounds: int) -> dict[s
     found: dict[str, float | None] = {}
     for r in range(rounds):
         begin = time.process_time()
-        result = find_minima(problem.scene, seed=seed + r, prove=False)
+        result = find_minima(problem.scene, seed=seed + r, prove=False, escape=False)
         seconds.append(time.process_time() - begin)
         for m in result.minima:
             x = judge.model.reduce(np.array(m.fold_angles))

@@ -85,7 +85,7 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
-    from origami_nlp.minima import descents, find, ipopt, job, record, search, starts
+    from origami_nlp.minima import descents, find, ipopt, job, record, starts
     from origami_nlp.programme import compiled as structure
 
     watch = _Stopwatch()
@@ -97,7 +97,7 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
             (job, "flat_foldings", "foldings and hinges"),
             (job, "hinge_minima", "foldings and hinges"),
             (job, "polish", "polish"),
-            (search, "polish", "polish"),
+            (record, "polish", "polish"),
             (find, "confirm", "IPOPT confirms"),
             (ipopt, "build_warm", "building"),
             (descents.Descents, "run", "descents"),

@@ -19,6 +19,10 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
+class OutOfTime(Exception):
+    """The time that was given is over."""
+
+
 class OrigamiError(ValueError):
     """Base class of every complaint about input: catch this to catch them all.  Its text is one line.
 

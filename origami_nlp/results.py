@@ -28,7 +28,11 @@ if TYPE_CHECKING:
     from origami_nlp.show import TurnedPage
 
 _READ = {
-    "origami-nlp/minima/1": ("minima", "MinimaResult"),
+    "origami-nlp/minima/2": ("minima", "MinimaResult"),
+    "origami-nlp/minima/1": (
+        "minima",
+        "MinimaResult",
+    ),  # as written before states had escape barriers
     "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
     "origami-nlp/critical/1": ("critical", "CriticalPoints"),
     "origami-nlp/load/1": ("loading", "LoadPath"),

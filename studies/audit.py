@@ -152,7 +152,7 @@ def audit_candidates(
     def minima(c: Candidate, alpha: float) -> MinimaResult:
         key = (c.degree, round(alpha, 12), c.ratio)
         if key not in exact:
-            exact[key] = find_minima(c.scene(alpha), seed=seed)
+            exact[key] = find_minima(c.scene(alpha), seed=seed, escape=False)
         return exact[key]
 
     done, out = 0, []

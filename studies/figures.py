@@ -57,7 +57,7 @@ def _grid_convergence(name: str, seed: int, progress: Progress) -> Drawn:
     errors: list[GridErrors] = []
     counts: dict[str, tuple[GridCount, ...]] = {}
     for number, scene in enumerate(scenes):
-        results.append(find_minima(scene, seed=seed))
+        results.append(find_minima(scene, seed=seed, escape=False))
         errors += grid_errors(results[-1], seed=seed)
         progress(number + 1, len(scenes) + 2)
     for degree in (6, 8):

@@ -100,7 +100,7 @@ def find_panels(
             finished()
         panels = []
         for k, scene in enumerate(scenes):
-            result = find_minima(scene, seed=seed, full=True)
+            result = find_minima(scene, seed=seed, full=True, escape=False)
             finished()
             panels.append(find_landscape(result, size, boundary=boundaries[k % columns]))
             finished()

@@ -114,10 +114,18 @@ def _type(web: Web, node: Node) -> str:
     if node.type not in ("closes", "leaves"):
         return node.type
     number = web.nodes.index(node)
-    for arc in web.arcs:
-        if number in (arc.start, arc.end) and node.contact in arc.frames[1].hold.contacts:
-            return "closes" if arc.high > node.s + (node.s - arc.low) else "leaves"
-    return node.type
+    held = [
+        (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
+        for arc in web.arcs
+        if number in (arc.start, arc.end)
+    ]
+    # of contacts that close together another one may be held: then more of them are on that side
+    most = max((len(contacts) for contacts, _ in held), default=0)
+    named = [after for contacts, after in held if node.contact in contacts][:1]
+    named = named or [after for contacts, after in held if len(contacts) == most]
+    if len(set(named)) != 1:
+        return node.type
+    return "closes" if named[0] else "leaves"
 
 
 def _branch(

@@ -301,7 +301,7 @@ def family_of(scene: Scene, over: Over) -> Family:
     OptionError
         If the scene has no such parameter.
     """
-    base = replace(scene, symmetry=scene.group.name)
+    base = replace(scene.of_one_winding, symmetry=scene.group.name)
     if over.name == "ratio":
         return Family(over, _over_ratio(base))
     if over.name == "alpha":

@@ -44,7 +44,8 @@ def follow(
 
     Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
     middle, then the middle of the widest interval without event or check.  Every state that none of the branches
-    explains begins a new one.
+    explains begins a new one.  Each
+    of `Scene.windings` is followed by itself, no branch leads from one to another: `Atlas.others`.
 
     Parameters
     ----------
@@ -81,24 +82,28 @@ def follow(
     >>> import origami_nlp as o
     >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
-    [('leaves', 0.355732)]
+    [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
     check_type("scene", scene, Scene)
     stated = parse_over(over) if isinstance(over, str) else over
     check_type("over", stated, Over)
-    return follow_family(
-        family_of(scene, stated),
-        checks=checks,
-        through_folds=through_folds,
-        full_space=full_space,
-        morse=morse,
-        prove=prove,
-        effort=effort,
-        seed=seed,
-        max_starts=max_starts,
+    first, *others = (
+        follow_family(
+            family_of(one, stated),
+            checks=checks,
+            through_folds=through_folds,
+            full_space=full_space,
+            morse=morse,
+            prove=prove,
+            effort=effort,
+            seed=seed,
+            max_starts=max_starts,
+        )
+        for one in scene.of_each_winding
     )
+    return replace(first, others=tuple(others)) if others else first
 
 
 def follow_family(

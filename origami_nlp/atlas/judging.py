@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.atlas.records import PathBranch, StateAt
 from origami_nlp.kkt import State, classify
 from origami_nlp.modes import breaking_stiffness
-from origami_nlp.numerics import SETTLED, TOUCHES
+from origami_nlp.numerics import SETTLED, TOUCHES, rank
 from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine, Web
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
@@ -116,7 +116,7 @@ def states_at(
         out.append((frame.state, found))
     # ties (mirror images of one another) in a fixed order
     return tuple(
-        sorted((s for _, s in out), key=lambda s: (round(s.energy / model.scale, 9), s.fold_angles))
+        sorted((s for _, s in out), key=lambda s: rank(s.energy / model.scale, s.fold_angles))
     )
 
 

@@ -56,6 +56,9 @@ class Atlas(Told, Turnable):
         The scenes.
     web, branch_of_arc
         What was followed, for `at`; None and empty where the atlas was read from a file.
+    others
+        Atlases of the symmetric states that wind more often round their axis (`Scene.windings`), one for each winding:
+        branches, events and intervals of this one are about states that wind once.
 
     Examples
     --------
@@ -75,6 +78,7 @@ class Atlas(Told, Turnable):
     family: Family
     web: Web | None
     branch_of_arc: dict[int, int]
+    others: tuple[Atlas, ...] = ()
 
     PICTURE, READ = "draw_atlas", SCHEMA
 
@@ -107,7 +111,7 @@ class Atlas(Told, Turnable):
         Returns
         -------
         tuple of StateAt
-            Minima and saddles, in order of energy.
+            Minima and saddles, in order of energy, those of `others` among them.
 
         Raises
         ------
@@ -125,7 +129,11 @@ class Atlas(Told, Turnable):
                 f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
             )
         scene, s = self.family.scene(value), over.s_of(value)
-        return states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
+        here = states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
+        more = (state for other in self.others for state in other.at(value))
+        return (
+            tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
+        )
 
     def summary(self) -> str:
         """Return one line."""
@@ -179,12 +187,17 @@ class Atlas(Told, Turnable):
                 "dim",
             )
         yield Words(
-            f"{self.cost.steps} steps, {self.cost.evaluations} evaluations, {self.cost.seconds:.2f} s, and "
+            f"{self.cost.steps} steps, {self.cost.seconds:.2f} s, and "
             f"{self.cost.checks:.2f} s for {len(self.checks)} searches.  States that no check found and no event "
             "leads to (isolated branches between the checks) are not here.",
             "dim",
         )
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
+        for other in self.others:
+            yield Words(
+                f"states that wind {other.scene.winding} times round the axis of {self.scene.group.name}"
+            )
+            yield from other.told()
 
     @staticmethod
     def _angles(fold_angles: tuple[float, ...]) -> str:
@@ -230,6 +243,7 @@ class Atlas(Told, Turnable):
             "checks": to_plain(self.checks),
             "alarms": list(self.alarms),
             "cost": to_plain(self.cost),
+            **({"others": [other.to_dict() for other in self.others]} if self.others else {}),
         }
 
     @classmethod
@@ -247,4 +261,5 @@ class Atlas(Told, Turnable):
             raise OptionError("an atlas over forces cannot be read back: follow it anew")
         alarms = tuple(map(str, data.get("alarms", ())))
         family = family_of(scene, over)
-        return cls(scene, over, branches, events, checks, alarms, cost, family, None, {})
+        others = tuple(cls._read(other) for other in data.get("others", ()))
+        return cls(scene, over, branches, events, checks, alarms, cost, family, None, {}, others)

@@ -8,19 +8,25 @@ sets of the energy first meet; Newton on the KKT system makes the top of each lo
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
-from origami_nlp.barriers.merge_tree import MergeTree
 from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space
+from origami_nlp.minima import (
+    MinimaResult,
+    find_minima,
+    judge_in_full_space,
+    with_merge_tree,
+)
+from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
@@ -40,6 +46,8 @@ def find_barriers(
 ) -> Barriers:
     """Find the lowest pass between every two minima of a scene with two symmetric freedoms.
 
+    Of states that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
+
     Parameters
     ----------
     scene
@@ -56,7 +64,7 @@ def find_barriers(
     Returns
     -------
     Barriers
-        A pass for every pair, the merge tree and the graph.
+        A pass for every pair, the merge tree and the graph; its `result` has the escape barriers that follow.
 
     Raises
     ------
@@ -81,7 +89,11 @@ def find_barriers(
     check_freedoms(scene)
     model = Model(scene)
     if result is None:
-        result = find_minima(scene, seed=seed, full=full, prove=False)
+        result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False, escape=False)
+    # no path within the symmetry leads from one winding to another
+    here = tuple(m for m in result.minima if m.winding == model.structure.winding)
+    if len(here) < len(result.minima):
+        result = replace(result, minima=here)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
     )
@@ -107,6 +119,11 @@ def find_barriers(
         lands = down.lands_on + 1 if down is not None and down.lands_on is not None else None
         unlisted.append(Unlisted(life, tuple(model.expand(work.graph.states[v]).tolist()), lands))
     broken = _without_symmetry(scene, result, passes) if full else ()
+    heights = np.full((len(work.minima),) * 2, math.inf)
+    for p in passes:
+        heights[p.from_state - 1, p.to_state - 1] = p.energy
+    why = f"the lowest pass of a graph of states {spacing:g} rad apart, made exact"
+    result = replace(result, minima=tuple(with_merge_tree(model, result.minima, heights, why)))
     return Barriers(result, passes, merges, work.graph, tuple(unlisted), broken)
 
 

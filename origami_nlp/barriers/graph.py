@@ -58,11 +58,9 @@ class StateGraph:
 def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
     """Tell on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
 
-    Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not:
-    the polygon of an admissible state has length 2 pi on the unit sphere and, by Gauss-Bonnet, area
-    A = 2 pi - sum phi to its left.  A path from one sign to the other passes A = 2 pi.  The isoperimetric
-    inequality L^2 >= A (4 pi - A) on the sphere is an equality there, which only the great circle
-    attains: the flat state.  Limits of embedded polygons inherit both formulas.
+    Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
+    every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
+    facets that touch included (proved in docs/barriers.md).
     """
     phi = np.asarray(fold_angles, dtype=float)
     flat = np.abs(phi).max(axis=-1) <= SAME

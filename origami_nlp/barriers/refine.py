@@ -13,7 +13,6 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.barriers.graph import grow
-from origami_nlp.barriers.merge_tree import Merge, MergeTree, merge_tree
 from origami_nlp.barriers.passes import (
     Critical,
     Descent,
@@ -25,7 +24,7 @@ from origami_nlp.barriers.passes import (
 )
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.kkt import State, flat_foldings, thin_at
-from origami_nlp.numerics import LEVEL, SAME
+from origami_nlp.numerics import LEVEL, SAME, Merge, MergeTree, merge_tree
 from origami_nlp.programme import Model
 
 MOST_ROUNDS = 6

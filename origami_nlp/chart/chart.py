@@ -3,7 +3,7 @@
 - D_1, degree 6: (phi_2, phi_3), the fold angles between the mirror creases; one branch
   (`closed_forms.degree6`, paper eq. phi1-6-fold).
 - D_n, n >= 2, wedge of three creases (degree 4 n): (phi_2, elevation upsilon of crease 1, paper's sign:
-  F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`).
+  F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`, of states that wind once).
 
 A chart ends where a family of states shares one point (`family_of`) and where branches meet; it is not
 the manifold.  Radians; everything vectorised over states.
@@ -71,6 +71,9 @@ class Chart:
 def chart_of(scene: Scene) -> Chart | None:
     """The chart of a scene with two symmetric freedoms, or None where no closed form is known."""
     group = scene.group
+    # closed forms are those of states that wind once
+    if (scene.winding or 1) > 1:
+        return None
     if not scene.vertex.flat or group.kind != "D" or any(ray.crease is None for ray in group.rays):
         return None
     if (group.order, len(group.rays)) == (1, 4):

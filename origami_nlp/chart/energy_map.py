@@ -52,7 +52,7 @@ class Place:
     branch: index into `Landscape.branches`.
     point: its coordinates; for a curve (coordinate, energy).
     family: empty, or why a whole family of states shares this point of the chart.
-    drawn: False where |phi| > pi at some crease, which no chart covers.
+    drawn: False where |phi| > pi at some crease, which no chart covers, or the state is of another winding.
     """
 
     branch: int
@@ -91,8 +91,8 @@ class Landscape(Brief):
             self.scene.contact == "full" and self.scene.group.order == 2
         )
 
-    def place(self, fold_angles: object) -> Place:
-        """Return where the state with all N `fold_angles` [rad] lies.
+    def place(self, fold_angles: object, winding: int = 1) -> Place:
+        """Return where the state with all N `fold_angles` [rad] lies, which winds so often round the axis.
 
         Raises
         ------
@@ -108,11 +108,12 @@ class Landscape(Brief):
             place = _place_on_curve(self, phi)
         else:
             place = _place_on_area(self, phi)
-        return replace(place, drawn=bool(np.abs(phi).max() <= math.pi + TOUCHES))
+        here = winding == (self.scene.winding or 1)
+        return replace(place, drawn=here and bool(np.abs(phi).max() <= math.pi + TOUCHES))
 
 
 def landscape(scene: Scene, size: int = 401) -> Landscape:
-    """Evaluate the energy landscape of `scene`.
+    """Evaluate the energy landscape of `scene`: of states that wind once round the axis, or `Scene.winding` times.
 
     Parameters
     ----------
@@ -131,7 +132,8 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
         return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)
-    freedom = variables - {("C", 1): 3, ("D", 1): 2}.get((group.kind, group.order), 1)
+    one_turn = 3 if group.kind == "C" else 2
+    freedom = variables - (one_turn if group.order == (scene.winding or 1) else 1)
     if freedom == 1:
         return _curves(scene, size)
     what = f"{freedom} degrees of freedom keep the symmetry {group.name}"

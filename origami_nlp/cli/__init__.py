@@ -1,4 +1,4 @@
-"""The command line: one file a command; `entry` lists them."""
+"""The command line: one file a command; `entry` lists them, `start` is there before they are loaded."""
 
 import lazy_loader
 

@@ -7,10 +7,12 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import examples
 
 
+@bounded
 @takes_scene(o.SceneUnlessPanels)
 def barriers(
     scene: Source | None = None,
@@ -50,7 +52,7 @@ def barriers(
         check_freedoms(one)
     found = []
     for one in stated:
-        result = search(one, given, seed=seed, full=full)
+        result = search(one, given, seed=seed, full=full, escape=False)
         with progress(f"{one.label or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full, seed=seed))
         found[-1].tell(out.console)

@@ -10,8 +10,10 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 
 
+@bounded
 @takes_scene(o.SceneFile)
 def contacts(
     scene: Source,
@@ -34,7 +36,13 @@ def contacts(
 
     out = Output(json=json, markdown=markdown, html=html)
     result = search(
-        scene.read(), scene.name, seed=seed, max_starts=max_starts, effort=effort, workers=workers
+        scene.read(),
+        scene.name,
+        seed=seed,
+        max_starts=max_starts,
+        effort=effort,
+        workers=workers,
+        escape=False,
     )
     found = find_contacts(result, state=state, segments=segments)
     found.tell(out.console)

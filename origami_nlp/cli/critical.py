@@ -11,10 +11,12 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import examples
 
 
+@bounded
 @takes_scene(o.SceneUnlessPanels)
 def critical(
     scene: Source | None = None,
@@ -59,7 +61,7 @@ def critical(
             report(number, text=name)
             found = find_critical_points(stated, seed=seed)
             if compare:
-                found = compare_minima(found, search_minima(stated, given, seed=seed))
+                found = compare_minima(found, search_minima(stated, given, seed=seed, escape=False))
             shape = (stated.vertex, stated.group.name, stated.mirror)
             if shape not in euler:
                 report(text=f"{name}: space")

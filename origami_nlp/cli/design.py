@@ -8,12 +8,14 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import format_scene
 
 REFUTED, OPEN = 1, 3
 
 
+@bounded
 def design(
     targets: Annotated[
         str | None,

@@ -61,11 +61,8 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def main(commands: Group | None = None) -> None:
-    """Run `origami-nlp`, or another group of commands.
-
-    Bad input, and output that nobody takes, end with one line and exit code 2.
-    """
+def run(commands: Group | None = None) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")

@@ -9,6 +9,8 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from origami_nlp.cli.interruption import interruptible
+
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
 MAY_LACK_VALUE = ("--prove",)
@@ -123,7 +125,8 @@ class _Listed(_Helped, TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command; an interruption by the user ends with a line of its own and exit code 130."""
         try:
-            return super().invoke(ctx)
+            with interruptible():
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             # a terminal shows ^C on the line where it stands
             end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""

@@ -12,6 +12,7 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 SMALLEST, LARGEST = 16, 4097
 
 
+@bounded
 @takes_scene(o.SceneFile)
 def landscape(
     scene: Source,
@@ -56,7 +58,7 @@ def landscape(
         raise OptionError(
             f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
         )
-    result = search(stated, scene.name, seed=seed, full=True)
+    result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
         exact = find_landscape(result, size)
     exact.tell(out.console)

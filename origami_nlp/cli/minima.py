@@ -28,7 +28,9 @@ def minima(
     max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
+    seconds: o.Seconds = None,
     full: o.Full = False,
+    noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
 ) -> None:
@@ -58,7 +60,9 @@ def minima(
         "effort": effort,
         "workers": workers,
         "full": full,
+        "noise": noise,
         "prove": o.wanted_proof(prove),
+        "seconds": seconds,
     }
     if scene.is_fold and scene.vertex is None:
         scenes = scene.read_all()
@@ -74,7 +78,9 @@ def minima(
                     raise OptionError(
                         f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
                     )
-            found = find_vertexwise(scenes, find=partial(search, name=scene.name), **options)
+            found = find_vertexwise(
+                scenes, find=partial(search, name=scene.name), found=out.say, **options
+            )
             found.tell(out.console)
             out.write("json", found.to_dict)
             out.turn(*found.results)
@@ -94,11 +100,13 @@ def minima(
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
+    from origami_nlp.programme import Model
     from origami_nlp.proof import certificate_of, prove, write_certificate
 
     found = result.completeness
     if found is None or not found.boxes:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
-    proof = prove(result.model, record=True, most=found.boxes)
-    write_certificate(certificate_of(result.scene, proof), file)
+    models = [Model(one) for one in result.scene.of_each_winding]
+    proofs = [prove(model, record=True, most=found.boxes) for model in models]
+    write_certificate(certificate_of(result.scene, *proofs), file)

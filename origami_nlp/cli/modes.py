@@ -10,8 +10,10 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 
 
+@bounded
 @takes_scene(o.SceneFile)
 def modes(
     scene: Source,
@@ -38,6 +40,7 @@ def modes(
         effort=effort,
         workers=workers,
         prove=False,
+        escape=False,
     )
     found = find_modes(result, state=state)
     found.tell(out.console)

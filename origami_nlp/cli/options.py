@@ -29,6 +29,14 @@ def _workers(value: int | None) -> int | None:
     return None if value is None else check_whole("workers", value, 1)
 
 
+def _seconds(value: float | None) -> float | None:
+    return None if value is None else check_number("--seconds", value, 0.0)
+
+
+def _noise(value: float | None) -> float | None:
+    return None if value is None else check_number("--noise", value, 0.0, 10.0)
+
+
 def _prove(value: str | None) -> str | None:
     """Let what stands after --prove be a number of seconds, or nothing."""
     if value in (None, WITHOUT_VALUE):
@@ -179,9 +187,25 @@ Seed = Annotated[
 MaxStarts = Annotated[
     int, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
 ]
+Seconds = Annotated[
+    float | None,
+    typer.Option(
+        metavar="S",
+        callback=_seconds,
+        help="Wall time after which the command ends with what it has, and says so.",
+    ),
+]
 Full = Annotated[
     bool,
     typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
+]
+Noise = Annotated[
+    float | None,
+    typer.Option(
+        metavar="DEG",
+        callback=_noise,
+        help="Say how many random errors of DEG degrees each state survives, of angles and stiffnesses.",
+    ),
 ]
 Prove = Annotated[
     str | None,

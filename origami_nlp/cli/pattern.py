@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -86,7 +87,9 @@ def pattern(
     ] = False,
     seconds: Annotated[
         float,
-        typer.Option("--seconds", metavar="S", help="Processor time for --minima."),
+        typer.Option(
+            "--seconds", metavar="S", help="Wall time for the command with --minima or --load."
+        ),
     ] = 300.0,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
@@ -113,6 +116,7 @@ def pattern(
     from origami_nlp.minima import check_mesh
     from origami_nlp.sheets import find_motion, find_states, overview
 
+    until = time.monotonic() + seconds
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     if mesh:
         check_mesh(mesh)
@@ -134,7 +138,7 @@ def pattern(
     found: Any = None
     if minima:
         try:
-            found = find_states(sheet, starts, seed, not no_contact, seconds)
+            found = find_states(sheet, starts, seed, not no_contact, _left(until))
         except Interrupted as stopped:  # what was found is told and written all the same
             found = stopped.result
         found.tell(out.console)
@@ -150,11 +154,16 @@ def pattern(
             confirm=confirm,
             starts=starts,
             seed=seed,
+            seconds=_left(until),
         )
         loaded.tell(out.console)
     _Files(seen, motion, found, loaded).write(out)
     if interrupted:
         raise KeyboardInterrupt
+
+
+def _left(until: float) -> float:
+    return max(until - time.monotonic(), 0.0)
 
 
 def _read(

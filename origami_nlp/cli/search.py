@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli.progress import progress
+from origami_nlp.cli.timed import keep, paused
 from origami_nlp.pattern import Scene, examples
 
 if TYPE_CHECKING:
@@ -23,7 +24,12 @@ def search(scene: Scene, name: str | None, **options: Any) -> MinimaResult:
         def report(starts: int, found: int, once: int) -> None:
             tell(text=f"{starts} starts, {found} minima, {once} of them reached once")
 
-        return find_minima(scene, progress=report, **options)
+        with paused() as left:
+            if left is not None:
+                options["seconds"] = left
+            result = find_minima(scene, progress=report, **options)
+            keep(result)
+        return result
 
 
 def search_panels(seed: int, full: bool = False) -> list[MinimaResult]:

@@ -6,8 +6,10 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 
 
+@bounded
 @takes_scene(o.SceneFile)
 def space(
     scene: Source,

@@ -11,6 +11,7 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
+from origami_nlp.cli.timed import ENDED
 from origami_nlp.errors import SweepError
 
 
@@ -22,6 +23,7 @@ def sweep(
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
     ] = None,
+    seconds: o.Seconds = None,
     figure: o.FigureFile = None,
 ) -> None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
@@ -37,13 +39,16 @@ def sweep(
             out,
             executor=executor,
             workers=workers,
+            seconds=seconds,
             progress=lambda done, total, states: report(done, total, f"{states} states"),
         )
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
     output.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
     if done.interrupted:
-        output.say("interrupted: the same command goes on from here")
-        raise typer.Exit(130)
+        late = seconds is not None and done.seconds >= seconds
+        by = " by the time limit" if late else ""
+        output.say(f"interrupted{by}: the same command goes on from here")
+        raise typer.Exit(ENDED if late else 130)
     failed = done.counts.get("failed")
     if failed:
         output.say("failed scenes are tried again by the same command; reasons are in the store")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
+from origami_nlp.cli.timed import bounded
 
 
+@bounded
 def transitions(
     family: o.Family,
     samples: o.Samples = 25,

@@ -1,4 +1,4 @@
-"""D_n wedge with three creases (degree 4 n): creases 1 and 3 from (elevation, phi_2).
+"""D_n wedge with three creases (degree 4 n): creases 1 and 3 from (elevation, phi_2), of states that wind once.
 
 Paper: eq:rotation-reflection-condition; for n = 2 (degree 8) its solution in section 3, with the
 realness condition on J.  Chart: the elevation v of crease 1 (F_1 = Q(e2, v) Q(b_1, phi_1/2): v > 0

@@ -14,7 +14,16 @@ from matplotlib.patheffects import withStroke
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import images
 from origami_nlp.programme import Model
-from origami_nlp.show import IDLE, PUSHES, Pose, crease_legend, draw_state, drawn_height, pose_state
+from origami_nlp.show import (
+    IDLE,
+    PUSHES,
+    Pose,
+    crease_legend,
+    draw_state,
+    drawn_height,
+    label_text,
+    pose_state,
+)
 
 WIDTH = 4.2
 """Of the picture [in]."""
@@ -73,7 +82,7 @@ def draw_contacts(
     axes.set(xlim=limits[0], ylim=limits[1])
     figure.legend(handles=handles, loc="lower center", ncols=2, fontsize=8.5, frameon=False)
     if title:
-        figure.suptitle(title, fontsize=10, y=1 - 0.06 / height)
+        figure.suptitle(label_text(title), fontsize=10, y=1 - 0.06 / height)
     return figure
 
 

@@ -57,9 +57,8 @@ def find_contacts(
     for number, minimum in enumerate(result.minima, start=1):
         if not minimum.contacts or state not in (None, number):
             continue
-        margin = load_margin(
-            State(result.model, result.model.reduce(np.array(minimum.fold_angles))), check=check
-        )
+        model = result.model_of(minimum)
+        margin = load_margin(State(model, model.reduce(np.array(minimum.fold_angles))), check=check)
         if minimum.local_dimension == 0:
             why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
             margin = replace(margin, status="unbounded", norm=math.inf, reason=why)

@@ -219,7 +219,8 @@ def find_segments(
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []
     for number, minimum in enumerate(result.minima, start=1):
-        state = State(model, model.reduce(np.array(minimum.fold_angles)))
+        own = result.model_of(minimum)
+        state = State(own, own.reduce(np.array(minimum.fold_angles)))
         pinned = any(contact.multiplier_range[1] > 0 for contact in minimum.contacts)
         for held in _held(state, one_at_a_time=not pinned):
             known = _on_known(held, curves)

@@ -35,7 +35,7 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import BALANCED, BESIDE, SETTLED, STATIONARY, distinct
+from origami_nlp.numerics import BALANCED, BESIDE, SETTLED, STATIONARY, distinct, rank
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model, Programme
 
@@ -104,7 +104,7 @@ def find_critical_points(
     points += _interior_points(model, strata, doubts, all_links)
     points += _edge_points(model, strata, vertices, doubts, all_links)
     _warn_of_neighbours(model, points, vertices, doubts)
-    points.sort(key=lambda p: (round(p.energy / model.scale, 9), p.fold_angles))
+    points.sort(key=lambda p: rank(p.energy / model.scale, p.fold_angles))
     found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
     return found if minima is None else compare_minima(found, minima)
 

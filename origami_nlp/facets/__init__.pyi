@@ -8,7 +8,6 @@ from .crossings import (
 )
 from .equations import (
     MOST_DENSE as MOST_DENSE,
-    OutOfTime as OutOfTime,
     PatternEquations as PatternEquations,
 )
 from .faces import Faces as Faces, Lying as Lying
@@ -24,7 +23,7 @@ from .orders import Orders as Orders
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet
 from .stacks import Stack as Stack
-from .touches import Placed as Placed, Touch as Touch
+from .touches import Parallel as Parallel, Placed as Placed, Touch as Touch
 from .work import (
     DeadForce as DeadForce,
     Pull as Pull,

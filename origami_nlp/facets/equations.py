@@ -21,10 +21,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from origami_nlp.errors import OutOfTime
 from origami_nlp.facets.closure import Closure
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.features import Features
-from origami_nlp.numerics import RANK, ROUNDED, SYMMETRIC, Matrix, Normal, dense, null_space
+from origami_nlp.numerics import RANK, ROUNDED, SAME, SYMMETRIC, Matrix, Normal, dense, null_space
 from origami_nlp.pattern import Pattern
 
 MOST_DENSE = 400
@@ -35,10 +36,6 @@ FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
 LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
-
-
-class OutOfTime(Exception):
-    """The processor time that a search was given is over."""
 
 
 class PatternEquations:
@@ -58,7 +55,7 @@ class PatternEquations:
     scale
         Mean stiffness [N m/rad]: residuals of torques are over it.
     until
-        Time of `time.process_time` after which projections and factorisations raise `OutOfTime`; never by default.
+        Time of `time.monotonic` after which projections and factorisations raise `OutOfTime`; never by default.
     """
 
     def __init__(self, pattern: Pattern) -> None:
@@ -66,9 +63,18 @@ class PatternEquations:
         self.closure = Closure(pattern)
         self.crossings = Crossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
-        self.until = math.inf
+        self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._decomposed: tuple[bytes, np.ndarray, np.ndarray] | None = None
+
+    @property
+    def until(self) -> float:
+        """See above: one for a sheet and all that is made of it, under whatever load."""
+        return self._end[0]
+
+    @until.setter
+    def until(self, end: float) -> None:
+        self._end[0] = end
 
     @property
     def size(self) -> int:
@@ -78,7 +84,7 @@ class PatternEquations:
     def check_time(self) -> None:
         """Raise `OutOfTime` where the time is over: all that takes long goes through here every few milliseconds."""
         if (
-            self.until < math.inf and time.process_time() > self.until
+            self.until < math.inf and time.monotonic() > self.until
         ):  # which takes microseconds to ask
             raise OutOfTime
 
@@ -219,6 +225,17 @@ class PatternEquations:
         z = np.zeros((self.size, inside.shape[1]))
         z[free] = inside
         return z
+
+    def loose(self, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is known to less than `SAME`: beside one where closure loses rank.
+
+        At a smallest singular value s a residual of `ROUNDED` is a distance of ROUNDED / s, by which directions turn
+        by some ROUNDED / s^2, and with them the torque along what is free.
+        """
+        if self.size > MOST_DENSE:
+            return False
+        values = self._singular(phi)[0]
+        return bool((values[values > RANK] ** 2 < ROUNDED / SAME).any())
 
     def _singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Singular values of the Jacobian and all right vectors [n, n], in rows; the last ones are kept."""

@@ -114,7 +114,7 @@ class Faces:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._sheet, self._phi = sheet, phi
         self._told: dict[int, list[Touch]] = {}
-        self._stack, self._orders = Stack(sheet.crossings, phi), Orders(0, ())
+        self._stack, self._orders = Stack(sheet.crossings, phi, sheet.check_time), Orders(0, ())
         if not len(self._stack.pairs):
             return
         if len(self._stack.pairs) > MOST_PAIRS:

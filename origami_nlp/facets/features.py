@@ -245,9 +245,9 @@ class Features:
     def margin(self, touch: Touch, at: Placed) -> float:
         """Return how far inside each other features are, as a share of their size; below 0 they are not.
 
-        Their gap is the one that keeps facets apart as long as it is positive.  For a corner over a facet it is the way to
-        the border, for a side that starts on the facet's own corner the angle to its sides there, for two sides what is
-        left of either to its end, or the square of their sine less what `INSIDE` asks for.
+        Their gap is the one that keeps facets apart as long as it is positive.  For a corner over a facet it is the way
+        to the border, for a side that starts on the facet's own corner the angle to its sides there, for two sides what
+        is left of either to its end, or the square of their sine less what `INSIDE` asks for.
         """
         p = touch.points(at)
         if touch.type == "edge-edge":

@@ -14,11 +14,12 @@ from origami_nlp.programme import Contact, Local
 
 @dataclass(frozen=True, eq=False)
 class PatternLocal(Local):
-    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated when asked for."""
+    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated once, when asked."""
 
     placed: Callable[[np.ndarray], Placed]
     touch: Callable[[Contact], Touch]
     length: float
+    known: dict[Contact, tuple[float, np.ndarray]]
 
     def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
         """How far contacts are open (>= 0 where they are), [r], and the gradients of that, [r, n]."""
@@ -28,7 +29,11 @@ class PatternLocal(Local):
                 values[r] = math.pi - contact.side * self.x[contact.index]
                 slopes[r, contact.index] = -contact.side
             else:
-                touch, place = self.touch(contact), self.placed(self.x)
-                values[r] = touch.gap(place) / self.length
-                slopes[r] = touch.row(place) / self.length
+                if contact not in self.known:
+                    touch, place = self.touch(contact), self.placed(self.x)
+                    self.known[contact] = (
+                        touch.gap(place) / self.length,
+                        touch.row(place) / self.length,
+                    )
+                values[r], slopes[r] = self.known[contact]
         return values, slopes

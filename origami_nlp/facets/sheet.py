@@ -80,7 +80,7 @@ class Sheet(PatternEquations):
         self.multiplicity = np.ones(self.size, int)
         self._load = np.zeros(self.size)
         self._dead: Worked | None = None
-        self._touches: list[Touch] = []
+        self._touches: list[tuple[Touch, Touch]] = []
         self._numbers: dict[Touch, int] = {}
         self._seen: dict[str, tuple[bytes, Any]] = {}
 
@@ -177,8 +177,9 @@ class Sheet(PatternEquations):
         at = self.closure.turned(x)
         c, j = self.closure.values(x, at), self.closure.jacobian(x, at)
         none, size = np.zeros((0, self.size)), self.crossings.size
+        known: dict[Contact, tuple[float, np.ndarray]] = self.kept("gaps", x, dict)
         return PatternLocal(
-            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size
+            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size, known
         )
 
     def constraints(
@@ -243,12 +244,12 @@ class Sheet(PatternEquations):
         same = replace(touch, sign=1.0)
         number = self._numbers.setdefault(same, len(self._touches))
         if number == len(self._touches):
-            self._touches.append(same)
+            self._touches.append((same, replace(same, sign=-1.0)))
         return Contact("gap", number, 1 if touch.sign > 0 else -1)
 
     def touch(self, contact: Contact) -> Touch:
         """Return the touch of a contact."""
-        return replace(self._touches[contact.index], sign=float(contact.side))
+        return self._touches[contact.index][contact.side < 0]
 
     def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
         """Return what is asked for several times of one state."""
@@ -437,7 +438,7 @@ class Sheet(PatternEquations):
         return ContactWords(touch.type, (), (a, b), self.name(contact))
 
     def margin(self, contact: Contact, x: np.ndarray) -> float:
-        """How far inside each other the features of a contact are at a state, as a share of their size; see `Features`."""
+        """How far inside each other the features of a contact are at a state, over their size; see `Features`."""
         touch = None if contact.is_limit else self.touch(contact)
         if touch is None or isinstance(touch, Lying):
             return math.inf

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, TypeAlias
@@ -78,6 +78,8 @@ class Stack:
         The convex pieces of a pattern.
     phi
         Fold angles of a closed state in which no facets pierce each other [rad], [n].
+    check
+        Called every now and then: may raise to end what takes long.
 
     Attributes
     ----------
@@ -85,8 +87,10 @@ class Stack:
         Pieces that overlap, the smaller number first, [K, 2].
     """
 
-    def __init__(self, crossings: Crossings, phi: np.ndarray) -> None:
-        self.crossings, self.phi = crossings, phi
+    def __init__(
+        self, crossings: Crossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
+    ) -> None:
+        self.crossings, self.phi, self._check = crossings, phi, check
         self.near = THIN * crossings.size
         self.x = crossings.placed(phi)
         normal = cross(self.x - self.x[:, :1], np.roll(self.x, -1, axis=1) - self.x[:, :1])
@@ -248,6 +252,7 @@ class Stack:
         side = cross(self.normal[piece], along[edge])
         seen = set()
         for e, p, d in zip(edge.tolist(), piece.tolist(), side, strict=True):
+            self._check()
             reach = self._reach(p, b.start[e], along[e], d)
             if reach is None or min(reach[1], length[e]) - max(reach[0], 0.0) <= 10 * self.near:
                 continue

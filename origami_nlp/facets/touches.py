@@ -22,6 +22,13 @@ import numpy as np
 from origami_nlp.facets.poses import Poses
 from origami_nlp.numerics import cross
 
+PARALLEL = 1e-6
+"""Sine of the angle of two sides at which they have no common normal to speak of: slopes of gaps go as 1 / sine."""
+
+
+class Parallel(ArithmeticError):
+    """Two sides whose gap is asked for run along each other: there is none."""
+
 
 class Placed:
     """A pattern at a closed state in space.
@@ -111,12 +118,18 @@ class Touch:
         return at.points(np.array(owners), np.array(self.corners))
 
     def gap(self, at: Placed) -> float:
-        """Return the distance along the common normal, positive where facets are apart [unit of the corners]."""
+        """Return the distance along the common normal, positive where facets are apart [unit of the corners].
+
+        Raises
+        ------
+        Parallel
+            If two sides have no common normal; so do `slopes` and `bends`.
+        """
         p = self.points(at)
         if self.type != "edge-edge":
             normal, off = cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]
         else:
-            normal, off = cross(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
+            normal, off = _across(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
         return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
 
     def slopes(self, at: Placed) -> tuple[np.ndarray, np.ndarray]:
@@ -128,7 +141,7 @@ class Touch:
             arms = cross(c, p[0] - o)
             return creases, self.sign * arms @ (normal / np.linalg.norm(normal))
         u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
-        w = cross(u, v)
+        w = _across(u, v)
         d = float(np.linalg.norm(w))
         turned = cross(c, v)
         volume = float(r @ w)
@@ -145,7 +158,7 @@ class Touch:
             normal /= np.linalg.norm(normal)
             return self.sign * _mirrored(cross(normal, c) @ cross(c, p[0] - o).T)
         u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
-        w = cross(u, v)
+        w = _across(u, v)
         d, volume = float(np.linalg.norm(w)), float(r @ w)
         arms, turned = cross(c, p[2] - o), cross(c, v)
         across, base, beside = cross(u, turned), cross(r, u), cross(w, u)
@@ -164,6 +177,15 @@ class Touch:
         creases, slopes = self.slopes(at)
         out[creases] = slopes
         return out
+
+
+def _across(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Return the common normal u x v of two sides."""
+    w = cross(u, v)
+    if not np.linalg.norm(w) > PARALLEL * np.linalg.norm(u) * np.linalg.norm(v):
+        raise Parallel("two sides that face each other run along each other")
+    out: np.ndarray = w
+    return out
 
 
 def _mirrored(upper: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 import sys
 import tomllib
@@ -34,7 +35,7 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
     Returns
     -------
     bytes
-        What it holds.
+        What it holds, without a byte order mark, which some editors put before UTF-8.
 
     Raises
     ------
@@ -45,6 +46,8 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
     """
     check_path(f"source of the {what}", source)
     if str(source) == "-":
+        if sys.stdin is None:
+            raise error(f"cannot read {what} '-': standard input is closed")
         raw = sys.stdin.buffer.read(largest + 1)
     else:
         try:
@@ -57,7 +60,7 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
         raise error(
             f"{what} {str(source)!r} is larger than {largest // 10**6} MB: not a {what} file"
         )
-    return raw
+    return raw.removeprefix(codecs.BOM_UTF8)
 
 
 def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any]:

@@ -110,7 +110,7 @@ def check_writable(target: Target | None, option: str) -> None:
     Parameters
     ----------
     target
-        The file; None and ``"-"`` are always good.
+        The file; None is always good, and ``"-"`` where standard output is open.
     option
         How messages call it.
 
@@ -119,7 +119,11 @@ def check_writable(target: Target | None, option: str) -> None:
     OptionError
         If the target is a folder, its folder does not exist, or nothing can be written there.
     """
-    if target is None or os.fspath(target) == "-":
+    if target is None:
+        return
+    if os.fspath(target) == "-":
+        if sys.stdout is None:
+            raise OptionError(f"{option} = '-' cannot be written: standard output is closed")
         return
     with _named(target, option):
         descriptor = _descriptor(target)

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics import TOUCHES, cross
+from origami_nlp.numerics import TOUCHES, cross, first_largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ def find_crossings(
     ends = _ends(_pairs(pairs), n)
     table, v = ends[0], _off_planes(rays, *ends)
     a_row = _is_row(table, n) if real is None else real
-    nearest = np.where(a_row, np.abs(v), np.inf).argmin(axis=-1)  # [K, P]
+    nearest = first_largest(np.where(a_row, -np.abs(v), -np.inf))  # [K, P]
     at = np.arange(len(table))
     row = np.where(a_row.any(axis=-1, keepdims=True), table[at, nearest], -1)
     value = _SIGNS[nearest] * np.take_along_axis(v, nearest[..., None], axis=-1)[..., 0]

@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.crossings import depths_at, facet_heights
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import TOUCHES, cross, quaternion as quat
+from origami_nlp.numerics import TOUCHES, cross, first_largest, quaternion as quat
 from origami_nlp.pattern import Vertex
 
 LARGEST_TOLERANCE = 0.01
@@ -221,7 +221,7 @@ def examine(
         return bad("closes with q = -1: not a sheet of paper")
     over = np.abs(phi) - math.pi
     if over.max() > tolerance:
-        crease = int(over.argmax()) + 1
+        crease = int(first_largest(over)) + 1
         return bad(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
@@ -229,7 +229,7 @@ def examine(
     pairs, heights = _not_adjacent(n), facet_heights(creases)
     depth = depths_at(heights, pairs)
     if depth.max(initial=0.0) > tolerance:
-        m = int(depth.argmax())
+        m = int(first_largest(depth))
         i, j = pairs[m]
         return bad(f"facets {i + 1} and {j + 1} cross, {depth[m]:.1e} deep")
     if np.abs(heights[_not_ends(n)]).min(initial=math.inf) > 2 * tolerance:

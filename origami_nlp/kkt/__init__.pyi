@@ -6,7 +6,26 @@ from .classification import (
     classify as classify,
     of_image as of_image,
 )
-from .descent import Followed as Followed, follow as follow
+from .descent import (
+    Followed as Followed,
+    follow as follow,
+    polished_nearby as polished_nearby,
+)
+from .escape import (
+    ALONE as ALONE,
+    BOUND as BOUND,
+    FLOOR as FLOOR,
+    OPEN as OPEN,
+    TRACED as TRACED,
+    TREE as TREE,
+    Escape as Escape,
+    Terrain as Terrain,
+    barriers as barriers,
+    energy_scale as energy_scale,
+    level_of as level_of,
+    rounded_up as rounded_up,
+    ways_out as ways_out,
+)
 from .forces import ContactForce as ContactForce, contact_forces as contact_forces
 from .large import smallest_curvature as smallest_curvature
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
@@ -31,6 +50,7 @@ from .state import State as State, Stratum as Stratum
 from .stationarity import distance_from_stationary as distance_from_stationary
 from .tangent_cone import (
     TangentCone as TangentCone,
+    by_known as by_known,
     combine as combine,
     loop_modes as loop_modes,
     tangent_cone as tangent_cone,

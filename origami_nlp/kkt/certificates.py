@@ -31,6 +31,7 @@ BY_CURVES = "flat: the energy is level along every curve of states that leaves, 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 SLIDES = "facets face to face press at borders alone, where they may slide off"
 
+NO_MODES = np.zeros((0, 0))
 MANY_ROWS = 12
 """Contacts above which a direction that opens all at once is looked for first."""
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
@@ -52,6 +53,7 @@ class BranchJudgement:
     relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
     more: further directions [n] along which the energy falls, or curves down.
+    modes: unit eigenvectors of `eigenvalues`, [n, e], in the metric.
     """
 
     verdict: Verdict
@@ -65,6 +67,7 @@ class BranchJudgement:
     cone_dimension: int
     tangent: np.ndarray | None
     held: tuple[Contact, ...]
+    modes: np.ndarray
     more: tuple[np.ndarray, ...] = ()
 
 
@@ -93,9 +96,9 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()
 
-    def say(
-        verdict: Verdict, why: str, level: int, eig=(), direction=None, more=()
-    ) -> BranchJudgement:  # type: ignore[no-untyped-def]
+    def say(  # type: ignore[no-untyped-def]
+        verdict: Verdict, why: str, level: int, eig=(), direction=None, more=(), modes=NO_MODES
+    ) -> BranchJudgement:
         return BranchJudgement(
             verdict,
             why,
@@ -108,6 +111,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
             dimension,
             tangent,
             held,
+            modes,
             tuple(d / root for d in more),
         )
 
@@ -133,7 +137,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
-    shifted = y.T @ _shifts(state) @ y
+    shifted = _shifts(state, y)
     for mu in multipliers.vertices:
         lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
         h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
@@ -149,13 +153,18 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
             why = "regular contact: " if rows else "regular interior: "
             where = "on the critical cone" if rows else "on the tangent space"
             return say(
-                "minimum", why + f"Hessian positive definite {where}", 2 if rows else 1, values
+                "minimum",
+                why + f"Hessian positive definite {where}",
+                2 if rows else 1,
+                values,
+                modes=vectors,
             )
         return say(
             "minimum",
             "second order: a multiplier of the set makes the Hessian positive definite",
             4,
             values,
+            modes=vectors,
         )
     weak = a[~loaded]
     for column in range(vectors.shape[1]):
@@ -229,13 +238,13 @@ def _descent(z: np.ndarray, a: np.ndarray, gradient: np.ndarray) -> np.ndarray:
     return z @ nearest_in_cone(-z.T @ gradient, a @ z)
 
 
-def _shifts(state: State) -> np.ndarray:
-    """Return what other multipliers of closure add to a Hessian on its kernel, [k, t, t]; the first adds nothing.
+def _shifts(state: State, y: np.ndarray) -> np.ndarray:
+    """Return what other multipliers of closure add to a Hessian on part of its kernel [., t], [k, t, t]; the first adds
+    nothing.
 
     Where J loses rank they are tried along each direction of its left kernel.
     """
-    t = state.kernel.shape[1]
+    t = y.shape[1]
     sizes = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
-    return np.concatenate(
-        [np.zeros((1, t, t)), *(-sizes[:, None, None] * q for q in state.second_order)]
-    )
+    forms = (y.T @ q @ y for q in state.second_order)
+    return np.concatenate([np.zeros((1, t, t)), *(-sizes[:, None, None] * q for q in forms)])

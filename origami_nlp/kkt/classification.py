@@ -17,7 +17,7 @@ from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere,
 from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, LEVEL, SAME, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import CLOSES, LEVEL, SAME, SETTLED, STATIONARY, UNPOLISHED
 from origami_nlp.programme import Programme
 
 AT_REST = CLOSES**2
@@ -52,6 +52,9 @@ class Classification(Brief):
         For a saddle, a unit direction of descent [n] in the model's variables.
     lower
         A lower admissible state [n] that was found beside it; None where none was, or was needed.
+    mode
+        Of a minimum, the unit eigenvector (in the metric of all fold angles) of the smallest of `eigenvalues`, as a
+        direction [n] in the model's variables, its largest entry positive; None where it is not one.
     """
 
     verdict: str
@@ -63,6 +66,7 @@ class Classification(Brief):
     stationarity: float = math.nan
     descent: np.ndarray | None = None
     lower: np.ndarray | None = None
+    mode: np.ndarray | None = None
 
 
 def classify(state: State, *, polished: bool = True) -> Classification:
@@ -125,14 +129,12 @@ def _decide(state: State, accuracy: float) -> Classification:
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if choices is None or len(choices) > 1 or not contacts.complete:
+    if contacts.complete and (relaxed or len(choices) > 1):
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
             lower = follow_descent(state, whole)
             if lower is not None:
                 return _refuted(lower)
-        elif not contacts.complete:
-            return _of_larger(state, [whole])
     if not contacts.complete:
         judged, failed = judge_by_splitting(state, accuracy)
         if isinstance(judged, Lower):
@@ -188,7 +190,18 @@ def _decide(state: State, accuracy: float) -> Classification:
         tuple((model.scale * decisive[0].eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
         math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
+        mode=_softest_mode(decisive[0], model.root),
     )
+
+
+def _softest_mode(branch: BranchJudgement, root: np.ndarray) -> np.ndarray | None:
+    """Return the mode of the smallest eigenvalue, where it is alone: of two that agree, rounding would turn it."""
+    values = branch.eigenvalues
+    if not branch.modes.size or (len(values) > 1 and values[1] - values[0] <= SETTLED * values[-1]):
+        return None
+    mode: np.ndarray = branch.modes[:, 0]
+    large = np.flatnonzero(np.abs(mode) >= (1 - SETTLED) * np.abs(mode).max())
+    return mode * math.copysign(1.0, mode[large[0]]) / root
 
 
 def _decide_large(state: State) -> Classification:
@@ -264,7 +277,8 @@ def of_image(state: State, what: Classification) -> Classification:
     """
     base = judge_branch(state.on(state.contacts.base), STATIONARY)
     reason = f"image of a certified state under a symmetry of the scene: {what.reason}"
-    return replace(what, reason=reason, contacts=forces_of(state, base), descent=None)
+    forces = forces_of(state, base)
+    return replace(what, reason=reason, contacts=forces, descent=None, mode=None)
 
 
 def _refuted(lower: Lower) -> Classification:

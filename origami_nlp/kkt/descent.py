@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbours import search_spheres
-from origami_nlp.kkt.polishing import Solve, exact_beside, polish
+from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, polish
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
@@ -43,6 +44,7 @@ SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
+STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
 DECREASE = 1e-4
 """Share of the decrease to first order that a step must bring (Armijo's rule)."""
 RISE = 1e-7
@@ -64,9 +66,14 @@ class Followed:
 
 
 def follow(
-    model: Programme, start: np.ndarray, *, most_steps: int = 2000, most_rescues: int = 12
+    model: Programme,
+    start: np.ndarray,
+    *,
+    most_steps: int = 2000,
+    most_rescues: int = 12,
+    until: Callable[[np.ndarray], bool] | None = None,
 ) -> Followed:
-    """Follow the state `start` [n] downhill.
+    """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -84,6 +91,9 @@ def follow(
     length = LONGEST
     rescues = 0
     while len(states) < most_steps:
+        if until is not None and until(x):
+            path = np.array(states)
+            return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
         moved = _step(State(model, x, NEAR), length)
         if moved is not None:
@@ -91,7 +101,7 @@ def follow(
             states.append(x)
             length = min(LONGEST, 2 * taken)
             continue
-        end = _polish_nearby(model, x)
+        end = _level_with(model, x)
         what = classify(State(model, x if end is None else end), polished=end is not None)
         if what.verdict == "minimum" or rescues == most_rescues:
             break
@@ -102,7 +112,7 @@ def follow(
         x, length = lower, LONGEST
         states.append(x)
     else:
-        end = _polish_nearby(model, x)
+        end = _level_with(model, x)
         what = classify(State(model, x if end is None else end), polished=end is not None)
     path = _strictly_decreasing(model, states, x if end is None else end)
     energies = model.energy(path[0]) + np.array([model.energy_change(path[0], y) for y in path])
@@ -199,9 +209,33 @@ def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
     )
 
 
-def _polish_nearby(model: Programme, x: np.ndarray) -> np.ndarray | None:
-    """Polish x if that stays close to it."""
-    state = State(model, x, NEAR_CONTACT)
+def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:
+    """Polish the end of a path: it may stand a contact tolerance inside a closed contact, so a little lower."""
+    most = RISE * max(model.energy(x), model.scale)
+    ends = (p.x for p in polished_nearby(model, x) if model.energy_change(x, p.x) <= most)
+    return next(ends, None)
+
+
+def polished_nearby(
+    model: Programme, x: np.ndarray, tolerance: float = NEAR_CONTACT
+) -> Iterator[Polished]:
+    """Return stationary states that Newton reaches within `BESIDE` of x [n], contacts that are closed there held first.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    x
+        A state, shape [n] [rad].
+    tolerance
+        Opening [rad] up to which a contact counts as closed.
+
+    Returns
+    -------
+    iterator of Polished
+        One for each set of closed contacts from which Newton converges.
+    """
+    state = State(model, x, tolerance)
     pull = np.zeros(model.size)
     for contact in state.contacts.base:
         if contact.is_limit:
@@ -212,9 +246,5 @@ def _polish_nearby(model: Programme, x: np.ndarray) -> np.ndarray | None:
         done = polish(model, answer, guess)
         if not done.converged:
             done = exact_beside(model, done)
-        close = np.abs(done.x - x).max() <= BESIDE
-        # the path may stand a contact tolerance inside a closed contact, so a little below the exact state
-        lower = model.energy_change(x, done.x) <= RISE * max(model.energy(x), model.scale)
-        if done.converged and close and lower:
-            return done.x
-    return None
+        if done.converged and np.abs(done.x - x).max() <= BESIDE:
+            yield done

@@ -43,5 +43,5 @@ def _met_once(state: State, d: np.ndarray) -> bool:
             return False
         values = np.linalg.svd(p.closure(x)[1] / p.root, compute_uv=False)
         across = len(x) - 2  # of all directions but the one along the curve the weakest
-        held.append(float(values[across]) if len(values) > across else 0.0)
+        held.append(float(values[across]) if 0 <= across < len(values) else 0.0)
     return held[1] > RANK and held[0] < 3 * held[1]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import RANK, TOUCHES
+from origami_nlp.numerics import CLOSES, RANK, TOUCHES
 from origami_nlp.pattern import Scene
 
 
@@ -70,5 +70,6 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:
         return None
     m = np.linalg.lstsq(c / root[:, None], t / root, rcond=None)[0]
-    x, y, z = m.tolist()
+    # what closing to `CLOSES` leaves of a component is 0
+    x, y, z = np.where(np.abs(m) <= CLOSES * stiffness[free].max(), 0.0, m).tolist()
     return PassingMoment((x, y, z), float(np.abs(t - c @ m).max()))

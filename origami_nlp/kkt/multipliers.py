@@ -116,7 +116,7 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
         return Multipliers(residual, True, clipped)
     # dependent rows: keep the part of the equations that is more than rounding
     basis, rows = u[:, :rank], vt[:rank]
-    missed = float(np.abs(c - basis @ (basis.T @ c)).max())
+    missed = float(np.abs(c - basis @ (basis.T @ c)).max(initial=0.0))
     b, c = basis.T @ b, basis.T @ c
     found = nonnegative_least_squares(b, c)
     residual = max(missed, float(np.abs(b @ found - c).max(initial=0.0)))

@@ -27,6 +27,7 @@ from origami_nlp.numerics import (
     STATIONARY,
     SUMMED,
     UNPOLISHED,
+    first_largest,
 )
 from origami_nlp.programme import Contact, Local, Programme, fold_limit, held
 
@@ -169,7 +170,7 @@ def _repair(
             rows = tuple(dict.fromkeys((*key, *violated)))
         elif len(multipliers) and multipliers.min() < -ROUNDED * max(1, np.abs(multipliers).max()):
             # it pulls, however little it would open
-            drop = int(multipliers.argmin())
+            drop = int(first_largest(-multipliers))
             rows = key[:drop] + key[drop + 1 :]
         else:
             return result, result.converged
@@ -310,8 +311,12 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
 def _closed_exactly(model: Programme, x: np.ndarray) -> np.ndarray:
     """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds).
 
-    A crease that contacts force shut is known to the rounding of these over their levers: beyond the limit it is at it.
+    A crease that contacts force shut is known to the rounding of these over their levers: beyond the limit it is at it
+    where the state closes there as well; elsewhere it stays beyond, for the active set to see.
     """
     shut = np.abs(np.abs(x) - math.pi) <= 9 * EPS
     y = np.where(shut, np.copysign(math.pi, x), x)
-    return np.clip(y, -math.pi, math.pi) if model.has_limits else y
+    at_limits = np.clip(y, -math.pi, math.pi)
+    if not model.has_limits or (at_limits == y).all():
+        return y
+    return at_limits if np.abs(model.closure(at_limits)[0]).max() <= CLOSES else y

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -24,6 +25,7 @@ def project(
     frozen: np.ndarray | None = None,
     steps: int = 30,
     dependent: float = UNRESOLVED,
+    stalls: float = math.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Move states onto closure with contacts held, by steps of smallest length in the metric of all fold angles.
 
@@ -37,6 +39,9 @@ def project(
         Entries of x that stay as they are, same shape as x.
     dependent
         Singular values below this share of the largest are left out.
+    stalls
+        One state is given up where steps, from the second on, leave more than this share of the residual: constraints
+        that cannot be met together.
 
     Returns
     -------
@@ -49,11 +54,13 @@ def project(
     root = programme.root
     if x.ndim == 1:
         still = ~frozen if frozen is not None else None
+        before = math.inf
         for step in range(steps + 1):
             f, jac = programme.constraints(x, contacts)
             residual = np.abs(f).max(initial=0.0)
-            if residual <= ROUNDED or step == steps:
+            if residual <= ROUNDED or step == steps or (step > 1 and residual > stalls * before):
                 break
+            before = residual
             jac = jac / root if still is None else jac / root * still
             move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
             x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), 1e-300)) / root)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,8 @@ DRAWN, DOWN = 8, 1e-3
 """Directions of descent that are drawn there, and their slope over the steepest one that closure allows."""
 MOST_PASSED, MOST_STEPS = 6, 6
 """Rounds in which contacts that a step has passed are closed, and steps of each projection: Newton needs five."""
+STALLS = 0.5
+"""Share of a residual that Newton leaves at most: a quarter beside a singular state, next to nothing elsewhere."""
 BATCH, MOST_LEVEL = 8, 128
 """Directions that are followed together, and in all."""
 
@@ -41,10 +43,17 @@ class Lower:
         return f"an admissible state {self.step:g} rad away is lower by {self.gain:.2e}"
 
 
-def follow_descent(state: State, branch: BranchJudgement) -> Lower | None:
-    """Step along the directions of descent of a piece that were found, and where pieces are too large along others."""
+def follow_descent(
+    state: State,
+    branch: BranchJudgement,
+    open_along: Callable[[np.ndarray], bool] = lambda d: True,
+) -> Lower | None:
+    """Step along the directions of descent of a piece that were found, and where pieces are too large along others.
+
+    Of these only those are tried along which states are open as far as is known.
+    """
     exact = state.contacts.complete
-    aside = () if exact else _aside(state.on(branch.rows), branch)
+    aside = () if exact else filter(open_along, _aside(state.on(branch.rows), branch))
     for d in (branch.direction, *branch.more, *aside):
         if d is None or not np.abs(d).max() > 0:
             continue
@@ -66,8 +75,13 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Lower 
     noise = LEVEL * max(model.energy(x), model.scale)
     for step in FAR:
         model.check_time()
-        y, residual = _put_back(state, x + step * d, branch)
-        if residual > FOLLOWED or not 0.1 * step < np.linalg.norm(y - x) < 3 * step:
+        try:
+            y, residual = _put_back(state, x + step * d, branch)
+        except ArithmeticError:
+            return None  # sides of facets that run along each other have no gap
+        if residual > FOLLOWED:
+            return None  # what cannot be closed together misses by more further out
+        if not 0.1 * step < np.linalg.norm(y - x) < 3 * step:
             continue
         if model.refuses(y):
             return None  # what lies further that way would be reached through facets
@@ -80,15 +94,15 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Lower 
 def _put_back(state: State, start: np.ndarray, branch: BranchJudgement) -> tuple[np.ndarray, float]:
     """Project a state [n] with what the piece holds, and the contacts that it passes then: where, and the residual."""
     model, held = state.programme, branch.held
-    y, residual = project(model, start, held, steps=MOST_STEPS)
+    y, residual = project(model, start, held, steps=MOST_STEPS, stalls=STALLS)
     for _ in range(MOST_PASSED):
         openings = model.local(y).openings(branch.rows)[0]
         passed = [c for c, gap in zip(branch.rows, openings, strict=True) if gap < -ROUNDED]
         passed = [c for c in (*passed, *model.beyond(y, ROUNDED)) if c not in held]
-        if not passed:
+        if not passed or residual > FOLLOWED:
             break
         held = tuple(dict.fromkeys((*held, *passed)))
-        y, residual = project(model, start, held, steps=MOST_STEPS)
+        y, residual = project(model, start, held, steps=MOST_STEPS, stalls=STALLS)
     return y, float(residual)
 
 

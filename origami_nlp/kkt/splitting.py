@@ -30,6 +30,7 @@ def judge_by_splitting(
     choices = _Choices(state)
     pending = [state.contacts.base]
     while pending:
+        state.programme.check_time()
         rows = pending.pop()
         b = judge_branch(state.on(rows), accuracy)
         if b.verdict == "minimum":
@@ -39,8 +40,10 @@ def judge_by_splitting(
         passed = [
             k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
         ]
-        if not passed and rows != state.contacts.base and _is_new(b.direction, tried):
-            lower = follow_descent(state, b)
+        known = state.contacts.complete and rows == state.contacts.base  # was followed before
+        if not passed and not known and _is_new(b.direction, tried):
+            # what passes a choice leads through facets
+            lower = follow_descent(state, b, lambda d, free=free: not choices.passed(free, d))  # type: ignore[misc]
             if lower is not None:
                 return lower, []
         if not free or len(good) + len(failed) + len(pending) > MOST_SETS:

@@ -81,9 +81,9 @@ def flat_foldings(model: Programme) -> list[np.ndarray]:
     many variables.
     """
     n = model.size
-    if not model.has_limits or n > MOST_FLAT_VARIABLES:
-        return [np.zeros(n)]
-    x = math.pi * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=n)))
+    few = model.has_limits and n <= MOST_FLAT_VARIABLES
+    places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
+    x = math.pi * np.array(list(places))
     closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSES
     return [state for state in x[closed] if model.on_sheet(state)]
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from itertools import takewhile
 
 import numpy as np
@@ -32,6 +33,8 @@ from origami_nlp.programme import LoopClosure
 
 MOST_CHOICES = 10_000
 """Choices of subspaces at some loops that are carried on to the others."""
+MOST_NUMBERS = 20_000_000
+"""Of the bases of these choices: 160 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,24 +170,44 @@ def combine(
     TangentCone
         What is left of each choice, and lies in no other.
     """
-    level = [np.eye(n)]
-    for v in _order(variables):
+    place: dict[int, int] = {}
+    level = [
+        np.zeros((0, 0))
+    ]  # bases in the variables that were met, in this order: the others are free
+    for v in by_known(variables):
+        new = [c for c in variables[v].tolist() if c not in place]
+        place.update(zip(new, range(len(place), n), strict=False))
+        rows = [place[c] for c in variables[v].tolist()]
         after = []
         for basis in level:
             check()
-            here = basis[variables[v]]
+            wide = _widened(basis, len(new))
+            here = wide[rows]
             for mode in modes[v]:
                 outside = here - mode @ (mode.T @ here)
-                left = basis if np.abs(outside).max() < RANK else basis @ null_space(outside, RANK)
-                if left.shape[1]:
-                    after.append(left)
-        level = _largest(after)
-        if len(level) > MOST_CHOICES:
-            reason = f"more than {MOST_CHOICES:,} choices of modes stay open"
+                if np.abs(outside).max(initial=0.0) < RANK:
+                    after.append(wide)
+                else:
+                    after.append(wide @ null_space(outside, RANK))
+        level = _largest(after, check)
+        if len(level) > MOST_CHOICES or sum(b.size for b in level) > MOST_NUMBERS:
+            most = f"more than {MOST_CHOICES:,}" if len(level) > MOST_CHOICES else "too many"
+            reason = f"{most} choices of modes stay open"
             return TangentCone(np.zeros((0, n)), (), reason, split)
+    rest = [c for c in range(n) if c not in place]
+    back = np.argsort([*place, *rest])
+    level = [_widened(b, len(rest))[back] for b in level]
     lines = [b[:, 0] / np.linalg.norm(b) for b in level if b.shape[1] == 1]
     families = tuple(b for b in level if b.shape[1] > 1)
     return TangentCone(np.array(lines).reshape(-1, n), families, "", split)
+
+
+def _widened(basis: np.ndarray, more: int) -> np.ndarray:
+    """Return a basis [k, t] with so many further rows that are free, [k + more, t + more]."""
+    (k, t) = basis.shape
+    wide = np.zeros((k + more, t + more))
+    wide[:k, :t], wide[k:, t:] = basis, np.eye(more)
+    return wide
 
 
 def loop_modes(loop: LoopClosure) -> list[np.ndarray] | None:
@@ -227,22 +250,36 @@ def _split(form: np.ndarray, basis: np.ndarray) -> list[np.ndarray] | None:
     return [basis @ np.column_stack([still, line]) for line in lines]
 
 
-def _order(variables: Sequence[np.ndarray]) -> list[int]:
-    """Order the loops so that each shares as many variables as can be with those before it."""
+def by_known(variables: Sequence[np.ndarray], cost: Sequence[int] | None = None) -> Iterator[int]:
+    """Go through loops so that each shares as many variables as can be with those before it, then by a cost."""
     sets = [set(map(int, v)) for v in variables]
-    left, known, order = list(range(len(sets))), set[int](), []
-    while left:
-        best = max(left, key=lambda v: (len(known & sets[v]), -v))
-        left.remove(best)
-        order.append(best)
-        known |= sets[best]
-    return order
+    around: dict[int, list[int]] = {}
+    for v, loop in enumerate(sets):
+        for c in loop:
+            around.setdefault(c, []).append(v)
+    shared = [0] * len(sets)
+    waiting = [(0, cost[v] if cost else 0, v) for v in range(len(sets))]
+    heapify(waiting)
+    gone: set[int] = set()
+    known: set[int] = set()
+    while waiting:
+        many, _, v = heappop(waiting)
+        if v in gone or -many != shared[v]:
+            continue  # a later entry has what it shares now
+        gone.add(v)
+        yield v
+        for c in sets[v] - known:
+            known.add(c)
+            for w in around[c]:
+                shared[w] += 1
+                heappush(waiting, (-shared[w], cost[w] if cost else 0, w))
 
 
-def _largest(subspaces: list[np.ndarray]) -> list[np.ndarray]:
+def _largest(subspaces: list[np.ndarray], check: Callable[[], None]) -> list[np.ndarray]:
     """Keep the subspaces that lie in no other, once: what lies in another leads to nothing else."""
     kept: list[np.ndarray] = []
-    for k in sorted({b.shape[1] for b in subspaces}, reverse=True):
+    for k in sorted({b.shape[1] for b in subspaces if b.shape[1]}, reverse=True):
+        check()
         new = [
             b
             for b in subspaces
@@ -250,7 +287,7 @@ def _largest(subspaces: list[np.ndarray]) -> list[np.ndarray]:
             and all(np.abs(b - c @ (c.T @ b)).max() >= SAME_DIRECTION for c in kept)
         ]
         kept += _distinct(new) if new else []
-    return kept
+    return kept or subspaces[:1]
 
 
 def _distinct(subspaces: list[np.ndarray]) -> list[np.ndarray]:

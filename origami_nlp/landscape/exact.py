@@ -230,7 +230,11 @@ def find_landscape(
         check_type("boundary", boundary, Boundary)
     scene = result.scene
     chart = landscape(scene, size)
-    places = tuple(chart.place(m.fold_angles) for m in result.minima) if chart.branches else ()
+    places = (
+        tuple(chart.place(m.fold_angles, m.winding) for m in result.minima)
+        if chart.branches
+        else ()
+    )
     if chart.kind != "area" or scene.contact != "full":
         return ExactLandscape(result, chart, None, (), places, ())
     boundary = boundary or trace_boundary(scene)

@@ -162,5 +162,7 @@ def _notes(exact: ExactLandscape) -> list[str]:
         notes.append(f"{missed} boundary points of the grid lie on no line: some are not drawn.")
     beyond = [str(k) for k, p in enumerate(exact.places, start=1) if not p.drawn]
     if beyond:
-        notes.append(f"Not drawn ({', '.join(beyond)}): facets have passed through each other.")
+        notes.append(
+            f"Not drawn ({', '.join(beyond)}): facets have passed through each other, or another winding."
+        )
     return [label_text(note) for note in notes]

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -16,7 +17,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
-from origami_nlp.minima import find_minima, full_scene
+from origami_nlp.minima import Minimum, find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
 from origami_nlp.pattern import Scene, dead_loads, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model, Parameters
@@ -26,6 +27,30 @@ STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Such that curves look smooth."""
 SIDE = 0.01
 """Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
+
+
+@dataclass(eq=False)
+class Search:
+    """Searches for stable states with what is left of the time.
+
+    Attributes
+    ----------
+    options
+        Of `find_minima` or `find_states`.
+    until
+        Value of `time.monotonic` at which the time is over.
+    cut
+        Whether the last one ended for it.
+    """
+
+    options: dict[str, Any]
+    until: float
+    cut: bool = False
+
+    @property
+    def left(self) -> float | None:
+        """Seconds that are left; None without end."""
+        return None if self.until == math.inf else max(self.until - time.monotonic(), 0.0)
 
 
 class Driver(Protocol):
@@ -55,15 +80,17 @@ class Driver(Protocol):
     @property
     def unloaded(self) -> Any: ...  # noqa: D102
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
-    def line(self) -> ParameterLine: ...  # noqa: D102
+    def line(self, until: float = math.inf) -> ParameterLine: ...  # noqa: D102
     def full_line(self) -> ParameterLine | None: ...  # noqa: D102
     def steps(self, steps: Steps | None) -> Steps: ...  # noqa: D102
-    def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]: ...  # noqa: D102
+    def begin(  # noqa: D102
+        self, state: Any, search: Search
+    ) -> tuple[Driver, int, np.ndarray]: ...
     def down(  # noqa: D102
         self, line: ParameterLine, s: float, node: Node, near: float
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
-    def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray] | None: ...  # noqa: D102
+    def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
     def to_dict(self) -> dict[str, Any]: ...  # noqa: D102
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
     def poser(self) -> Poser: ...  # noqa: D102
@@ -180,8 +207,8 @@ class VertexDriver:
         """What is loaded."""
         return self.scene.label or repr(self.scene.vertex)
 
-    def line(self) -> ParameterLine:
-        """Return the programmes of the scene over t."""
+    def line(self, until: float = math.inf) -> ParameterLine:
+        """Return the programmes of the scene over t; until: of no use here."""
         return self._line(self.scene)
 
     def full_line(self) -> ParameterLine | None:
@@ -216,19 +243,30 @@ class VertexDriver:
         """Return the steps of the tracer."""
         return steps or STEPS
 
-    def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]:
-        """Return the number of the minimum that is loaded, and its variables."""
-        result = find_minima(self.scene_at(0.0), prove=False, **search)
-        if not result.minima:
+    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+        """Return the driver, the number of the minimum that is loaded, and its variables.
+
+        The path keeps the winding of its first state.
+        """
+        minima = self._minima(0.0, search)
+        if not minima:
             raise OptionError("no minimum was found at load 0")
-        check_whole("state", state, 1, len(result.minima))
-        found = np.array(result.minima[state - 1].fold_angles)
-        return state, Model(self.scene).reduce(found)
+        check_whole("state", state, 1, len(minima))
+        start, driver = minima[state - 1], self
+        if len(self.scene.windings) > 1:
+            driver = replace(self, scene=replace(self.scene, winding=start.winding))
+        return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
+
+    def _minima(self, t: float, search: Search) -> Sequence[Minimum]:
+        more = {"prove": False, "escape": False, "seconds": search.left}
+        result = find_minima(self.scene_at(t), **more, **search.options)
+        search.cut = result.search.stopped_by == "time"
+        return result.minima
 
     def down(
         self, line: ParameterLine, s: float, node: Node, near: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why there is none."""
+        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why not."""
         try:
             end = follow(line.at(s), node.point[:-1])
         except ValueError as why:
@@ -241,10 +279,9 @@ class VertexDriver:
         """Return the distance between a snap at t and the searches beside it."""
         return SIDE * (Model(self.scene).scale if self.crease else abs(t))
 
-    def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray]:
+    def states_at(self, t: float, search: Search) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
-        result = find_minima(self.scene_at(t), prove=False, **search)
-        return [np.array(m.fold_angles) for m in result.minima]
+        return [np.array(m.fold_angles) for m in self._minima(t, search)]
 
     def to_dict(self) -> dict[str, Any]:
         """Return what is loaded as plain data; see `read_driver`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,10 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole, shown
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.facets import Work
 from origami_nlp.kkt import State, classify
-from origami_nlp.loading.driver import Driver, VertexDriver
+from origami_nlp.loading.driver import Driver, Search, VertexDriver
 from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
@@ -25,6 +26,8 @@ from origami_nlp.path import Equilibrium, EquilibriumCurve, Steps, Web, is_equil
 from origami_nlp.pattern import Pattern, Scene, as_pattern
 from origami_nlp.sheets import SheetState
 
+SECONDS = 300.0
+"""For a path and its searches, of wall time."""
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
@@ -43,6 +46,7 @@ def load_path(
     max_starts: int = 100_000,
     starts: int = 40,
     steps: Steps | None = None,
+    seconds: float = SECONDS,
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
@@ -75,6 +79,9 @@ def load_path(
         Of the searches of patterns, see `find_states`.
     steps
         Of the tracer; of a pattern lengths are root mean squares over creases.
+    seconds
+        Wall time for all of it, give or take a second or two: what was followed by then is kept, and what was left
+        out is named.
 
     Returns
     -------
@@ -84,7 +91,7 @@ def load_path(
     Raises
     ------
     OptionError
-        If an argument is not what it must be, or there is no such stable state.
+        If an argument is not what it must be, there is no such stable state, or the time was over before it began.
 
     Examples
     --------
@@ -97,27 +104,37 @@ def load_path(
     [0.05]
     """
     driver: Driver
-    search: dict[str, Any]
+    options: dict[str, Any]
     if isinstance(what, Scene):
         driver = VertexDriver(what, load)  # type: ignore[arg-type]
-        search = {"effort": effort, "seed": seed, "max_starts": max_starts}
+        options = {"effort": effort, "seed": seed, "max_starts": max_starts}
     else:
         driver = PatternDriver(work_on(as_pattern(what), load))
-        search = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
+        options = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
     for name, flag in (("back", back), ("confirm", confirm), ("full_space", full_space)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    number, x = driver.begin(state, search)
-    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps)
-    for end in ends:
-        arrived = job.go(x, 0.0, end, once=to == "snap")
-        if back and arrived is not None:
-            job.between(0.0, end)
-            job.go(*arrived, 0.0, once=False)
-            job.between(*ends)
+    search = Search(options, time.monotonic() + check_number("seconds", seconds, 0.0))
+    driver, number, x = driver.begin(state, search)
+    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps, search.until)
+    try:
+        for end in ends:
+            arrived = job.go(x, 0.0, end, once=to == "snap")
+            if back and arrived is not None:
+                job.between(0.0, end)
+                job.go(*arrived, 0.0, once=False)
+                job.between(*ends)
+    except OutOfTime:
+        if not job.ways:
+            raise OptionError(
+                f"seconds = {seconds:g}: the time was over before a leg of the path was followed: give more"
+            ) from None
+        job.alarms.append(
+            f"ended for time, {seconds:g} s: the path goes on from where it ends here"
+        )
     return job.path(number, search if confirm else None)
 
 
@@ -125,7 +142,13 @@ class _Job:
     """One load path while it is followed."""
 
     def __init__(
-        self, driver: Driver, low: float, high: float, full_space: bool, steps: Steps | None
+        self,
+        driver: Driver,
+        low: float,
+        high: float,
+        full_space: bool,
+        steps: Steps | None,
+        until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
         self.over = Over(driver.name, low, high, driver.unit, False)
@@ -133,13 +156,14 @@ class _Job:
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
         self.web = Web(
-            driver.line(),
+            driver.line(until),
             low,
             high,
             steps=driver.steps(steps),
             functions=functions,
             lazy=driver.lazy,
         )
+        self.web.tally.until = until
         self.ways: list[tuple[Way, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
@@ -223,9 +247,13 @@ class _Job:
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
-    def path(self, state: int, search: dict[str, Any] | None) -> LoadPath:
-        """Judge what was followed, and pack it."""
+    def path(self, state: int, search: Search | None) -> LoadPath:
+        """Judge what was followed, and pack it; that takes as long as it takes."""
         web = self.web
+        web.tally.until = math.inf
+        web.line.programme.until = math.inf  # type: ignore[attr-defined]
+        for frame in (f for arc in web.arcs for f in arc.frames):
+            frame.programme.until = math.inf  # type: ignore[attr-defined]
         parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
         branches, events = branches_of(web, self.over, chains_of(web), parts, self.across)
         for branch in branches:
@@ -260,7 +288,7 @@ class _Job:
             )
         return Leg(int(toward), tuple(points), way.why, snap, *self._judged(way))
 
-    def _snap(self, k: int, events: tuple[PathEvent, ...], search: dict[str, Any] | None) -> Snap:
+    def _snap(self, k: int, events: tuple[PathEvent, ...], search: Search | None) -> Snap:
         node, s, landed, kind, certificate = self.falls[k]
         web, found = self.web, self.web.nodes[node]
         before = found.point[:-1]
@@ -293,9 +321,7 @@ class _Job:
             None if search is None else self._confirmed(k, landed, s, search),
         )
 
-    def _confirmed(
-        self, k: int, landed: np.ndarray, s: float, search: dict[str, Any]
-    ) -> Confirmed | None:
+    def _confirmed(self, k: int, landed: np.ndarray, s: float, search: Search) -> Confirmed | None:
         """Search on both sides of a snap for the states that the path has there."""
         way, toward = next((w, d) for w, d, snap in self.ways if snap == k + 1)
         at = self.web.nodes[way.node].s
@@ -308,6 +334,9 @@ class _Job:
         for t, state in zip(loads, known, strict=True):
             states = self.driver.states_at(t, search)
             if states is None:
+                return None
+            if search.cut:
+                self.alarms.append(f"ended for time: snap {k + 1} was not confirmed by searches")
                 return None
             minima.append(len(states))
             apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []

@@ -164,7 +164,7 @@ class LoadPath(Told, Turnable):
         if self.driver.WAY:
             yield self.driver.WAY
         yield from self._more()
-        yield Words(f"{self.steps} steps, {self.evaluations} evaluations of the KKT system", "dim")
+        yield Words(f"{self.steps} steps", "dim")
         yield from (Words(line, "bold") for line in self.alarms)
 
     def _more(self) -> Iterator[str]:

@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import SIDE, STEPS, FramedState, Poser
+from origami_nlp.loading.driver import SIDE, STEPS, Driver, FramedState, Poser, Search
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
@@ -98,9 +98,13 @@ class PatternDriver:
         """Return what the load works on at states [..., n]."""
         return self.work.conjugate(fold_angles)
 
-    def line(self) -> ParameterLine:
-        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] in the metric."""
+    def line(self, until: float = math.inf) -> ParameterLine:
+        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] in the metric.
+
+        until: value of `time.monotonic` after which their evaluation raises `OutOfTime`.
+        """
         sheet = Sheet(self.pattern).under(self.work, 0.0)
+        sheet.until = until
         none = np.zeros(sheet.size)
         change = Parameters(none[:0], none, none, none, Worked(self.work, 1 / sheet.scale))  # type: ignore[arg-type]
         weight = math.sqrt(sheet.size) * self.arm / float(self.pattern.stiffness.sum())
@@ -114,29 +118,41 @@ class PatternDriver:
         rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: dict[str, Any]) -> tuple[int, np.ndarray]:
-        """Return the number of the stable state that is loaded (0 where it was given itself), and its fold angles."""
+    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+        """Return the driver, the number of the stable state (0 where it was given itself), and its fold angles."""
         number = 0
         if not isinstance(state, SheetState):
             number = check_whole("state", state, 1)
-            found = find_states(self.pattern, **search).minima
-            if not found:
+            found = self._states(self.pattern, search)
+            if not found and not search.cut:
                 raise OptionError("no stable state was found at load 0")
+            if search.cut:
+                raise OptionError(
+                    "seconds: the time was over before the search for the state at load 0 was through: give more"
+                )
             state = found[check_whole("state", state, 1, len(found)) - 1]
         which = f"state = {number}" if number else "state"
         if state.verdict != "minimum" or len(state.fold_angles) != self.pattern.creases:
             raise OptionError(f"{which} is no stable state of this pattern: {state.certificate}")
         if not np.any(state.fold_angles):
             raise OptionError(
-                f"{which} is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
+                f"{which} is the flat state, from which many branches go on: load a folded one (rest angles other than "
+                "0)"
             )
         if isinstance(self.work, Pull) and self.conjugate(state.fold_angles) <= SAME * self.arm:
             a, b = self.work.corners
             raise OptionError(
-                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from one "
-                "to the other"
+                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
+                "one to the other"
             )
-        return number, state.fold_angles
+        return self, number, state.fold_angles
+
+    @staticmethod
+    def _states(pattern: Pattern, search: Search) -> tuple[SheetState, ...]:
+        left = math.inf if search.left is None else search.left
+        found = find_states(pattern, **search.options, seconds=left, escape=False)
+        search.cut = bool(found.search.left_out)
+        return found.minima
 
     def down(
         self, line: ParameterLine, s: float, node: Node, near: float
@@ -168,11 +184,11 @@ class PatternDriver:
         """Return the distance between a snap at t and the searches beside it."""
         return SIDE * float(self.pattern.stiffness.mean())
 
-    def states_at(self, t: float, search: dict[str, Any]) -> list[np.ndarray] | None:
+    def states_at(self, t: float, search: Search) -> list[np.ndarray] | None:
         """Return the fold angles of the stable states at t; None under forces, which no search takes."""
         if not isinstance(self.work, Torque):
             return None
-        return [m.fold_angles for m in find_states(self.work.loaded(t), **search).minima]
+        return [m.fold_angles for m in self._states(self.work.loaded(t), search)]
 
     def to_dict(self) -> dict[str, Any]:
         """Return what is loaded, and how, as plain data; see `read_driver`."""

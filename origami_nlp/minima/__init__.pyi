@@ -10,6 +10,7 @@ from . import (
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .crossings import model_rows as model_rows
+from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
@@ -51,6 +52,11 @@ from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
 )
+from .stability import (
+    shallow_words as shallow_words,
+    softest_words as softest_words,
+    stability_words as stability_words,
+)
 from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
@@ -62,6 +68,7 @@ from .touch_draws import (
     touch_starts as touch_starts,
 )
 from .touches import TouchStrata as TouchStrata, list_strata as list_strata
+from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,
     images as images,

@@ -9,12 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.minima.samples import Samples
-from origami_nlp.numerics import EPS, RANK, ROUNDED
+from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
 from origami_nlp.programme import OPEN, Folded, Kinematics, Model, Parameters
 
 EXPLORED = 1e-11
 """Closure and held gaps of states on their way."""
-QUADRATIC, SETTLING = 1e-6, 0.1
+CLOSED = 0.1 * OUTSIDE
+"""Closure and held gaps when they are brought closer: what is held must not look crossed."""
+QUADRATIC, SETTLING = 1e-7, 0.1
 """A step of Gauss-Newton this short [rad] is the last one; after one this short what is beyond a fold limit is held."""
 STEPS = 5
 """Steps of Gauss-Newton."""
@@ -121,7 +123,7 @@ class Closing:
         root = self.root(s)
         return own - curved / (root[..., :, None] * root[..., None, :])
 
-    def close(self, s: Samples, steps: int = STEPS, to: float = EXPLORED) -> Samples:
+    def close(self, s: Samples, steps: int = STEPS, to: float = CLOSED) -> Samples:
         """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
         x, shut, todo = s.x.copy(), s.shut.copy(), np.arange(len(s))
         for _ in range(steps):
@@ -137,7 +139,7 @@ class Closing:
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
             if self.model.has_limits:
-                over = (np.abs(x[todo]) > math.pi) & (shut[todo] == 0)
+                over = (np.abs(x[todo]) > math.pi + ROUNDED) & (shut[todo] == 0)
                 over &= (length <= SETTLING)[:, None]
                 k, v = todo[over.any(axis=1)], over.any(axis=1)
                 side = np.sign(x[k])

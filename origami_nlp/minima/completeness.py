@@ -84,6 +84,9 @@ class Completeness(Brief):
         shown to stand alone.
     added
         Minima that the search had not found.
+    over
+        Over which states the statement ranges, where a symmetry is imposed; "": over all closed states that the
+        contact of the scene admits.
 
     Examples
     --------
@@ -103,6 +106,7 @@ class Completeness(Brief):
     undecided: tuple[Open, ...] = ()
     singular: tuple[Open, ...] = ()
     added: tuple[Added, ...] = ()
+    over: str = ""
 
     @property
     def proved(self) -> bool:
@@ -123,6 +127,8 @@ class Completeness(Brief):
             )
             listed = "the one minimum is" if self.minima == 1 else f"all {self.minima} minima are"
             yield f"complete: proved{but}: {listed} listed ({work})"
+            if self.over:
+                yield f"  {self.over}"
             many = ", ".join(
                 f"{n} judged by its cone" if k == "unclear" else f"{n} of index {k}"
                 for k, n in self.critical_points.items()

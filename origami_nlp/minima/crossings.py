@@ -6,7 +6,7 @@ import numpy as np
 
 from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
 from origami_nlp.minima.touches import Row
-from origami_nlp.numerics import OUTSIDE, TOUCHES, cross
+from origami_nlp.numerics import OUTSIDE, TOUCHES, cross, first_largest
 from origami_nlp.programme import OPEN, Folded, Model
 
 NAMELESS = -2
@@ -110,7 +110,7 @@ class Crossings:
         if not len(bad):
             return
         found = find_crossings(rays[bad], self._pairs, self._real)
-        which, rows = found.depth.argmax(axis=1), np.arange(len(bad))
+        which, rows = first_largest(found.depth), np.arange(len(bad))
         ray, facet = found.row[rows, which].T
         gap[bad] = np.where(ray < 0, NAMELESS, self._gap[ray, facet])
         side[bad] = -np.sign(found.value[rows, which]).astype(int)
@@ -120,7 +120,7 @@ class Crossings:
         normal = cross(at.rays[:, -1], at.rays[:, -2])
         rays = at.rays[:, self._ray]
         value = np.where(self._last, (rays @ normal[..., None])[..., 0], rays[..., 1])
-        which = value.argmin(axis=1)
+        which = first_largest(-value)
         worst = -value[np.arange(len(gap)), which]
         bad = np.flatnonzero(worst > depth)
         gap[bad], side[bad], depth[bad] = self._walls[which[bad]], 1, worst[bad]
@@ -131,7 +131,7 @@ class Crossings:
         """Name the row of the deepest violation of the stack rule, where depths see no crossing."""
         assert self._stack is not None
         depths = stack_depths(self._stack, x, shut)
-        which, rows = depths.argmax(axis=1), np.arange(len(gap))
+        which, rows = first_largest(depths), np.arange(len(gap))
         bad = np.flatnonzero((gap == OPEN) & (depths[rows, which] > TOUCHES))
         row = self._stack.row[which[bad]]
         gap[bad] = np.where(

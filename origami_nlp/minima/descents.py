@@ -7,11 +7,15 @@ Hessian the identity: all curvature comes from closure and from the contacts tha
 
 a fold limit whose R pulls, and a gap whose multiplier does, is let go; a step that reaches a limit, a mirror or another
 facet stops there and holds it.  What comes out are candidates: polishing and judging them is for others.
+
+Directions are rounded to `CHOSEN` and ties go to the first, so that a descent goes the same way on other processors,
+but beside singular strata: states differ by what rounding leaves, and this does not grow from step to step.
 """
 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -21,7 +25,7 @@ from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
 from origami_nlp.minima.crossings import Crossings
 from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
-from origami_nlp.numerics import EPS, ROUNDED
+from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse, first_largest
 from origami_nlp.programme import OPEN, Model, Parameters
 
 FLAT_SLOPE = 1e-10
@@ -34,12 +38,16 @@ FIRST_REACH, REACH, SHORTEST = 1.0, 2.0, 1e-9
 """Longest step of a fold angle [rad]: at first, ever, and where a descent gives up."""
 GROWTH, CUT = 1.7, 0.3
 """By how much the reach changes after a step that was taken, and after one that was not."""
+SINGULAR = 1e-8
+"""Eigenvalues of a Hessian (1 for springs alone) up to which its inverse is rounding."""
 ESCAPES, ESCAPE = 3, 0.05
 """How often a saddle is left, and by how much [rad]."""
 NEAR = 0.3
 """Furthest that a state is moved onto a contact [rad]."""
 TINY = 1e-7
 """A step that moves no fold angle by more [rad] is no progress; one that fails there has converged."""
+NEXT = 1 + 2 * CHOSEN
+"""A fold limit at up to this times a step, which is rounded itself, is reached by it; so far apart two are at one."""
 STALLED = 6
 """Steps without progress after which a descent stops."""
 MOST_STEPS = 45
@@ -84,6 +92,8 @@ class Descents:
         The posed scene.
     springs
         Where samples of several scenes of one vertex descend together, those of each; see `Closing`.
+    until
+        Time of `time.monotonic` after which they stop where they are, and have not converged.
 
     Attributes
     ----------
@@ -91,7 +101,10 @@ class Descents:
         What brings states onto their strata, and what tells where they cross something.
     """
 
-    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
+    def __init__(
+        self, model: Model, springs: Sequence[Parameters] = (), until: float = math.inf
+    ) -> None:
+        self.until = until
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = Crossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
@@ -114,8 +127,20 @@ class Descents:
     def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
 
-        The hold of a sample ends once its stratum is reached: contacts that pull are let go then.
+        The hold of a sample ends once its stratum is reached: contacts that pull are let go then.  A sample at which
+        linear algebra breaks down is found by halving, and ends where it started, as one that went nowhere; the others
+        go on.
         """
+        try:
+            return self._run(starts)
+        except np.linalg.LinAlgError:
+            if len(starts) <= 1:
+                none = np.zeros(len(starts), dtype=bool)
+                return Ends(starts, none, none, ~none)
+            halves = np.array_split(np.arange(len(starts)), 2)
+            return Ends.of([self.run(starts[half]) for half in halves])
+
+    def _run(self, starts: Samples) -> Ends:
         k, live = len(starts), np.arange(len(starts))
         s, kept = joined(starts), joined(starts)  # copies
         reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
@@ -126,13 +151,15 @@ class Descents:
             if step >= LONG:
                 few = np.bincount(s.springs[live], minlength=len(crowd)) * FEW <= crowd
                 live = live[~few[s.springs[live]]]
-            if not len(live):
+            if not len(live) or time.monotonic() > self.until:
                 break
             slotted = s.slots[live].max(axis=1) != OPEN
             apart = min(slotted.sum(), (~slotted).sum()) >= APART  # fewer rows: faster
             for who in (live[~slotted], live[slotted]) if apart else (live,):
                 before = s[who]
-                new, now = self._step(before, reach[who], escapes[who])
+                new, now = self._step(
+                    joined(before), reach[who], escapes[who]
+                )  # of a copy: it is put in place
                 left = before.hold & ~new.hold
                 settled[who] |= left
                 put(kept, who[left], before[left])
@@ -144,28 +171,36 @@ class Descents:
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(settled & ~converged)
         put(s, back, kept[back])
-        return Ends(self.closing.close(s, to=ROUNDED), converged, settled)
+        broken = np.zeros(k, dtype=bool)
+        return Ends(self.closing.close(s, to=ROUNDED), converged, settled, broken)
 
     def _step(
         self, s: Samples, reach: np.ndarray, escapes: np.ndarray
     ) -> tuple[Samples, _Progress]:
         p = self.closing.point(s)
+        # what is left of the torque is its projection, no longer than itself; where it is, closure is singular there
+        left = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1)
+        lost = ~(left <= 2 * math.sqrt(self.model.size) * np.abs(p.torque).max(axis=1))
+        p.left[lost], p.multipliers[lost] = 0.0, 0.0
         size = 1 + np.abs(p.torque).max(axis=1) + np.abs(p.multipliers).max(axis=1)
         slope = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1) / size
         s, p, released, opens = self._release(s, p, slope, size)
         free = s.shut == 0
-        down = np.where(free, p.left, 0.0)
+        # what rounding leaves of a balance has no direction
+        down = np.where(free & (np.abs(p.left) > ROUNDED * size[:, None]), p.left, 0.0)
         root = self.closing.root(s)
         swept = sweep(s, p, root) if self._chain else None
         h = np.zeros((len(s), 0, 0)) if swept else self._on_stratum(s, p)
         d = swept.direction if swept else _direction(h, down)
         # a contact that is let go must open: the steepest way down does that
-        wrong = released & (np.einsum("ki,ki->k", opens, d) <= 0)
+        length = np.linalg.norm(opens, axis=1) * np.linalg.norm(d, axis=1)
+        wrong = released & (np.einsum("ki,ki->k", opens, d) <= CHOSEN * length)
         d[wrong] = -down[wrong]
         converged = (slope <= FLAT_SLOPE) & ~released
         known = (swept.curvature, swept.bent) if swept else None
         wide = np.broadcast_to(root, d.shape)
-        escaped = self._leave_saddles(h, down, d, wide, converged, escapes, known)
+        escaped = self._leave_saddles(h, d, wide, converged, escapes, known)
+        d = coarse(d)
         go = np.flatnonzero(~converged)
         moved, reach = np.ones(len(s), dtype=bool), reach.copy()
         if len(go):
@@ -176,6 +211,7 @@ class Descents:
             put(s, go, tried)
             tiny = np.abs(d[go] / wide[go]).max(axis=1) < TINY
             converged[go] = ~accepted & tiny & ~released[go]
+        converged[lost], reach[lost] = False, 0.0
         return s, _Progress(reach, escaped, converged, moved)
 
     def _on_stratum(self, s: Samples, p: Point) -> np.ndarray:
@@ -189,7 +225,6 @@ class Descents:
     def _leave_saddles(
         self,
         h: np.ndarray,
-        down: np.ndarray,
         d: np.ndarray,
         root: np.ndarray,
         converged: np.ndarray,
@@ -205,16 +240,13 @@ class Descents:
         if not len(where):
             return escaped
         if known is None:
-            values, vectors = np.linalg.eigh(h[where])
-            value, vector = values[:, 0], vectors[:, :, 0]
+            value, vector = _lowest(h[where])
         else:
             value, vector = known[0][where], known[1][where]
         unstable = (value < SADDLE) & (escapes[where] < ESCAPES)
         where, v = where[unstable], vector[unstable]
-        # either side is as good: the one of more torque, the largest entry up where there is none
-        side = np.sign(np.einsum("ki,ki->k", v, -down[where]))
-        lead = v[np.arange(len(v)), np.abs(v).argmax(axis=1)]
-        side = np.where(side == 0, np.sign(lead), side)
+        # either side is as good, and what torque is left is rounding: the largest entry goes up
+        side = np.sign(v[np.arange(len(v)), first_largest(np.abs(v))])
         d[where] = v * (side * ESCAPE / np.abs(v / root[where]).max(axis=1))[:, None]
         converged[where], escaped[where] = False, True
         return escaped
@@ -226,7 +258,7 @@ class Descents:
         n = s.x.shape[1]
         pull = np.concatenate([s.shut * p.left, -p.multipliers[:, self._m :]], axis=1)
         pull = pull / size[:, None]
-        worst = pull.argmax(axis=1)
+        worst = first_largest(pull)
         early = np.where(slope <= FLAT_SLOPE, 0.0, np.where(s.hold, math.inf, EARLY * slope))
         released = pull[np.arange(len(s)), worst] > np.maximum(FLAT_SLOPE, early)
         opens = np.zeros_like(p.left)
@@ -277,11 +309,13 @@ class Descents:
         if not self.model.has_limits or self._many:
             return replace(s, x=s.x + share[:, None] * dx), share
         shut = s.shut.copy()
-        room = np.where(dx > 0, math.pi - s.x, math.pi + s.x)
-        to = np.where((shut == 0) & (dx != 0), room / np.maximum(np.abs(dx), 1e-300), math.inf)
-        first = to.argmin(axis=1)
-        nearest = to[np.arange(len(s)), first]
-        hit = np.flatnonzero(nearest <= share)
+        room = np.maximum(np.where(dx > 0, math.pi - s.x, math.pi + s.x), 0.0)
+        to = np.where(
+            (shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), 1e-300), math.inf
+        )
+        nearest = to.min(axis=1)
+        first = (to <= nearest[:, None] * NEXT).argmax(axis=1)
+        hit = np.flatnonzero(nearest <= share * NEXT)
         share = np.minimum(share, nearest)
         x = s.x + share[:, None] * dx
         side = np.sign(dx[hit, first[hit]])
@@ -292,7 +326,7 @@ class Descents:
         """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
-        good &= (np.abs(trial.x) <= self.model.bound + EPS).all(axis=1) & (at.sheet > 0)
+        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
         lower = now <= e + 1e-4 * np.minimum(before.slope, 0) + 1e-11 * (1 + e)
@@ -318,7 +352,7 @@ class Descents:
         was, is_now = values[:k], values[k:]
         share = np.clip(was / np.maximum(was - is_now, 1e-300), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way
-        share = np.where((was > 0) & (is_now < 0), share, 0.5)
+        share = np.where((was > TOUCHES) & (is_now < 0), share, 0.5)
         shorter, _ = self._moved(s, dx[todo], share)
         held, room = shorter.holding(gap, side)
         first = shorter.x
@@ -338,16 +372,31 @@ class Descents:
 def _direction(h: np.ndarray, down: np.ndarray) -> np.ndarray:
     """Newton's direction; along negative curvature, or where it would climb, that of the mirrored Hessian."""
     try:
-        d = -np.linalg.solve(h, down[..., None])[..., 0]
+        inverse = np.linalg.inv(h)
     except np.linalg.LinAlgError:
-        d = -np.einsum("kij,kj->ki", np.linalg.pinv(h), down)
+        inverse = np.linalg.pinv(h)
+    d = -np.einsum("kij,kj->ki", inverse, down)
     curvature = np.einsum("ki,kij,kj->k", d, h, d)
     length = np.linalg.norm(d, axis=1)
     climbs = np.einsum("ki,ki->k", d, down) >= 0
     bad = climbs | (curvature <= 1e-8 * length**2) | (length > 10) | ~np.isfinite(length)
+    bad |= np.abs(inverse).max(axis=(1, 2)) > 1 / SINGULAR
     b = np.flatnonzero(bad)
     if len(b):
         value, vector = np.linalg.eigh(h[b])
         part = np.einsum("kij,ki->kj", vector, down[b])
         d[b] = -np.einsum("kij,kj->ki", vector, part / np.maximum(np.abs(value), 1e-2))
     return np.asarray(d)
+
+
+def _lowest(h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest eigenvalues [K], and of their eigenvectors the one nearest to a fixed direction, [K, n]."""
+    values, vectors = np.linalg.eigh(h)
+    near = np.where(values <= values[:, :1] + CHOSEN * np.abs(values).max(axis=1)[:, None], 1, 0)
+    fixed = np.cos(np.arange(1, h.shape[1] + 1))
+    v = np.einsum("kij,kj,kj->ki", vectors, near, np.einsum("kij,i->kj", vectors, fixed))
+    length = np.linalg.norm(v, axis=1)
+    v = np.where(
+        (length > CHOSEN)[:, None], v / np.maximum(length, CHOSEN)[:, None], vectors[..., 0]
+    )
+    return values[:, 0], v

@@ -20,29 +20,37 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import judge_in_full_space
+from origami_nlp.minima.full_space import judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
-from origami_nlp.minima.proved import check_prove, prove_complete
+from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import effort_of
-from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.minima.windings import (
+    escapes_of_each,
+    finish_all,
+    jobs_of,
+    join_reports,
+    prove_each,
+    survival_of_each,
+)
+from origami_nlp.numerics import rank
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
+MOST_NOISE = 10.0
+"""Degrees: with more, errors are no longer small beside sector angles."""
 MOST_CONFIRMED = 100
 """Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 
@@ -81,10 +89,12 @@ def find_minima(
     full: bool = False,
     prove: bool | float | None = None,
     seconds: float | None = None,
+    escape: bool = True,
+    noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
 ) -> MinimaResult:
-    """Find and classify the energy minima of a scene among states of its symmetry.
+    """Find and classify the energy minima of a scene among states of its symmetry, of each of its `Scene.windings`.
 
     Parameters
     ----------
@@ -101,7 +111,8 @@ def find_minima(
         Starts before the stopping rule is believed.
     guesses
         States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
-        enter the stopping rule.
+        enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
+        `SearchReport.refused` says why another guess is none.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
@@ -109,8 +120,15 @@ def find_minima(
         Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
-        Processor time of this process after which the search judges no further end of a descent (a proof has its own):
-        the report says so, and the answer depends on the machine.  None: the effort alone bounds it.
+        Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
+        what is left, counted in processor time.  The report says so, and the answer
+        depends on the machine.  None: the effort alone bounds it.
+    escape
+        Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
+        of it, which takes about as long as the search of a small vertex. False: do not.
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -143,13 +161,16 @@ def find_minima(
     check_prove("prove", prove)
     until = math.inf
     if seconds is not None:
-        until = time.process_time() + check_number("seconds", seconds, 0.0)
+        until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    check_flag("escape", escape)
+    if noise is not None:
+        check_number("noise", noise, 0.0, MOST_NOISE)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
-    job = Job(Model(scene), seed, wanted, (fewest_starts, max_starts), progress, until)
-    finish([job.work(guesses, workers)])
-    return _result(job, effort, prove, full)
+    jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
+    finish_all([jobs], guesses, workers)
+    return _result(jobs, effort, prove, full, escape, noise)
 
 
 def find_minima_of_each(
@@ -194,41 +215,62 @@ def find_minima_of_each(
     check_prove("prove", prove)
     for scene in scenes:
         check_type("scenes", scene, Scene)
-    jobs = [Job(Model(scene), seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
-    finish([job.work([], 1) for job in jobs])
-    return [_result(job, effort, prove, False) for job in jobs]
+    each = [jobs_of(scene, seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    finish_all(each)
+    return [_result(jobs, effort, prove, False) for jobs in each]
 
 
-def _result(job: Job, effort: str, prove: bool | float | None, full: bool) -> MinimaResult:
-    """Close orbits, prove, decide in the full space, as far as asked, and report."""
-    model, record = job.model, job.record
-    for answer in record.minima:
-        close_orbit(model, record, answer)
-    completeness = prove_complete(model, record, prove)
-    minima, others, outcomes = _sort_out(model, record)
+def _result(
+    jobs: Sequence[Job],
+    effort: str,
+    prove: bool | float | None,
+    full: bool,
+    escape: bool = False,
+    noise: float | None = None,
+) -> MinimaResult:
+    """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
+    model, until, minima, reports = jobs[0].model, jobs[0].until, list[Minimum](), []
+    for job in jobs:
+        for answer in job.record.minima:
+            close_orbit(job.model, job.record, answer)
+    late = any(job.stopped_by == "time" for job in jobs)
+    completeness = None if late else prove_each(jobs, prove)
+    for job in jobs:
+        some, others, outcomes = _sort_out(job.model, job.record, until)
+        minima += some
+        seconds = time.perf_counter() - job.begin
+        reports.append(job.report(others, outcomes, seconds, effort))
+    # ties (mirror images of one another) in a fixed order
+    minima.sort(key=lambda m: rank(m.energy / model.scale, m.fold_angles))
+    if escape:
+        minima = escapes_of_each(jobs, minima)
+    if noise is not None:
+        minima = survival_of_each(jobs, minima, noise)
     if full:
-        minima = _in_full_space(model.scene, minima)
-    report = job.report(others, outcomes, time.perf_counter() - job.begin, effort)
+        minima = _in_full_space(model.scene, minima, until)
+    windings = [job.model.structure.winding for job in jobs]
+    report = join_reports(windings, reports)
     return MinimaResult(model.scene, model, tuple(minima), report, completeness)
 
 
-def _sort_out(model: Model, record: Record) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
-    """Return minima and other states, each in order of energy, and how many starts ended at which verdict."""
+def _sort_out(
+    model: Model, record: Record, until: float
+) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
+    """Return minima, other states in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
     for answer in record.answers:
         energy = model.energy(answer.polished.x)
         phi = model.expand(answer.polished.x)
         assert answer.what is not None
-        what = _that_closes(model.scene.vertex, phi, answer.what)
+        what = answer.what
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
-            minima.append(_minimum(model, answer, what, _confirmed(model, answer, record)))
+            solver = _confirmed(model, answer, record) if time.monotonic() <= until else None
+            minima.append(_minimum(model, answer, what, solver))
         else:
             angles = tuple(phi.tolist())
             others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
-    # ties (mirror images of one another) in a fixed order
-    minima.sort(key=lambda m: (round(m.energy / model.scale, 9), m.fold_angles))
-    others.sort(key=lambda r: (r.verdict, round(r.energy / model.scale, 9), r.fold_angles))
+    others.sort(key=lambda r: (r.verdict, *rank(r.energy / model.scale, r.fold_angles)))
     return minima, others, dict(outcomes)
 
 
@@ -254,12 +296,14 @@ def _minimum(
         solver=solver,
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
+        winding=model.structure.winding,
+        softest_mode=() if what.mode is None else tuple(model.expand(what.mode).tolist()),
     )
 
 
 def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | None:
-    """Let IPOPT solve from a minimum, with the contacts that are closed there; None with too many creases."""
-    if model.size > MOST_CONFIRMED:
+    """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
+    if model.size > MOST_CONFIRMED or model.freedom < 0:
         return None
     state = State(model, answer.polished.x)
     solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
@@ -269,21 +313,15 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     return solver
 
 
-def _that_closes(vertex: Vertex, fold_angles: np.ndarray, what: Classification) -> Classification:
-    """Let nothing be a minimum whose final numbers do not close, by a product of rotations of their own."""
-    if what.verdict != "minimum":
-        return what
-    _, q = fold_vertex(vertex, fold_angles)
-    residual = float(np.linalg.norm(q[1:]))
-    if residual <= CLOSES:
-        return what
-    return Classification("undecided", None, f"closes only to {residual:.0e}; {what.reason}", 0)
-
-
-def _in_full_space(scene: Scene, minima: list[Minimum]) -> list[Minimum]:
-    """Add the verdict in the full space to each minimum."""
+def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:
+    """Add the verdict in the full space to each minimum; undecided, by name, where the time is over."""
     states = tuple(np.array(m.fold_angles) for m in minima)
     return [
-        replace(m, full_space=judge_in_full_space(scene, x, states))
+        replace(
+            m,
+            full_space=judge_in_full_space(scene, x, states)
+            if time.monotonic() <= until
+            else not_judged("interrupted by the time limit before it was judged"),
+        )
         for m, x in zip(minima, states, strict=True)
     ]

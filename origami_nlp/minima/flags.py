@@ -106,6 +106,10 @@ class StateFlags(Flags):
     isolated
         No other admissible state is near (`local_dimension` is 0): geometry alone holds it, whatever the springs.
         Cure: None is needed; do not read stiffness into it.
+    shallow
+        A way out of it is known that climbs by less than 1e-4 of the energy that folds every crease by pi (`escape`):
+        errors of rest angles of a hundredth of a degree make such states, and remove them. Cure: Do not build on it;
+        `find_minima(..., noise=degrees)` says what survives errors of a size that you state.
     solver_disagrees
         IPOPT, started there, left the state or did not converge (`solver`). Cure: Trust the certificate, which does
         not rest on IPOPT; check the state with `examine` if in doubt.
@@ -124,6 +128,7 @@ class StateFlags(Flags):
     multipliers_not_unique: bool = False
     touching_without_moment: bool = False
     isolated: bool = False
+    shallow: bool = False
     solver_disagrees: bool = False
     residual_above_tolerance: bool = False
     unstable_in_full_space: bool = False

@@ -83,7 +83,7 @@ class FullSpace(Brief):
 
 def full_scene(scene: Scene) -> Scene:
     """Return the same vertex, springs and contact without imposed symmetry."""
-    return replace(scene, symmetry="none", mirror=None)
+    return replace(scene, symmetry="none", mirror=None, winding=None)
 
 
 def judge_in_full_space(
@@ -175,6 +175,11 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
 def group_average(scene: Scene) -> np.ndarray:
     """Return the projector of fold angles on those that keep the scene's group: the mean of `permutations`, [N, N]."""
     return _average(scene.group.elements, scene.degree)
+
+
+def not_judged(why: str) -> FullSpace:
+    """Return the verdict on a state that was not judged, with the reason."""
+    return FullSpace("undecided", why, None, 0, (), (), None, None, None)
 
 
 @lru_cache(maxsize=64)

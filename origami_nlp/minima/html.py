@@ -13,7 +13,16 @@ from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
-from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
+from origami_nlp.minima.stability import (
+    asked,
+    count_words,
+    isolated_foldings,
+    not_asked_words,
+    number_words,
+    softest_words,
+    stiffness_words,
+    verdict,
+)
 from origami_nlp.minima.telling import (
     contact_words,
     flag_lines,
@@ -66,25 +75,45 @@ def as_html(
 
 
 def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
-    heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "fold angles [deg]", "contacts", "hits"]
+    heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "softest [N m/rad]", f"barrier [{UNIT}]"]
+    heads += ["fold angles [deg]", "contacts", "hits"]
+    grouped = isolated_foldings(minima)
+    noise = any(m.survival is not None for m in minima)
+    if noise:
+        heads.append("survives")
     full = asked(minima)
     if full:
         heads.insert(3, "full space")
     rows = []
     for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
         row: list[Cell] = [
             str(number),
             f"{m.energy:.6g}",
             Words(m.kind, colour=KINDS[m.kind].colour),
             freedom_words(m.local_dimension, freedom),
+            softest_words(m.softest),
+            m.escape.words() if m.escape else "-",
             ", ".join(_degrees(a) for a in m.fold_angles),
             "\n".join(contact_words(c) for c in m.contacts) or "none closed",
             str(m.hits),
         ]
         if full:
             row.insert(3, verdict(scene, m))
+        if noise:
+            row.append(str(m.survival))
         rows.append(row)
-    return Table(heads, rows, columns="rrlllllr" if full else "rrllllr")
+    if grouped:
+        some = [minima[k - 1] for k in grouped]
+        energies = f"{some[0].energy:.4g} to {some[-1].energy:.4g}"
+        row = [number_words(grouped), energies, "isolated flat foldings", "0 isolated", "held"]
+        row += ["isolated", "each crease open or shut", "", str(sum(m.hits for m in some))]
+        if full:
+            row.insert(3, "")
+        rows.append(row + [""] * noise)
+    columns = ("rrlllrrllr" if full else "rrllrrllr") + "r" * noise
+    return Table(heads, rows, columns=columns)
 
 
 def _degrees(angle: float) -> str:
@@ -96,7 +125,9 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in minima:
         residuals = f"closure {m.closure_residual:.0e}, KKT {m.kkt_residual:.0e}"
-        lines.append(f"<li>{escape(m.certificate)} [{residuals}]</li>")
+        lines.append(
+            f"<li>{escape(m.certificate)} [{residuals}]<br>{escape(stiffness_words(m))}</li>"
+        )
     return "\n".join([*lines, "</ol></details>"])
 
 

@@ -9,19 +9,36 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, flat_foldings, polish, rest_state, rigid_states
+from origami_nlp.kkt import (
+    Polished,
+    Solve,
+    flat_foldings,
+    polish,
+    polished_nearby,
+    project,
+    rest_state,
+    rigid_states,
+)
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.minima.near_folded import folded_minima
-from origami_nlp.minima.one_freedom import EXACT, trace
-from origami_nlp.minima.record import Record, exact_state, judge, listed
+from origami_nlp.minima.one_freedom import EXACT, Traced, trace
+from origami_nlp.minima.record import (
+    BREAKDOWNS,
+    Answer,
+    Record,
+    closes,
+    exact_state,
+    judge,
+    listed,
+)
 from origami_nlp.minima.search import Search, Work
 from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, is_chain
 from origami_nlp.minima.stopping import chao1
-from origami_nlp.numerics import SAME
+from origami_nlp.numerics import BESIDE, CLOSES, DESIGN_SNAP, NEAR_CONTACT, SAME
 from origami_nlp.pattern import Labels, canonical_labels
 from origami_nlp.programme import Model
 
@@ -30,6 +47,8 @@ MOST_BATCHED = 24
 one start after the other."""
 FEW_FREEDOMS = 2
 """Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
+JUDGING = 0.3
+"""Share of a time limit that is kept for judging the ends of descents."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -55,11 +74,15 @@ class Job:
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
+        self.given: list[tuple[np.ndarray, Answer | None]] = []
+        self.traced: Traced | None = None
         self.begin = time.perf_counter()
+        self.turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
 
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
         """List states, and search; guesses: states [N] to start from first."""
         self.list_states()
+        self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
         if self.model.freedom > 0 and not self._late():
             yield from self.search([self.model.reduce(g) for g in guesses], workers)
@@ -77,6 +100,54 @@ class Job:
             if self.record.known(x) is None:
                 self.record.answers.append(listed(model, x))
 
+    def _stationary_at(self, x: np.ndarray) -> Answer | None:
+        """Return the stationary state next to a guess, judged: a minimum before others; None where there is none."""
+        best = self.record.known(x)
+        # what people type holds contacts to fewer digits than what was computed
+        for tolerance in (NEAR_CONTACT, DESIGN_SNAP):
+            if best is not None and best.is_minimum:
+                return best
+            for state in self._nearby(x, tolerance):
+                answer, new = self.record.file(self.model, state)
+                if new:
+                    answer.listed = True
+                    judge(self.model, answer)
+                if best is None or answer.is_minimum:
+                    best = answer
+                if answer.is_minimum:
+                    break
+        return best
+
+    def _nearby(self, x: np.ndarray, tolerance: float) -> list[Polished]:
+        try:
+            found = list(polished_nearby(self.model, x, tolerance))
+        except BREAKDOWNS as error:
+            self.record.failed[str(error)] += 1
+            return []
+        return [state for state in found if closes(self.model, state.x)]
+
+    def _refusal(self, guess: np.ndarray, answer: Answer | None) -> Rejected | None:
+        """Say why no minimum is listed at a guess [N]; None where one is."""
+        model = self.model
+        x = model.reduce(guess)
+        if np.abs(model.expand(x) - guess).max() > BESIDE:
+            verdict, why = "not admissible", "it does not have the symmetry of the scene"
+        elif answer is not None and answer.what is not None:
+            if answer.is_minimum:
+                return None
+            verdict, why = answer.what.verdict, answer.what.reason
+        else:
+            closed, residual = project(model, x)
+            refused = model.refuses(closed)
+            if residual > CLOSES or np.abs(closed - x).max() > BESIDE:
+                verdict, why = "not admissible", f"no state within {BESIDE:g} rad of it closes"
+            elif refused:
+                verdict, why = "not admissible", refused
+            else:
+                verdict = "not stationary"
+                why = f"no state within {BESIDE:g} rad of it holds still: it was descended from"
+        return Rejected(verdict, why, tuple(guess.tolist()), model.energy(x), 0)
+
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
@@ -87,11 +158,12 @@ class Job:
             self._one_by_one()
             return
         under = self._under()
-        with Search(self.model, self.record, under, workers, self._tell, self.until) as search:
+        limits = self.turn, self.until
+        with Search(self.model, self.record, under, workers, self._tell, limits) as search:
             search.also_from(flat_minima(self.model))
             search.also_from(folded_minima(self.model, self.foldings))
             if guesses:
-                yield from search.run(search.closed(np.array(guesses)))
+                yield from search.run(search.closed(np.array(guesses), touching=True))
             rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
             yield from self._rounds(search, rounds)
 
@@ -127,13 +199,13 @@ class Job:
 
     def _late(self) -> bool:
         """Tell whether the time is over, and remember it."""
-        if time.process_time() > self.until:
+        if time.monotonic() > self.turn:
             self.stopped_by = "time"
         return self.stopped_by == "time"
 
     def _traced(self) -> bool:
         """Judge all that the curves of one freedom hold; tells whether they were resolved."""
-        traced = trace(self.model)
+        traced = self.traced = trace(self.model)
         exact = np.isin(traced.origins, EXACT)
         for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
             end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
@@ -210,6 +282,8 @@ class Job:
             effort=effort,
             by_source={name: count for name, count in r.by_source.items() if count},
             stalled=r.stalled,
+            refused=tuple(why for g in self.given if (why := self._refusal(*g)) is not None),
+            failed={why: count for why, count in sorted(r.failed.items()) if count},
             seen_once=r.seen_once,
             quiet=0 if self.stopped_by == "time" else r.quiet,
             corners=self.corners[0],

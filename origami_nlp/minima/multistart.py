@@ -6,18 +6,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, StartStream, polish
+from origami_nlp.kkt import Solve, StartStream
 from origami_nlp.minima.ipopt import solve
 from origami_nlp.minima.record import Answer, Record
 from origami_nlp.numerics import ANSWERED, SAME
-from origami_nlp.programme import Solvable
+from origami_nlp.programme import Model, Solvable
 
 MOST_PAIR_ROUNDS = 4
 FEW_PAIRS = 6
 """Up to this many facet pairs every solve models all of them from the start."""
 
 
-def run_starts(model: Solvable, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
     """Run starts for ever, one for each `next`; yields the answer if it has to be judged, else None."""
     pairs = model.structure.pairs
     for start in StartStream(model, seed):
@@ -32,7 +32,7 @@ def run_starts(model: Solvable, seed: int, record: Record) -> Iterator[Answer | 
 
 
 def run_one(
-    model: Solvable,
+    model: Model,
     x: np.ndarray,
     record: Record,
     *,
@@ -52,7 +52,7 @@ def run_one(
             found, new = known, False
             break
     else:
-        found, new = record.file(model, polish(model, answer))
+        found, new = record.settle(model, answer)
     found.hits += count
     found.in_rounds += count
     found.first = found.first or record.drawn * count

@@ -51,6 +51,8 @@ class Traced:
         Whether every piece was resolved.
     reason
         What that rests on, or where it failed.
+    curves, branches
+        What was resolved.
     """
 
     states: np.ndarray
@@ -59,6 +61,8 @@ class Traced:
     pieces: int
     complete: bool
     reason: str
+    curves: Curves
+    branches: Branches
 
 
 def trace(model: Model) -> Traced:
@@ -88,7 +92,7 @@ def trace(model: Model) -> Traced:
     curves = Curves(model)
     branches, failures = curves.resolved()
     found = _Found()
-    for some, lift in _lifts(model, curves, branches):
+    for some, lift in lifts(model, curves, branches):
         _add_stationary(curves, some, lift, found)
     if model.has_limits:
         for x in vertices(model, MOST_VERTICES, np.random.default_rng(0)):
@@ -98,7 +102,7 @@ def trace(model: Model) -> Traced:
         found.add(x, (), "crossing")
     if model.gaps:
         _add_contacts(curves, branches, found)
-    return found.result(model, len(branches.side), failures)
+    return found.result(curves, branches, failures)
 
 
 class _Found:
@@ -114,8 +118,9 @@ class _Found:
         self.contacts.append(contacts)
         self.origins.append(origin)
 
-    def result(self, model: Model, pieces: int, failures: list[str]) -> Traced:
+    def result(self, curves: Curves, branches: Branches, failures: list[str]) -> Traced:
         """Drop what is not admissible, and what is listed twice."""
+        model, pieces = curves.model, len(branches.side)
         x = np.array(self.states).reshape(-1, model.size)
         x = x[:0] if not len(x) else x
         good = np.flatnonzero(model.admissible(x, ANSWERED))
@@ -133,10 +138,12 @@ class _Found:
             pieces,
             not failures,
             reason,
+            curves,
+            branches,
         )
 
 
-def _lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
+def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
     """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet."""
     out = []
     keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
@@ -168,7 +175,7 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
     )
     may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + 1e-12 * scale
     which, lifts = np.nonzero(may)
-    k, where, slope = _roots(series[which, lifts])
+    k, where, slope = roots(series[which, lifts])
     which, lifts = which[k], lifts[k]
     driver = b.sections.driver[which]
     way = np.sign(np.take_along_axis(b.tangents[which, NODES // 2], driver[:, None], 1)[:, 0])
@@ -198,7 +205,7 @@ def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.
     return np.clip(x[inside & fastest], -curves.model.bound, curves.model.bound)
 
 
-def _roots(series: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def roots(series: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Find roots in [-1, 1] of Chebyshev series [B, NODES]: whose, where, and the slope there.
 
     Eigenvalues of the colleague matrix; a pair of complex ones is a double root where rounding can have split it.
@@ -263,19 +270,19 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
 def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
     """Add the states at which a gap closes."""
     model = curves.model
-    for b, lift in _lifts(model, curves, branches):
+    for b, lift in lifts(model, curves, branches):
         inside = (np.abs(b.x) <= math.pi + SETTLED).all(axis=(1, 2))
         b = b.take(inside)
         if not len(b.side):
             continue
         for turns in lift:
             x = b.x + turns
-            values = _gaps(model, x.reshape(-1, model.size)).reshape(*x.shape[:2], -1)
+            values = gaps_of(model, x.reshape(-1, model.size)).reshape(*x.shape[:2], -1)
             for contact in model.gaps:
                 series = np.einsum("kj,bj->bk", TO_SERIES, values[..., contact.index])
                 size = np.abs(series).sum(axis=1)
                 may = np.flatnonzero((2 * np.abs(series[:, 0]) <= size + SETTLED) & (size > CLOSES))
-                k, where, _ = _roots(series[may])
+                k, where, _ = roots(series[may])
                 which = may[k]
                 states = _at(curves, b.take(which), where, np.tile(turns, (len(which), 1)))
                 for state in states:
@@ -298,7 +305,7 @@ def _add_contact(model: Model, x: np.ndarray, contact: Contact, found: _Found) -
             break
 
 
-def _gaps(model: Model, x: np.ndarray) -> np.ndarray:
+def gaps_of(model: Model, x: np.ndarray) -> np.ndarray:
     """Gaps of states [K, n], in batches of one size: the compiled functions are made once."""
     count = len(x)
     spare = np.zeros((-count % BATCH, model.size))

@@ -27,6 +27,7 @@ from origami_nlp.chart import (
     norm_of,
     outline_of,
 )
+from origami_nlp.kkt import OPEN
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.stability import NOT_ASKED, count_words, verdict
 from origami_nlp.pattern import Scene
@@ -42,7 +43,7 @@ from origami_nlp.show import (
     minima_legend,
 )
 
-CELL, HEAD = 2.0, 0.5
+CELL, HEAD = 2.0, 0.66
 """Width of a state's drawing, and the height of its title [in]."""
 MARGIN = 0.2
 MOST_DRAWN = 24
@@ -94,7 +95,7 @@ def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figu
     scene = chart.scene
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
-    places = [chart.place(m.fold_angles) for m in shown] if panels.groups else []
+    places = [chart.place(m.fold_angles, m.winding) for m in shown] if panels.groups else []
     rows, width, end = _rows(scene, shown, panels)
     width = max(width, 6.0)
     title = _title(scene, minima)
@@ -306,7 +307,17 @@ def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
             minimum.local_dimension, f", local dimension {minimum.local_dimension}"
         )
     known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
-    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}"
+    if minimum.shallow:
+        kind = f"{minimum.kind}, shallow"
+    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{_barrier_words(minimum)}"
+
+
+def _barrier_words(minimum: Minimum) -> str:
+    e = minimum.escape
+    if e is None or not e.known:
+        return "" if e is None or e.method != OPEN else "barrier not determined"
+    words = e.words()
+    return f"barrier {words if words[0] == '<' else '= ' + words} {UNIT}".replace("<=", "\u2264")
 
 
 def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -> list[str]:
@@ -323,7 +334,8 @@ def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π."
+            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π, "
+            "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN
     if more > 0:

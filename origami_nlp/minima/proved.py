@@ -10,10 +10,11 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.kkt import Solve, polish, project
+from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
-from origami_nlp.minima.record import Answer, Record, judge, listed
+from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
 from origami_nlp.numerics import BESIDE, CLOSES, SAME
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 from origami_nlp.proof import (
     Cluster,
@@ -46,7 +47,7 @@ def check_prove(name: str, value: object) -> None:
 
 
 def prove_complete(
-    model: Model, record: Record, wanted: bool | float | None
+    model: Model, record: Record, wanted: bool | float | None, left: float | None = None
 ) -> Completeness | None:
     """Try to prove that the minima on record are all; what is missing is added to the record.
 
@@ -58,22 +59,29 @@ def prove_complete(
         Of the search; gets further answers.
     wanted
         True, or seconds that it may take; None: where it is cheap; False: not at all.
+    left
+        Seconds that are left for all; None: no limit.
 
     Returns
     -------
     Completeness or None
         None where it was not tried.
     """
-    if wanted is False or (wanted is None and not _cheap(model)):
+    once = model.structure.winding == 1  # other windings are tried where this one is
+    if wanted is False or (wanted is None and once and not is_cheap(model)):
         return None
     refused = why_not(model)
     if refused:
         return Completeness("not-proved", refused)
-    if wanted is None:
-        proof = prove(model, most=UNASKED)
-    else:
-        proof = prove(model, seconds=None if wanted is True else float(wanted))
-    return hold_against(model, record, proof)
+    try:
+        if wanted is None:
+            proof = prove(model, seconds=left, most=UNASKED)
+        else:
+            given = math.inf if wanted is True else float(wanted)
+            proof = prove(model, seconds=given if left is None else min(given, left))
+        return hold_against(model, record, proof)
+    except BREAKDOWNS as error:
+        return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
 
 def why_not(model: Model) -> str:
@@ -84,14 +92,15 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
-    if model.freedom <= 0:
+    if model.freedom <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
     if model.freedom > MOST_FREEDOMS:
         return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
-def _cheap(model: Model) -> bool:
+def is_cheap(model: Model) -> bool:
+    """Tell whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
     return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
 
@@ -164,7 +173,19 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
             Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist()))
             for a in added
         ),
+        over=_ranges_over(model.scene),
     )
+
+
+def _ranges_over(scene: Scene) -> str:
+    """Say over which states a proof ranges, where a symmetry is imposed."""
+    if scene.group.is_trivial:
+        return ""
+    windings = scene.windings
+    wind = ""
+    if len(windings) > 1 or windings != (1,):
+        wind = f", winding {' or '.join(map(str, windings))} times round its axis"
+    return f"among closed states that keep {scene.group.name}{wind}"
 
 
 def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:
@@ -187,10 +208,18 @@ def _leaves(point: CriticalPoint) -> bool:
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
-def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer, bool]:
-    """Polish, file and judge a state; tells whether it is new."""
+def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer | None, bool]:
+    """Polish, file and judge a state; tells whether it is new.
+
+    The middle of a box is no state: where it cannot be polished there is none.
+    """
     end = Solve(x, "", 0, math.nan, np.ones(model.size), None)
-    answer, new = record.file(model, polish(model, end))
+    state = polish(model, end)
+    if not state.converged:
+        state = exact_beside(model, state)
+    if not (state.converged and closes(model, state.x)):
+        return None, False
+    answer, new = record.file(model, state)
     if new:
         answer.listed = True
         judge(model, answer)
@@ -268,8 +297,9 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
     if not inside:
         answer, new = _file(model, record, middle)
-        added += [answer] * (new and answer.is_minimum)
-        inside = [answer] if _within(answer.polished.x, lower, upper) else []
+        if answer is not None:
+            added += [answer] * (new and answer.is_minimum)
+            inside = [answer] if _within(answer.polished.x, lower, upper) else []
     verdicts = {a.what.verdict for a in inside if a.what is not None}
     exact = None if inside else _singular(model, middle)
     if exact is not None and _within(exact, lower, upper):

@@ -8,16 +8,23 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
     Polished,
+    Solve,
     State,
     classify,
     exact_beside,
     of_image,
+    polish,
+    project,
 )
-from origami_nlp.numerics import BESIDE, SAME
-from origami_nlp.programme import Programme
+from origami_nlp.numerics import BESIDE, CLOSES, SAME
+from origami_nlp.programme import Contact, Model, Programme
+
+BREAKDOWNS = (np.linalg.LinAlgError, FloatingPointError)
+"""How linear algebra fails at one state: that state is counted and named, and the search goes on."""
 
 
 @dataclass(eq=False)
@@ -28,6 +35,7 @@ class Answer:
     start that reached it first, from 1; 0 for none.
     listed: found by listing or tracing, not by descent.  orbit: for an image of a minimum found
     before, under a symmetry that the scene has without asking for it, that minimum.
+    lost: why the end is no state at all (then it is on no list); "" for a state.
     """
 
     polished: Polished
@@ -37,6 +45,7 @@ class Answer:
     listed: bool = False
     orbit: Answer | None = None
     what: Classification | None = None
+    lost: str = ""
 
     @property
     def is_minimum(self) -> bool:
@@ -49,7 +58,8 @@ class Record:
     """Everything a search did, failures included.
 
     answers: distinct states.  starts: drawn.  feasible_starts: admissible among them.  stalled: descents that ended
-    nowhere.  by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
+    nowhere.  failed: those whose end is no state, or at which linear algebra broke down, by reason.
+    by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
     statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
     """
 
@@ -57,6 +67,7 @@ class Record:
     starts: int = 0
     feasible_starts: int = 0
     stalled: int = 0
+    failed: Counter[str] = field(default_factory=Counter)
     by_source: Counter[str] = field(default_factory=Counter)
     drawn: int = 0
     statuses: Counter[str] = field(default_factory=Counter)
@@ -98,6 +109,27 @@ class Record:
         near = np.flatnonzero(self._apart(x) <= SAME)
         return self.answers[near[0]] if len(near) else None
 
+    def settle(
+        self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None
+    ) -> tuple[Answer, bool]:
+        """Polish an end and file it; tells whether it has to be judged.
+
+        One that does not close is polished once more from the closed state next to it; what does not close then either,
+        or breaks linear algebra, is lost: no state, and on no list.
+        """
+        try:
+            polished = polish(model, end, guess)
+            if not closes(model, polished.x):
+                beside, _ = project(model, end.x, guess or ())
+                polished = polish(model, replace(end, x=beside), guess)
+            if closes(model, polished.x):
+                return self.file(model, polished)
+            why = "does not close"
+        except BREAKDOWNS as error:
+            polished = Polished(end.x, (), math.nan, math.nan, False)
+            why = str(error)
+        return Answer(polished, lost=why), False
+
     def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
 
@@ -132,7 +164,7 @@ class Record:
         return np.asarray(np.abs(states - x).max(axis=1, initial=0.0))
 
 
-def close_orbit(model: Programme, record: Record, answer: Answer) -> None:
+def close_orbit(model: Model, record: Record, answer: Answer) -> None:
     """File the images of a minimum under symmetries that the scene has without asking for them.
 
     What is certified of one holds for all; where another was refuted, none is a minimum.
@@ -155,13 +187,28 @@ def close_orbit(model: Programme, record: Record, answer: Answer) -> None:
             image.orbit = answer.orbit or answer
 
 
-def judge(model: Programme, answer: Answer) -> None:
-    """Classify an answer."""
+def closes(model: Model, x: np.ndarray) -> bool:
+    """Tell whether all N fold angles close the vertex, by a product of rotations that is not the model's closure."""
+    _, q = fold_vertex(model.scene.vertex, model.expand(x))
+    return float(np.linalg.norm(q[1:])) <= CLOSES
+
+
+def judge(model: Model, answer: Answer) -> None:
+    """Classify an answer: one that does not close is no admissible state, and where linear algebra breaks down nothing
+    is decided.
+    """
     p = answer.polished
-    answer.what = classify(State(model, p.x), polished=p.converged)
+    if not closes(model, p.x):
+        answer.what = Classification("not admissible", None, "it does not close", 0)
+        return
+    try:
+        answer.what = classify(State(model, p.x), polished=p.converged)
+    except BREAKDOWNS as error:
+        why = f"linear algebra failed where it was judged: {error}"
+        answer.what = Classification("undecided", None, why, 0)
 
 
-def listed(model: Programme, x: np.ndarray) -> Answer:
+def listed(model: Model, x: np.ndarray) -> Answer:
     """Return an exact state that was listed as an answer, judged."""
     answer = Answer(exact_state(model, x), listed=True)
     judge(model, answer)

@@ -1,4 +1,4 @@
-"""What a search for minima returns, how it tells itself, and its JSON, schema ``origami-nlp/minima/1``.
+"""What a search for minima returns, how it tells itself, and its JSON, schema ``origami-nlp/minima/2``.
 
 In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
 A multiplier range that never ends, or a residual that does not apply, is null.
@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
+from origami_nlp.kkt import ALONE, TRACED
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
@@ -40,7 +41,7 @@ from origami_nlp.show import (
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
 
-SCHEMA = "origami-nlp/minima/1"
+SCHEMA, BEFORE = "origami-nlp/minima/2", "origami-nlp/minima/1"
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
 NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
@@ -67,7 +68,8 @@ class MinimaResult(Told, Turnable):
     Notes
     -----
     `to_frame` has a row a minimum: scene, number (from 1), energy [the scene's units], kind, dimension, closure, kkt
-    (residuals), hits, stable (None where the full space was not asked), phi_1 .. phi_N [rad].
+    (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier (energy),
+    barrier_method, shallow, phi_1 .. phi_N [rad].
 
     Examples
     --------
@@ -108,6 +110,23 @@ class MinimaResult(Told, Turnable):
             facets_may_cross=scene.contact != "full",
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
+
+    def model_of(self, minimum: Minimum) -> Model:
+        """Return the programme that a minimum is a state of: that of its winding.
+
+        Parameters
+        ----------
+        minimum
+            One of `minima`.
+
+        Returns
+        -------
+        Model
+            `model` itself where states wind as often as that says.
+        """
+        if minimum.winding == self.model.structure.winding:
+            return self.model
+        return Model(replace(self.scene, winding=minimum.winding))
 
     def table(self) -> Table:
         """Return one row a minimum."""
@@ -196,7 +215,32 @@ class MinimaResult(Told, Turnable):
             row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
             row["stable"] = m.full_space and m.full_space.verdict
+            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
+            row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
             yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """Rebuild a result from `to_dict`, or from what was written before states had escape barriers.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        MinimaResult
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If it holds no minima, or an entry is missing or wrong.
+        """
+        if isinstance(data, dict) and data.get("schema") == BEFORE:
+            data = {**data, "schema": SCHEMA}
+        return super().from_dict(data)
 
     @classmethod
     def _read(cls, data: dict[str, Any]) -> Self:
@@ -210,7 +254,11 @@ class MinimaResult(Told, Turnable):
         minima = []
         for m in data["minima"]:
             contacts = [{"creases": (), "facets": (), **c} for c in m["contacts"]]
-            minima.append(from_plain(Minimum, {**m, "contacts": contacts}, NULL))
+            found = from_plain(Minimum, {**m, "contacts": contacts}, NULL)
+            if found.escape is not None and found.escape.method in (TRACED, ALONE):
+                if math.isnan(found.escape.barrier):  # null in JSON: no way out
+                    found = replace(found, escape=replace(found.escape, barrier=math.inf))
+            minima.append(found)
         return cls(scene, Model(scene), tuple(minima), search, completeness)
 
     def _repr_html_(self) -> str:
@@ -219,9 +267,12 @@ class MinimaResult(Told, Turnable):
 
 def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     data = {**to_plain(m), "flags": m.flags.to_dict()}
+    if m.winding == 1:
+        del data["winding"]
     for contact in data["contacts"]:  # who touches: creases or facets
         del contact["facets" if contact["creases"] else "creases"]
-    for name in ("full_space", "solver"):
+    data["softest_stiffness"] = to_plain(m.softest)
+    for name in ("full_space", "solver", "escape", "survival"):
         if data[name] is None:
             del data[name]
     return data

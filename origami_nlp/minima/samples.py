@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -97,8 +98,21 @@ class Ends:
     settled
         Whether the descent was stationary on the stratum where it began before its contacts were let go; where it
         did not converge afterwards, that is the state returned, shape [K].
+    broken
+        Whether linear algebra broke down on the way, shape [K]; then it ends where it began.
     """
 
     samples: Samples
     converged: np.ndarray
     settled: np.ndarray
+    broken: np.ndarray
+
+    @classmethod
+    def of(cls, parts: Sequence[Ends]) -> Ends:
+        """Return ends one after the other."""
+        samples = joined(*(part.samples for part in parts))
+        rest = (np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)[1:])
+        return cls(samples, *rest)
+
+    def __getitem__(self, which: np.ndarray) -> Ends:
+        return Ends(*(getattr(self, f.name)[which] for f in fields(self)))

@@ -10,21 +10,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, State, polish
+from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
 from origami_nlp.minima.samples import Ends, Samples, joined
 from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
-from origami_nlp.numerics import ROUNDED, SAME
+from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
-from origami_nlp.workers import worker_pool
+from origami_nlp.workers import stop_workers, worker_pool
 
 FIRST_BATCH, BATCH = 256, 4096
 """Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little there),
 and at most from then on."""
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once."""
+BREAKDOWN = "linear algebra broke down on the way"
+"""Why a descent failed that has no end."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
 Work = Generator[tuple[Descents, Samples], Ends, None]
@@ -45,7 +47,7 @@ class Search:
     found
         Called after each new minimum.
     until
-        Time of `time.process_time` after which no further end is judged.
+        Times of `time.monotonic` after which descents stop, and after which no further end is judged.
     """
 
     def __init__(
@@ -55,23 +57,25 @@ class Search:
         under: tuple[Model, Labels] | None,
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
-        until: float = math.inf,
+        until: tuple[float, float] = (math.inf, math.inf),
     ) -> None:
         self.model, self.record = model, record
         self._labels = under[1] if under else None
-        self._descents = Descents(under[0] if under else model)
+        self._descents = Descents(under[0] if under else model, until=until[0])
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[Answer] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
-        self._workers, self._found, self._until = workers, found, until
+        self._workers, self._found, self._until = workers, found, until[1]
         self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
 
     def __enter__(self) -> Search:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self._pool is not None:
+    def __exit__(self, kind: object, *_: object) -> None:
+        if self._pool is not None and (kind or time.monotonic() > self._descents.until):
+            stop_workers(self._pool)
+        elif self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
     def also_from(self, x: np.ndarray) -> None:
@@ -97,11 +101,13 @@ class Search:
             parts = self._parts(some[feasible])
             made = self._made_by_workers(parts)
             for part in parts:
-                if time.process_time() > self._until:
+                if time.monotonic() > self._descents.until:
                     return
                 ends = next(made) if made else (yield self._descents, part)
                 good = ends.converged | ends.settled
-                record.stalled += int((~good & (ends.samples.source != GIVEN)).sum())
+                nowhere = ~good & ~ends.broken
+                record.stalled += int((nowhere & (ends.samples.source != GIVEN)).sum())
+                record.failed[BREAKDOWN] += int(ends.broken.sum())
                 self._file(ends, np.flatnonzero(good))
                 record.drawn += int(np.isin(ends.samples.source, DRAWN).sum())
             if starts is not None:
@@ -141,11 +147,23 @@ class Search:
         gap, _ = crossings.of(at, starts.x, starts.shut)
         return good & (gap == OPEN)
 
-    def closed(self, x: np.ndarray) -> Samples:
-        """Return free samples at states [K, n] of the scene, closed; those that do not close are dropped."""
+    def closed(self, x: np.ndarray, *, touching: bool = False) -> Samples:
+        """Return samples at states [K, n] of the scene, closed; those that do not close are dropped.
+
+        touching: hold the contacts that are closed there until they pull, so that the first step runs into none.
+        """
         x = np.array([self._under(state) for state in x]).reshape(x.shape)
         x = np.clip(x, -self.model.bound, self.model.bound)
-        s = self._descents.closing.close(Samples.on(x, source=GIVEN), 12, ROUNDED)
+        s = Samples.on(x, source=GIVEN)
+        for k in range(len(x) * touching):
+            for contact in State(self._descents.model, x[k], NEAR_CONTACT).pieces[0]:
+                if contact.is_limit:
+                    s.x[k, contact.index] = contact.side * math.pi
+                    s.shut[k, contact.index] = contact.side
+                elif OPEN in s.slots[k]:
+                    slot = s.slots[k].tolist().index(OPEN)
+                    s.slots[k, slot], s.sides[k, slot] = contact.index, contact.side
+        s = self._descents.closing.close(s, 12, ROUNDED)
         value, _ = self._descents.closing.kinematics.closure(
             self._descents.closing.kinematics.fold(s.x)
         )
@@ -156,10 +174,12 @@ class Search:
         x, source = ends.samples.x, ends.samples.source
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
-        while len(which) and time.process_time() <= self._until:
+        while len(which) and time.monotonic() <= self._until:
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))
+            if answer.lost:
+                self.record.failed[answer.lost] += len(hit)
             answer.hits += int(counted[hit].sum())
             answer.in_rounds += int(drawn[hit].sum())
             if answer.first == 0 and drawn[hit].any():
@@ -179,7 +199,7 @@ class Search:
             if apart[nearest] <= ALIKE:
                 return self._answer_of[nearest], False
         end = Solve(self._stated(x), "", 0, math.nan, np.abs(self._stated(s.shut[k] + 0.0)), None)
-        answer, new = self.record.file(self.model, polish(self.model, end, self._held(s, k)))
+        answer, new = self.record.settle(self.model, end, self._held(s, k))
         if new:
             judge(self.model, answer)
             if answer.is_minimum:
@@ -242,7 +262,7 @@ def _split(ends: Ends, lengths: list[int]) -> list[Ends]:
     """Return the ends of each of some searches, as if it had descended alone."""
     own = replace(ends.samples, springs=np.zeros(len(ends.samples), dtype=int))
     cuts = np.split(np.arange(len(own)), np.cumsum(lengths)[:-1])
-    return [Ends(own[k], ends.converged[k], ends.settled[k]) for k in cuts]
+    return [replace(ends, samples=own)[k] for k in cuts]
 
 
 def _gap_under(model: Model, other: Model, labels: Labels) -> np.ndarray:

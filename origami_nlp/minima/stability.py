@@ -7,14 +7,19 @@ symmetry breaks (of the 43 in the paper's panels, five are), and `minima.full_sp
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 
+from origami_nlp.kkt import BOUND, Escape, rounded_up
 from origami_nlp.minima.minimum import Minimum
+from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
 
 ORDER = ("stable", "unstable", "undecided")
 NOT_ASKED = "not asked"
+SEVERAL = 3
+"""Isolated flat foldings that are told in one line."""
 
 
 def verdict(scene: Scene, minimum: Minimum) -> str:
@@ -34,8 +39,27 @@ def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str
     """Say how many minima there are, and how many of them are stable, as far as that is known.
 
     "4 symmetric minima (3 stable, 1 unstable in the full space)", "4 symmetric minima", "2 stable states" or
-    "2 minima"; `none` stands for no minimum.
+    "2 minima"; `none` stands for no minimum.  Shallow ones are counted apart: "2 stable states, and 5 shallow ones
+    (barrier below 1e-4 of sum k pi^2/2)".
     """
+    shallow = sum(m.shallow for m in minima)
+    firm = _count_words(scene, [m for m in minima if not m.shallow], none)
+    return firm + shallow_words(shallow)
+
+
+def shallow_words(many: int) -> str:
+    """Say how many states are shallow, behind how many are not; empty where none is."""
+    if not many:
+        return ""
+    ones = "ones" if many > 1 else "one"
+    return f", and {many} shallow {ones} (barrier below {_power(SHALLOW)} of sum k pi^2/2)"
+
+
+def _power(value: float) -> str:
+    return f"1e{round(math.log10(value))}"
+
+
+def _count_words(scene: Scene, minima: Sequence[Minimum], none: str) -> str:
     count = len(minima)
     number = str(count) if count else none
     known = Counter(verdict(scene, m) for m in minima)
@@ -47,6 +71,64 @@ def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str
         return words
     parts = [f"{known[v]} {v}" for v in ORDER if known[v]]
     return f"{words} ({', '.join(parts)} in the full space)"
+
+
+def isolated_foldings(minima: Sequence[Minimum]) -> list[int]:
+    """Return the numbers (1-based) of flat foldings without an admissible neighbour, where these are several.
+
+    Every crease is open or shut, and nothing but contact holds them: whatever the springs are, they are there.
+    """
+    found = [
+        number
+        for number, m in enumerate(minima, start=1)
+        if m.local_dimension == 0
+        and all(min(abs(a), abs(abs(a) - math.pi)) == 0 for a in m.fold_angles)
+    ]
+    return found if len(found) >= SEVERAL else []
+
+
+def number_words(numbers: Sequence[int]) -> str:
+    """Say "3-5, 8" for 3, 4, 5, 8."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs)
+
+
+def softest_words(softest: float) -> str:
+    """Say the smallest stiffness in a cell of a table: "0.0243", or "held" where contacts leave nothing free."""
+    return "held" if math.isinf(softest) else f"{softest:.3g}"
+
+
+def stiffness_words(minimum: Minimum) -> str:
+    """Say in a line how stiff a minimum is and what it takes to leave it."""
+    forces = [c.multiplier for c in minimum.contacts]
+    return stability_words(minimum.softest, forces, minimum.local_dimension == 0, minimum.escape)
+
+
+def stability_words(
+    softest: float, forces: Sequence[float], isolated: bool, e: Escape | None
+) -> str:
+    """Say how stiff a state is, with forces of its contacts, and what it takes to leave it."""
+    if isolated:
+        return "held by geometry: no free direction"
+    if math.isinf(softest):
+        least = min(forces, default=0.0)
+        held = f"; smallest contact multiplier {least:.3g} N m" if least > 0 else ""
+        stiff = f"held by contacts: no free direction has a stiffness{held}"
+    else:
+        stiff = f"softest stiffness {softest:.4g} N m/rad (per unit length of all fold angles)"
+    if e is None:
+        return stiff
+    if not e.known:
+        return f"{stiff}; escape barrier {e.method}: {e.why}"
+    number = rounded_up(e.barrier) if e.method == BOUND else f"{e.barrier:.6g}"
+    most = "at most " if e.method == BOUND else ""
+    to = f", towards #{e.to}" if e.to else ", towards a state that is not listed"
+    return f"{stiff}; escape barrier {most}{number} J{to}: {e.method}{', shallow' * e.shallow}"
 
 
 def asked(minima: Sequence[Minimum]) -> bool:

@@ -10,8 +10,17 @@ import numpy as np
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import Minimum, SearchReport
-from origami_nlp.minima.stability import asked, count_words, not_asked_words, verdict
+from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
+from origami_nlp.minima.stability import (
+    asked,
+    count_words,
+    isolated_foldings,
+    not_asked_words,
+    number_words,
+    softest_words,
+    stiffness_words,
+    verdict,
+)
 from origami_nlp.minima.stopping import unseen_share
 from origami_nlp.numerics import BALANCED, EPS
 from origami_nlp.pattern import Scene
@@ -67,38 +76,67 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     full = asked(minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "closure", "KKT", "hits"]
+    heads = ["#", "energy [J]", "kind", "dimension", "softest", "barrier", "closure", "KKT", "hits"]
+    grouped = isolated_foldings(minima)
+    noise = any(m.survival is not None for m in minima)
     if full:
         heads.insert(3, "full space")
+    if noise:
+        heads.append("survives")
     rows = []
     for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
         known = verdict(scene, m)
         row: list[Cell] = [
             str(number),
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind]),
             freedom_words(m.local_dimension, freedom),
+            softest_words(m.softest),
+            m.escape.words() if m.escape else "-",
             f"{m.closure_residual:.0e}",
             "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
             str(m.hits),
         ]
         if full:
             row.insert(3, Words(known, VERDICT_STYLE.get(known, "")))
+        if noise:
+            row.append(str(m.survival))
         rows.append(row)
+    if grouped:
+        some = [minima[k - 1] for k in grouped]
+        row = [f"({len(some)})", f"{some[0].energy:.4g} to {some[-1].energy:.4g}", "flat foldings"]
+        hits = str(sum(m.hits for m in some))
+        row += ["0 isolated", "held", "isolated", "", "", hits]
+        if full:
+            row.insert(3, "")
+        if noise:
+            row.append(str(max(m.survival.kept for m in some if m.survival)) + " at most")
+        rows.append(row)
+    if full:  # softness stands below the table, residuals in JSON and on the page
+        rows = [row[:5] + row[6:7] + row[9:] for row in rows]
+        heads = heads[:5] + heads[6:7] + heads[9:]
     # with the verdicts the table keeps to 80 columns without frames
-    columns = "rrlllrrr" if full else "rrllrrr"
+    columns = ("rrlllrr" if full else "rrllrrrrr") + "r" * noise
     return Table(heads, rows, title, columns, framed=not full, narrow=full)
 
 
 def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
     """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
-    lines = []
+    lines, grouped = [], isolated_foldings(minima)
     for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
         angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
         lines.append(f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}")
+        if m.winding > 1:
+            lines.append(f"   winds {m.winding} times round the axis of {scene.group.name}")
         for c in m.contacts:
             lines.append(f"   contact {contact_words(c)}")
         lines.append(f"   {m.certificate}")
+        if m.escape is not None:
+            lines.append(f"   {stiffness_words(m)}")
         if m.moment is not None:
             lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
         if m.solver is not None and not m.solver.agrees:
@@ -107,6 +145,17 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
             )
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
+    if any(m.survival is not None for m in minima):
+        degrees = max(m.survival.degrees for m in minima if m.survival)
+        lines.append(
+            f"survives: those of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest "
+            f"and sector angles and {math.radians(degrees):.2g} of stiffnesses, into which the state could be followed"
+        )
+    if grouped:
+        lines.append(
+            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
+            "admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
+        )
     return [*lines, *filter(None, [not_asked_words(scene, minima)])]
 
 
@@ -133,20 +182,26 @@ def search_lines(s: SearchReport) -> list[str]:
         if s.starts
         else f"no start was drawn, {s.seconds:.2f} s",
         *completeness_lines(s),
-        f"IPOPT: {s.solves} solves, {s.iterations} iterations: "
+        f"IPOPT: {s.solves} solves: "
         + (", ".join(f"{name} {count}" for name, count in sorted(s.statuses.items())) or "none"),
     ]
+    for r in s.refused:
+        angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+        lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
+    if s.failed:
+        reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
+        lines.append(f"ends of descents that are no state: {reasons}")
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
     if ended:
         lines.append("starts ended at: " + ", ".join(ended))
-    reasons: dict[tuple[str, str], int] = {}
+    rejected: dict[tuple[str, str], int] = {}
     for r in s.rejected:
         if r.hits:
             key = (r.verdict, r.reason)
-            reasons[key] = reasons.get(key, 0) + 1
+            rejected[key] = rejected.get(key, 0) + 1
     lines += [
         f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
-        for (verdict, reason), count in sorted(reasons.items())
+        for (verdict, reason), count in sorted(rejected.items())
     ]
     return lines
 
@@ -157,7 +212,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
         return [f"complete: {s.complete}"]
     if s.stopped_by == "time":
         return [
-            "ended for time: not all of these starts were followed down, nor all of their ends judged"
+            "interrupted by the time limit: not all of these starts were followed down, nor all of their ends judged"
         ]
     lines = []
     if s.every_corner:

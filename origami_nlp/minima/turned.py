@@ -197,13 +197,13 @@ def _curves(chart: Landscape) -> list[Track]:
 def _panels(chart: Landscape, minima: Sequence[Minimum]) -> list[Panel]:
     if chart.kind == "none":
         return []
-    places = [chart.place(m.fold_angles) for m in minima]
+    places = [chart.place(m.fold_angles, m.winding) for m in minima]
     if chart.kind == "curve":
         lines = tuple(
             Line(np.stack([b.axes[0], b.energy], axis=1), b.name or "states", "curve")
             for b in chart.branches
         )
-        at = tuple((k, *p.point) for k, p in enumerate(places))
+        at = tuple((k, *p.point) for k, p in enumerate(places) if p.drawn)
         labels = (axis_words(chart.coordinates[0]), "energy [J]")
         none = np.empty(0)
         return [Panel("Energy of the closed states", labels, none, none, None, lines, at)]

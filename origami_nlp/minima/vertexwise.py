@@ -179,6 +179,7 @@ def find_vertexwise(
     scenes: Mapping[int, Scene],
     *,
     find: Callable[..., MinimaResult] = find_minima,
+    found: Callable[[str], None] | None = None,
     **options: Any,
 ) -> VertexwiseMinima:
     """Find the minima of several vertices, each as if it were alone; equal ones are searched once.
@@ -189,8 +190,10 @@ def find_vertexwise(
         By the number of the vertex, as `read_fold_scenes` returns them.
     find
         What searches one scene; `find_minima`, or a function that shows how far it is.
+    found
+        Called with a line on each class of vertices when it is done, if there are several.
     options
-        Of `find_minima`.
+        Of `find_minima`; `seconds` is for each class.
 
     Returns
     -------
@@ -214,5 +217,20 @@ def find_vertexwise(
             "scenes must be a dictionary of scenes by vertex number, such as `read_fold_scenes` returns"
         )
     classes = group_alike(scenes)
-    results = tuple(find(scenes[one.numbers[0]], **options) for one in classes)
-    return VertexwiseMinima(classes, results)
+    results = []
+    for one in classes:
+        results.append(find(scenes[one.numbers[0]], **options))
+        if found is not None and len(classes) > 1:
+            found(_line(one, results[-1]))
+    return VertexwiseMinima(classes, tuple(results))
+
+
+def _line(one: Alike, result: MinimaResult) -> str:
+    """Say what was found at a class of equal vertices."""
+    many = len(one.numbers) > 1
+    lowest = f", lowest {result.minima[0].energy:.6g} J" if result.minima else ""
+    late = "; interrupted by the time limit" if result.search.stopped_by == "time" else ""
+    return (
+        f"{'vertices' if many else 'vertex'} {', '.join(map(str, one.numbers))}: "
+        f"{len(result.minima)} minima{lowest}{late}"
+    )

@@ -15,11 +15,14 @@ from .linear import (
     refined as refined,
     unbounded as unbounded,
 )
+from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
+from .rounding import coarse as coarse, first_largest as first_largest, rank as rank
 from .tolerances import (
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,
     BESIDE as BESIDE,
+    CHOSEN as CHOSEN,
     CLOSES as CLOSES,
     CURVED as CURVED,
     DEPENDENT as DEPENDENT,
@@ -42,6 +45,7 @@ from .tolerances import (
     SAME as SAME,
     SAME_DIRECTION as SAME_DIRECTION,
     SETTLED as SETTLED,
+    SHALLOW as SHALLOW,
     STATIONARY as STATIONARY,
     SUMMED as SUMMED,
     TOUCHES as TOUCHES,

@@ -1,11 +1,14 @@
 """Linear systems with rows that may depend on each other, dense for small matrices and sparse for large ones.
 
-No step decides on a rank: closure multipliers carry a small weight, and what it leaves is taken up by another step.
+Closure multipliers carry a small weight, and what it leaves is taken up by another step.  Beside a singular state that
+takes for ever: a singular value whose square is below the weight moves by a share of itself a step.  There, and only
+there, singular vectors decide, with the bound on singular values that kernels have (`RANK`).
 """
 
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,7 +16,7 @@ from scipy import sparse
 from scipy.linalg import lapack
 from scipy.sparse.linalg import splu
 
-from origami_nlp.numerics.tolerances import EPS
+from origami_nlp.numerics.tolerances import EPS, RANK, ROUNDED
 
 Matrix: TypeAlias = np.ndarray | sparse.csr_array
 """Dense, or sparse where that is worth it."""
@@ -22,12 +25,17 @@ WEIGHT = 1e-10
 """Of closure multipliers in linear systems, beside squares of singular values of closure."""
 MOST_TIMES = 60
 """Iterations that take it back, each by WEIGHT / (WEIGHT + value^2): two as a rule, more beside a singular state."""
+MOST_DECOMPOSED = 400
+"""Columns up to which singular vectors decide where iterations stall."""
 SYMMETRIC: dict[str, Any] = {
     "options": {"SymmetricMode": True},
     "diag_pivot_thresh": 0.0,
     "permc_spec": "MMD_AT_PLUS_A",
 }
 """Elimination of definite matrices without exchange of rows: a fifth of the entries and of the time."""
+LONG = 1e3
+"""Rows that are longer count as rows of length 1: rounding of their squares would come near `WEIGHT`.  Those of closure
+are no longer than some units; gaps between sides that are all but parallel are."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -85,44 +93,78 @@ class Normal:
             self._solve = np.copy
         elif isinstance(jacobian, np.ndarray):
             square = jacobian @ jacobian.T
+            lengths = np.sqrt(square.flat[:: m + 1])
+            size = np.where(lengths > LONG, lengths, 1.0)
+            if (size > 1.0).any():
+                square = (jacobian / size[:, None]) @ (jacobian / size[:, None]).T
             square.flat[:: m + 1] += WEIGHT
             lower, failed = lapack.dpotrf(square.T, lower=True, clean=False, overwrite_a=True)
             if failed:
                 raise np.linalg.LinAlgError("J J' is not positive definite")
-            self._solve = lambda b: lapack.dpotrs(lower, b, lower=True)[0]
+            self._solve = lambda b: lapack.dpotrs(lower, b / size, lower=True)[0] / size
         else:
             square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
             self._solve = splu(square, **SYMMETRIC).solve
 
     def step(self, c: np.ndarray) -> np.ndarray:
-        """Return the shortest d with J d = c, [n]."""
+        """Return the shortest d with J d = c, [n]; along singular vectors whose values are small a share of it."""
         return self.jacobian.T @ self._solve(c)
 
-    def multipliers(self, g: np.ndarray, times: int = MOST_TIMES) -> np.ndarray:
+    def whole_step(self, c: np.ndarray) -> np.ndarray:
+        """Return the shortest d with J d = c, [n], by singular vectors."""
+        u, values, vt = self._decomposed
+        d: np.ndarray = vt.T @ ((u.T @ c) / values)
+        return d
+
+    def multipliers(self, g: np.ndarray) -> np.ndarray:
         """Return the smallest lam that brings J' lam closest to g [n], [m]."""
         lam = np.zeros(self.jacobian.shape[0])
         before = math.inf
-        for _ in range(times):
+        for _ in range(MOST_TIMES):
             step = self._solve(self.jacobian @ (g - self.jacobian.T @ lam))
             lam += step
             size = float(np.abs(step).max(initial=0.0))
-            if size <= EPS * np.abs(lam).max(initial=0.0) or size > STALLS * before:
+            if size <= EPS * np.abs(lam).max(initial=0.0):
+                return lam
+            if size > STALLS * before:
                 break
             before = size
-        return lam
+        moved = float(np.abs(self.jacobian.T @ step).max(initial=0.0))
+        if moved <= ROUNDED * np.abs(g).max(initial=0.0) or not self._decomposable:
+            return lam
+        u, values, vt = self._decomposed
+        exact: np.ndarray = u @ ((vt @ g) / values)
+        return exact
 
     def along(self, v: np.ndarray) -> np.ndarray:
         """Return the part of v [n] that closure allows to first order."""
-        enough = EPS * float(np.abs(v).max(initial=0.0))
+        whole, longest = v, float(np.abs(v).max(initial=0.0))
         before = math.inf
         for _ in range(MOST_TIMES):
             step = self.jacobian.T @ self._solve(self.jacobian @ v)
             v = v - step
             size = float(np.abs(step).max(initial=0.0))
-            if size <= enough or size > STALLS * before:
+            if size <= EPS * longest:
+                return v
+            if size > STALLS * before:
                 break
             before = size
-        return v
+        if size <= ROUNDED * longest or not self._decomposable:
+            return v
+        _, _, vt = self._decomposed
+        return whole - vt.T @ (vt @ whole)
+
+    @property
+    def _decomposable(self) -> bool:
+        """Whether singular vectors are to be had."""
+        return self.jacobian.shape[1] <= MOST_DECOMPOSED
+
+    @cached_property
+    def _decomposed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Singular vectors and values of J above `RANK`: [m, r], [r], [r, n]."""
+        u, values, vt = np.linalg.svd(dense(self.jacobian), full_matrices=False)
+        rank = int((values > RANK).sum())
+        return u[:, :rank], values[:rank], vt[:rank]
 
 
 def dense(matrix: Matrix) -> np.ndarray:

@@ -144,6 +144,11 @@ def _corners(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     part = np.einsum("kji,kj->ki", vt, np.einsum("kji,j->ki", u, c) / s)
     mu = np.zeros((len(part), r))
     np.put_along_axis(mu, choices, np.maximum(part, 0.0), axis=1)
+    return _solving(b, c, mu)
+
+
+def _solving(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """Return those of points mu >= 0, [K, r], that solve B mu = c to rounding."""
     missed = np.abs(mu @ b.T - c).max(axis=1, initial=0.0)
     return mu[missed <= 1e-12 * np.maximum(1.0, mu.max(axis=1, initial=0.0))]
 
@@ -152,11 +157,14 @@ def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.nda
     """Find corners of {mu >= 0: B mu = B inside} with the least and the largest of every entry: the simplex method.
 
     It starts at `inside`, whose positive entries belong to independent columns, and goes from one answer to the
-    next question; Bland's rule (the first column that helps) keeps it from running in circles.
+    next question; Bland's rule (the first column that helps, the first of those it may replace) keeps it from running
+    in circles.  A pivot after which the basis would be dependent to `INDEPENDENT` is no corner, here as in the list.
     """
-    t, r = b.shape
+    r = b.shape[1]
     c = b @ inside
     basis = _basis(b, inside)
+    if not _independent(b[:, basis]):
+        return np.zeros((0, r))
     found = []
     for k, sign in [(k, 1.0) for k in range(r)] + [(k, -1.0) for k in np.flatnonzero(bounded)]:
         for _ in range(MOST_PIVOTS):
@@ -164,22 +172,35 @@ def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.nda
             cost = -sign * (basis == k) @ table[:, :r]
             cost[k] += sign
             cost[basis] = 0.0
-            helps = np.flatnonzero(cost < -INDEPENDENT)
-            if not len(helps):
+            pivots = (_pivot(b, basis, table, int(j)) for j in np.flatnonzero(cost < -INDEPENDENT))
+            better = next((p for p in pivots if p is not None), None)
+            if better is None:
                 break
-            column, level = table[:, helps[0]], np.maximum(table[:, -1], 0.0)
-            ratio = np.full(t, np.inf)
-            ratio[column > INDEPENDENT] = (level / np.where(column > INDEPENDENT, column, 1.0))[
-                column > INDEPENDENT
-            ]
-            if not np.isfinite(ratio.min()):
-                break  # unbounded to rounding
-            least = np.flatnonzero(ratio <= ratio.min() * (1 + 1e-12))
-            basis[least[basis[least].argmin()]] = helps[0]
+            basis = better
         mu = np.zeros(r)
         mu[basis] = np.maximum(np.linalg.solve(b[:, basis], c), 0.0)
         found.append(refined(b, c, mu))
-    return np.array(found)
+    return _solving(b, c, np.array(found))
+
+
+def _pivot(b: np.ndarray, basis: np.ndarray, table: np.ndarray, new: int) -> np.ndarray | None:
+    """Return the basis after column `new` has entered; None where it is unbounded along it, or would be dependent."""
+    column, level = table[:, new], np.maximum(table[:, -1], 0.0)
+    falls = column > INDEPENDENT
+    ratio = np.where(falls, level, np.inf) / np.where(falls, column, 1.0)
+    least = np.flatnonzero(falls & (ratio <= ratio.min(initial=np.inf) * (1 + 1e-12)))
+    for row in least[basis[least].argsort()]:
+        after = basis.copy()
+        after[row] = new
+        if _independent(b[:, after]):
+            return after
+    return None
+
+
+def _independent(columns: np.ndarray) -> bool:
+    """Tell whether columns [t, k] are a basis, by their smallest singular value."""
+    t, k = columns.shape
+    return t == k and bool(np.linalg.svd(columns, compute_uv=False).min(initial=1.0) > INDEPENDENT)
 
 
 def _basis(b: np.ndarray, inside: np.ndarray) -> np.ndarray:

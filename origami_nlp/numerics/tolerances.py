@@ -84,6 +84,11 @@ RISES = 1e-4
 nor as leading beyond a contact.  Ten times `SAME_DIRECTION`, to which directions are known."""
 UNPOLISHED = 1e-5
 """Contacts and torques of an answer of IPOPT: its tolerance 1e-7 leaves sqrt(mu) ~ 1e-4.5 at weak contacts."""
+CHOSEN = 2.0**-16
+"""What is chosen by comparison (the largest, the first, a direction to go in) is rounded to this share of the largest
+first: on different processors it differs by rounding, 1e-16, times the condition of what it was solved from, 1e4 as a
+rule and 1e8 next to singular states, so that one comparison in 1e7, or 1e3, is left to that; and steps rounded so still
+gain four digits each."""
 BESIDE = 1e-3
 """Distance of IPOPT's answer from a singular state: the square root of its tolerance, with room."""
 DESIGN_SNAP = 1e-4
@@ -92,3 +97,7 @@ were typed."""
 DESIGN_MARGIN = 1e-6
 """Smallest margin of a design, over the mean stiffness: ten decades above rounding, and what a conic solver with its
 tolerance of 1e-10 leaves after division by the worst condition, 1e4."""
+SHALLOW = 1e-4
+"""Escape barriers below this share of sum k pi^2 / 2, the energy that folds every crease by pi: an error d of every
+rest angle changes the energy between two states by up to sum k d |change of fold angle| <= (2 d / pi) of that sum, so
+that 1e-4 is what errors of d = 1.6e-4 rad = 0.009 degrees may make or remove.  Nobody makes springs that well."""

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import BESIDE, ENDS, INSIDE, NEAR_CONTACT, STATIONARY, TOUCHES
+from origami_nlp.numerics import (
+    BESIDE,
+    ENDS,
+    INSIDE,
+    NEAR_CONTACT,
+    SETTLED,
+    STATIONARY,
+    TOUCHES,
+    first_largest,
+)
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.events import Found, found_at, is_zero, pole, root_between, step_length
 from origami_nlp.path.halves import PULLS, closes, is_equilibrium, opening_rates, pushes, touches
@@ -46,7 +55,7 @@ def first_contact_event(
 
 
 def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
-    first: tuple[float, Found] | None = None
+    found: list[Found] = []
     for k in np.flatnonzero(b.forces < PULLS * b.system.size):
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
         if frame is None:
@@ -60,10 +69,8 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
             event = found_at("leaves", frame, share, a.hold.contacts[k])
         else:
             event = pole(curve, a, b, force)
-        h = step_length(a, event.frame, curve.root)
-        if first is None or h < first[0]:
-            first = h, event
-    return None if first is None else first[1]
+        found.append(event)
+    return _named(curve, a, found) if found else None
 
 
 def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
@@ -122,7 +129,15 @@ def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) 
     if not found:
         why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
         return Found("singular", a, None, np.nan, False, why)
-    return min(found, key=lambda e: step_length(a, e.frame, curve.root))
+    return _named(curve, a, found)
+
+
+def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[Found]) -> Found:
+    """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
+    steps = [step_length(a, e.frame, curve.root) for e in found]
+    together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
+    held = [e for e in together if e.contact in curve.hold.contacts]
+    return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
 def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
@@ -165,8 +180,11 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
         event = min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
         return event.frame, event
     first = min(h for h, *_ in met)
-    # of contacts that close together, the one that does so to first order knows best where
-    _, _, frame, contact = max((m for m in met if m[0] <= first + ENDS), key=lambda m: m[1])
+    # of contacts that close together, the one that does so to first order knows best where; of several the first
+    together = sorted((m for m in met if m[0] <= first + ENDS), key=lambda m: m[3])
+    _, _, frame, contact = together[
+        int(first_largest(np.array([rate for _, rate, *_ in together])))
+    ]
     opening = frame.programme.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
 

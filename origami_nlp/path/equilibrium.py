@@ -125,7 +125,7 @@ class EquilibriumCurve:
 
     def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> System:
         """Evaluate the KKT system at (x, s)."""
-        self.tally.evaluations += 1
+        self.tally.evaluate()
         return system_at(self.line, point, self.hold, multipliers)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:

@@ -74,6 +74,7 @@ def found_at(
 
 
 def step_length(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
+    """Return the length of the step from a to b along the tangent at a."""
     return float(a.tangent @ (root * (b.x - a.x)))
 
 

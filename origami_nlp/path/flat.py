@@ -183,7 +183,7 @@ def beside_flat(
 
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
     """
-    root, n = line.programme.root, line.programme.size
+    root = line.programme.root
     curve = EquilibriumCurve(line, free_hold(line), tally)
     out: list[Equilibrium | None] = []
     for sign in (1.0, -1.0):

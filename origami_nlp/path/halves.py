@@ -286,7 +286,7 @@ def pushes(frame: Equilibrium) -> bool:
 
 
 def touches(frame: Equilibrium) -> bool:
-    """Tell whether contacts held touch: a crease may lie in the plane of a facet, but beside it, or slip off a border."""
+    """Tell whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
     p, x = frame.programme, frame.state
     margins = {c: p.margin(c, x) for c in frame.hold.contacts if not c.is_limit}
     if any(m is not None and m <= INSIDE for m in margins.values()):

@@ -18,6 +18,7 @@ where `eps` is taken back by refinement, so that what is found does not know it.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,6 +28,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
+from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import (
     CURVED,
@@ -58,10 +60,20 @@ class Hold:
 
 @dataclass
 class Tally:
-    """What following cost: steps accepted, and evaluations of the KKT system."""
+    """What following cost: steps accepted, and evaluations of the KKT system.
+
+    until: value of `time.monotonic` after which an evaluation raises `OutOfTime`.
+    """
 
     steps: int = 0
     evaluations: int = 0
+    until: float = math.inf
+
+    def evaluate(self) -> None:
+        """Count an evaluation, if there is time for it."""
+        if self.until < math.inf and time.monotonic() > self.until:
+            raise OutOfTime
+        self.evaluations += 1
 
 
 class System:

@@ -57,3 +57,4 @@ from .sheet_data import (
 )
 from .stated import as_pattern as as_pattern
 from .vertex import Vertex as Vertex
+from .windings import windings_of as windings_of

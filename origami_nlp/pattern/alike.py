@@ -63,10 +63,10 @@ def group_alike(scenes: Mapping[int, Scene]) -> tuple[Alike, ...]:
 def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
-    same = (first.contact, first.vertex.flat, first.group.name)
+    kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
     if first.loads or other.loads:  # forces are told from a facet that has a number
         return None
-    if other.degree != n or same != (other.contact, other.vertex.flat, other.group.name):
+    if other.degree != n or kinds[0] != kinds[1]:
         return None
     noise = min(first.symmetry_tolerance, other.symmetry_tolerance)
     (sectors, k, *rest), theirs = (

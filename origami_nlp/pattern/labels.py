@@ -6,7 +6,7 @@ that all of these agree on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -64,13 +64,23 @@ class Labels:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
         sectors = np.array(scene.vertex.sector_angles)[self.facets]
         creases = self.creases
+        vertex = Vertex(tuple(sectors.tolist()), scene.vertex.flat)
+        # what the scene has decided stays decided: the same vertex, to the last bit
+        decided = replace(
+            scene.relations,
+            sector_angles=vertex.sector_angles,
+            made_exact=(),
+            different=(),
+            moved=0.0,
+        )
         return Scene(
-            Vertex(tuple(sectors.tolist()), scene.vertex.flat),
+            vertex,
             tuple((np.array(scene.stiffness)[creases] / np.mean(scene.stiffness)).tolist()),
             tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
             preload=self._turned(scene.preload) / np.mean(scene.stiffness) if scene.preload else (),
+            relations=decided,
         )
 
 

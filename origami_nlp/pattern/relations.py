@@ -25,6 +25,8 @@ from origami_nlp.numerics import INDEPENDENT, RESOLVED, SUMMED
 
 NEAR = 1e-3
 """Relations [rad] that miss by less, but are different, are shown with the model."""
+MOST_ROUNDS = 20
+"""Of moving sector angles: each makes one more independent relation exact, and there are fewer than N."""
 LONGEST_RUN, MOST_SUMS = 12, 2**17
 """Signed sums of more sector angles are not looked at: their number doubles with each; nor, for large N, more sums."""
 
@@ -135,17 +137,22 @@ def find_relations(sector_angles: tuple[float, ...]) -> Relations:
     alpha = np.array(sector_angles)
     n = len(alpha)
     longest = min(n, LONGEST_RUN, int(math.log2(MOST_SUMS / n)))
-    rows, multiples, miss = _near_relations(alpha, longest)
-    small = np.abs(miss) <= RESOLVED
-    loose = small & (np.abs(miss) > SUMMED)
     moved = alpha
-    if loose.any():
+    # sector angles that were moved may come near further relations: until none is left between, so that angles
+    # which were decided once, and are read or relabelled, stay as they are
+    for _ in range(MOST_ROUNDS):
+        rows, multiples, left = _near_relations(moved, longest)
+        small = np.abs(left) <= RESOLVED
+        if not (small & (np.abs(left) > SUMMED)).any():
+            break
         # all that hold or nearly do, and the sum of the angles: consistent, since their coefficients
         # are whole numbers and what they miss by is far below pi
         system = np.vstack([rows[small], np.ones(n)])
         target = np.append(multiples[small] * math.pi, math.fsum(sector_angles))
         for _ in range(2):
             moved = moved + np.linalg.lstsq(system, target - system @ moved, rcond=INDEPENDENT)[0]
+    miss = rows @ alpha - multiples * math.pi
+    loose = small & (np.abs(miss) > SUMMED)
     return Relations(
         tuple(moved.tolist()) if loose.any() else tuple(sector_angles),
         int((small & ~loose).sum()),

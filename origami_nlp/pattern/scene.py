@@ -18,6 +18,7 @@ from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.pattern.windings import check_winding, windings_of
 
 Contact = Literal["full", "fold-limits", "none"]
 MOST_CREASES = 1_000
@@ -71,6 +72,9 @@ class Scene(Full):
     held_facet
         Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
         depends on it.
+    winding
+        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
+        a search looks at all of `windings`; whatever poses one programme of the scene takes states that wind once.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -113,6 +117,7 @@ class Scene(Full):
     preload: tuple[float, ...] = ()
     loads: tuple[Load, ...] = ()
     held_facet: int | None = None
+    winding: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -178,6 +183,22 @@ class Scene(Full):
         object.__setattr__(self, "group", group)
         if not group.is_trivial:
             self._make_symmetric(*wanted)
+        check_winding(self.winding, self.group, self.contact)
+
+    @property
+    def windings(self) -> tuple[int, ...]:
+        """How often its states may wind round the axis of their symmetry: `windings_of`, or the one asked for."""
+        return (self.winding,) if self.winding else windings_of(self.group, self.contact)
+
+    @property
+    def of_one_winding(self) -> Scene:
+        """The scene with one winding: the one asked for, else 1."""
+        return replace(self, winding=1) if len(self.windings) > 1 else self
+
+    @property
+    def of_each_winding(self) -> tuple[Scene, ...]:
+        """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
+        return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
     def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
         """Read preload, loads and the facet that is held."""

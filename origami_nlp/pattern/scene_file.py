@@ -21,7 +21,15 @@ from origami_nlp.pattern.vertex import Vertex
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
-    "model": ("symmetry", "contact", "mirror", "name", "symmetry_tolerance", "held_facet"),
+    "model": (
+        "symmetry",
+        "contact",
+        "mirror",
+        "name",
+        "symmetry_tolerance",
+        "held_facet",
+        "winding",
+    ),
     "loads": (),
 }
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
@@ -225,6 +233,8 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         model["name"] = scene.name
     if scene.held_facet is not None:
         model["held_facet"] = scene.held_facet
+    if scene.winding is not None:
+        model["winding"] = scene.winding
     if scene.symmetry_tolerance != TYPED:
         model["symmetry_tolerance"] = scene.symmetry_tolerance
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, windings_of
 from origami_nlp.programme.gaps import Gap, LeftOut, can_cross
 
 
@@ -41,11 +41,14 @@ def enumerate_gaps(
         left.append(
             LeftOut("crossing of non-adjacent facets", f'contact = "{scene.contact}" does not ask')
         )
-        if group.order >= 2:
+        every = windings_of(group, scene.contact)
+        others = [w for w in every if w != (scene.winding or 1)]
+        if others:
+            often = ", ".join(map(str, others))
             left.append(
                 LeftOut(
-                    "symmetric states that wind more than once around the axis",
-                    "their facets cross; closure asks each piece to turn by 2 pi / order",
+                    f"symmetric states that wind {often} times around the axis",
+                    "each winding is a programme of its own: searches solve all",
                 )
             )
         if scene.contact == "none":

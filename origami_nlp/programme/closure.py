@@ -9,6 +9,9 @@ e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
   0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k =
   -cos(pi/n) (one equation).
 - C_n period, n >= 2: T = q Q(e3, 2 pi/n) is a rotation by 2 pi/n: its scalar part is cos(pi/n) (one equation).
+- symmetric states may wind w times round the axis, w odd: T turns by w 2 pi/n, as T^n = -1 asks, and mirrors make the
+  angle w pi/n. With n/w pieces to a turn in place of n the conditions are those above (w = n: those of n = 1), for a
+  piece that is unrolled.
 - no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
   paper, and `is_sheet` tells.
 
@@ -21,6 +24,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import casadi as ca
@@ -48,7 +52,7 @@ class Folded:
 
 def fold_piece(
     kind: str,
-    order: int,
+    order: int | Fraction,
     has_crease: tuple[bool, ...],
     fold_angles: ca.SX,
     sectors: ca.SX,
@@ -58,6 +62,8 @@ def fold_piece(
 
     Parameters
     ----------
+    order
+        How many pieces make one turn round the axis: n, or n/w where states wind w times.
     has_crease
         For each ray, whether it is a crease (False: a mirror through a facet).
     fold_angles
@@ -65,7 +71,7 @@ def fold_piece(
     sectors
         Angles between successive rays; the last ray of a wedge of a flat sheet lies at pi/order exactly.
     flat_sheet
-        Whether all sector angles of the vertex sum to 2 pi.
+        Whether `order` pieces make a flat sheet: their sector angles sum to 2 pi.
     """
     count = len(has_crease)
     azimuth: Any = ca.SX(0)
@@ -107,17 +113,17 @@ def fold_piece(
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))
     images = list(rays)
-    for _ in range(order - 1):
+    for _ in range(int(order) - 1 if order == int(order) else 0):
         images += [quat.rotate(turn, c) for c in images[-count:]]
-    # T^n = -1 for every solution of T_w = cos(pi/n), so the n-fold product is on the sheet q = +1
+    # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the sheet q = +1
     return Folded(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
 
 
-def exact_cosine(order: int) -> float:
+def exact_cosine(order: int | Fraction) -> float:
     """cos(pi/order), exact where it is rational."""
-    return {1: -1.0, 2: 0.0, 3: 0.5}.get(order, math.cos(math.pi / order))
+    return {1: -1.0, 2: 0.0, 3: 0.5}.get(order, math.cos(math.pi / order))  # type: ignore[arg-type]
 
 
-def exact_sine(order: int) -> float:
+def exact_sine(order: int | Fraction) -> float:
     """sin(pi/order), exact where it is rational."""
-    return {1: 0.0, 2: 1.0, 6: 0.5}.get(order, math.sin(math.pi / order))
+    return {1: 0.0, 2: 1.0, 6: 0.5}.get(order, math.sin(math.pi / order))  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ Sector angles, stiffness, rest angles and load are parameters, so one solver ser
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -24,6 +25,7 @@ class Structure:
     """The form of the nonlinear programme.
 
     kind, order: the point group C_n or D_n.
+    winding: how often states wind round its axis.
     has_crease: for each ray of the piece, whether it is a crease.
     limits: whether |phi| <= pi is imposed.
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
@@ -40,6 +42,21 @@ class Structure:
     pairs: tuple[tuple[int, int], ...]
     flat_sheet: bool = True
     dead: tuple[int, ...] = ()
+    winding: int = 1
+
+    @property
+    def turn(self) -> Fraction:
+        """How many pieces make one turn round the axis, order / winding.
+
+        Closed states of a piece depend on its sectors and on this number alone: they are those of a vertex with the
+        group of this order, whose sectors do not add up to 2 pi where states wind more than once.
+        """
+        return Fraction(self.order, self.winding)
+
+    @property
+    def flat_piece(self) -> bool:
+        """Whether the piece closes when it lies flat."""
+        return self.flat_sheet and self.winding == 1
 
 
 @dataclass(frozen=True)
@@ -106,7 +123,7 @@ def compile_structure(structure: Structure) -> Functions:
     held, *facets = s.dead or (0,)
     forces = ca.SX.sym("f", 5, len(facets))  # points and forces
     p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces))
-    piece = fold_piece(s.kind, s.order, s.has_crease, x, sectors, s.flat_sheet)
+    piece = fold_piece(s.kind, s.turn, s.has_crease, x, sectors, s.flat_piece)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2) - ca.dot(load, x)
     for i, facet in enumerate(facets):

@@ -9,6 +9,8 @@ their axes to u_1, u_2, ... and the end of the piece to F; closure then asks for
 - D_n, n >= 2: the angle between Q(u, a) F n_k and n_1 is pi - pi/n (one turn);
 - C_n, n >= 2: the scalar part of Q(u, a) F Q(e3, 2 pi/n) is cos(pi/n) (one turn).
 
+States that wind w times round the axis have n/w in place of n.
+
 The first three are one spherical triangle, whose corner comes from half its perimeter: unlike cosines, that keeps
 closure to rounding where the triangle is flat (a double root) or small (next to flat states).
 """
@@ -124,25 +126,25 @@ class Piece:
 
     def __init__(self, model: Posed) -> None:
         s, sectors = model.structure, model.parameters.sectors
-        self.kind, self.order, self.equation_count = s.kind, s.order, model.equation_count
+        self.kind, self.order, self.equation_count = s.kind, s.turn, model.equation_count
         count = len(s.has_crease)
         azimuth = np.concatenate([[0.0], np.cumsum(sectors[: count - 1])])
         rays = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(count)], axis=1)
         share = np.ones(count)
         if s.kind == "D":
             share[[0, -1]] = 0.5  # the mirror halves the fold angle of a crease that lies on it
-            if s.flat_sheet:
-                rays[-1] = exact_cosine(s.order), exact_sine(s.order), 0.0
+            if s.flat_piece:
+                rays[-1] = exact_cosine(s.turn), exact_sine(s.turn), 0.0
         crease = np.array(s.has_crease)
         self.rays, self.share = rays[crease], share[crease]
         self._right = from_the_right(self.rays)
         whole = math.pi if s.kind == "D" else 2 * math.pi
-        gap = 0.0 if s.flat_sheet else float(sectors.sum()) - whole / s.order
+        gap = 0.0 if s.flat_piece else float(sectors.sum()) - whole / s.turn
         self.tail = (math.cos(gap / 2), 0.0, 0.0, math.sin(gap / 2))
-        if s.kind == "C" and s.order > 1:
-            half = math.pi / s.order
+        if s.kind == "C" and s.turn > 1:
+            half = math.pi / s.turn
             self.tail = quat.multiply(self.tail, (math.cos(half), 0.0, 0.0, math.sin(half)))
-        self.normal = (exact_sine(s.order), -exact_cosine(s.order), 0.0)
+        self.normal = (exact_sine(s.turn), -exact_cosine(s.turn), 0.0)
 
     def fold(self, turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Carry the creases and the end of the piece by turns [K, n]: axes [n, 3, K], quaternion [4, K]."""
@@ -259,8 +261,8 @@ class Piece:
             return [_principal(toward + sides * corner)], exists, lost
         along = quat.dot(u, end[1:])
         reach, cosine = np.hypot(end[0], along), exact_cosine(self.order)
-        spare = _cleared(reach - cosine)
-        half = np.arctan2(np.sqrt(np.maximum(spare, 0.0) * (reach + cosine)), cosine)
+        spare = _cleared(reach - abs(cosine))
+        half = np.arctan2(np.sqrt(np.maximum(spare, 0.0) * (reach + abs(cosine))), cosine)
         lost = reach <= 16 * EPS  # C2 only
         half = np.where(lost, 0.0, sides * half - np.arctan2(along, end[0]))
         return [2 * _principal(half)], spare >= 0, lost

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -70,14 +71,14 @@ class Kinematics:
     def __init__(self, model: Posed) -> None:
         s = model.structure
         self.size, self.equations = model.size, model.equation_count
-        self._cyclic, self._order = s.kind == "C", s.order
+        self._cyclic, self._order = s.kind == "C", s.turn
         sectors = np.array(model.parameters.sectors)
         count = len(s.has_crease)
         # C_n: the images belong to the same strip, folded on; D_n: the wedge
         periods = s.order if self._cyclic and s.gaps else 1
         rays = count * periods
         azimuth = np.concatenate([[0.0], np.cumsum(np.tile(sectors, periods))])[:rays]
-        if not self._cyclic and s.flat_sheet:
+        if not self._cyclic and s.flat_piece:
             azimuth[-1] = math.pi / s.order
         has = np.tile(s.has_crease, periods)
         self._flat = np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=1)
@@ -92,10 +93,10 @@ class Kinematics:
         # creases before each ray; the four extra rays: e3, e1 fixed, and e3 and the last ray carried along
         before = np.concatenate([[0], np.cumsum(has)])[:rays]
         self._before = np.concatenate([before, [0, 0, len(on_mirror), len(on_mirror)]])
-        self._pose_end(sectors, s.order, s.flat_sheet)
+        self._pose_end(sectors, s.turn, s.flat_piece)
         self._pose_gaps(model, sectors, rays)
 
-    def _pose_end(self, sectors: np.ndarray, order: int, flat_sheet: bool) -> None:
+    def _pose_end(self, sectors: np.ndarray, order: Fraction, flat_sheet: bool) -> None:
         """What turns the folded piece on to its end, and the linear forms of closure."""
         turn = math.pi / order
         excess = 0.0 if flat_sheet else float(sectors.sum()) - turn * (2 if self._cyclic else 1)
@@ -108,7 +109,9 @@ class Kinematics:
         self._level = math.cos(turn)
         rows = {("C", 1): (1, 2, 3), ("D", 1): (1, 3), ("C", 2): (0,)}
         kind = "C" if self._cyclic else "D"
-        self._entries = rows.get((kind, min(order, 2)))  # of q; None: a vector that q carries
+        self._entries = rows.get(
+            (kind, 1 if order == 1 else 2)
+        )  # of q; None: a vector that q carries
         self._lever_of = np.hstack(
             [_CONJUGATED[e] for e in self._entries or ()] or [np.zeros((4, 0))]
         )

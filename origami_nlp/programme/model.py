@@ -67,6 +67,7 @@ class Local:
 class Model(Posed):
     """The nonlinear programme of a scene: what solvers and certificates see of it (`protocol.Programme`).
 
+    States wind round the axis of the symmetry as often as the scene says, or once.
     States x have the n variables of the model, `expand(x)` all N fold angles.  Printing it says what is modelled,
     what is left out, and why.  Compiled functions are shared between scenes of one structure; a pickled
     model leaves them behind and finds them again.

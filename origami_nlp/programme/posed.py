@@ -58,6 +58,7 @@ class Posed(Full):
             gaps=gaps,
             pairs=pairs,
             flat_sheet=scene.vertex.flat,
+            winding=scene.winding or 1,
             dead=()
             if (dead := dead_loads(scene.loads, scene.held_facet)) is None
             else (dead.held, *dead.facets),
@@ -106,7 +107,9 @@ class Posed(Full):
     @property
     def equation_count(self) -> int:
         """Number of loop-closure equations."""
-        return {("C", 1): 3, ("D", 1): 2}.get((self.structure.kind, self.structure.order), 1)
+        s = self.structure
+        one_turn = 3 if s.kind == "C" else 2
+        return one_turn if s.order == s.winding else 1
 
     @property
     def freedom(self) -> int:
@@ -360,17 +363,26 @@ class Posed(Full):
 
     def __str__(self) -> str:
         scene, lines = self.scene, []
-        group = scene.group
-        form = {
+        group, turn, w = scene.group, self.structure.turn, self.structure.winding
+        often = f"{w} " if w > 1 else ""
+        once = {
             ("C", 1): "vec(q) = 0, q = product of all folds",
             ("D", 1): "H e2 = e2: h_x = h_z = 0, H = folds of half the vertex",
-        }.get(
-            (group.kind, group.order),
-            f"n_1 . H n_k = -cos(pi/{group.order}), H = folds of the wedge"
+        }
+        several = {
+            ("C", 1): "T = -1, T = product of the folds and sectors of a period",
+            ("D", 1): "H n_k = n_1, H = folds of the wedge",
+        }
+        form = (once if w == 1 else several).get(
+            (group.kind, turn),  # type: ignore[arg-type]
+            f"n_1 . H n_k = -cos({often}pi/{group.order}), H = folds of the wedge"
             if group.kind == "D"
-            else f"scalar of q Q(e3, 2 pi/{group.order}) = cos(pi/{group.order}), q = folds of a period",
+            else f"scalar of q Q(e3, 2 pi/{group.order}) = cos({often}pi/{group.order}), q = folds of a period",
         )
-        lines.append(f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}")
+        winds = f", states that wind {w} times round its axis" * (w > 1)
+        lines.append(
+            f"Model of {self.scene.label or self.scene.vertex!r}, symmetry {group.name}{winds}"
+        )
         lines.append(f"  variables     {self.size}: fold angles")
         for v in range(self.size):
             creases = ", ".join(str(c) for c in self.creases_of(v))

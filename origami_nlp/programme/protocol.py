@@ -141,7 +141,7 @@ class Sparse(Programme, Protocol):
 
 
 class Redundant(Programme, Protocol):
-    """What curves of equilibria need besides where rows of closure depend on each other; matrices are sparse where large."""
+    """What curves of equilibria need besides where rows of closure depend on each other; sparse where large."""
 
     def kernel(self, x: np.ndarray, held: Iterable[int] = ()) -> np.ndarray: ...  # noqa: D102
     def curvature(  # noqa: D102

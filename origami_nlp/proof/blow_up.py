@@ -109,7 +109,7 @@ class Site:
         self.turn, self.jacobian = left.T, left.T @ jacobian
         self.hessian = np.einsum("ab,aij->bij", left, hessian)
         self.order = 1 if lines else 2
-        self.lever = 1.0 if model.structure.kind == "D" and model.structure.order > 1 else 0.5
+        self.lever = 1.0 if model.structure.kind == "D" and model.structure.turn > 1 else 0.5
         torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
         largest = float(np.abs(torque).max())
         self.scale = largest if largest > SLACK * stiffness.max() else float(stiffness.max())
@@ -130,9 +130,7 @@ class Site:
         shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
         s = self.model.structure
         quarters = self.point[self.turned] / (0.5 * math.pi)
-        if (s.kind, s.order) == ("C", 1) or (
-            s.order == 1 and (quarters == np.rint(quarters)).all()
-        ):
+        if (s.kind, s.turn) == ("C", 1) or (s.turn == 1 and (quarters == np.rint(quarters)).all()):
             return bool(shared)
         return 0 in shared
 
@@ -226,7 +224,7 @@ class Site:
             if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSES:
                 t = float(np.sign(self.axes[a] @ self.axes[b]) * self.shares[a] / self.shares[b])
                 shut = ~free[:, a + 1 : b].any(axis=1)
-                if s.kind == "C" and s.order == 1:
+                if s.kind == "C" and s.turn == 1:
                     shut |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
                 yield self._balance(a, t, b), shut & free[:, a] & free[:, b]
 

@@ -9,6 +9,8 @@ shrink to half its volume is cut in two at the middle of its widest side; both c
 
 Rounding of the contraction: entries of Y A and Y c are sums of at most R products, so they, and the sums over them, are
 off by at most gamma_{R+d+2} sum_r |Y_vr| (|c_r| + sum_j |A_rj| + e_r); four times that is added.
+
+Bounds of xi are then moved outward onto a grid: they, and so all boxes, are the same on every processor.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
+from origami_nlp.numerics import DEPENDENT, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import Rows
 from origami_nlp.proof.tree import Kind, Recorder
@@ -32,8 +35,13 @@ SMALL = 1e-5
 """Boxes whose sides are all shorter [rad] are candidates, for roots or singular states."""
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
-EXACT = 1e-6
-"""Least squares take no row to be more accurate than this, relative to its slopes."""
+GRID = 2.0**-12
+"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
+OFF = 0.3
+"""Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
+EXACT = 1e-3
+"""Least squares take no row to be more accurate than this, relative to its slopes: its square is what they miss by, and
+one over that their condition."""
 KEPT = 0.9
 """A contraction that leaves more than this share of every side is not carried out."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -279,8 +287,9 @@ def _contracted(
         e = np.concatenate([e, np.where(asked, more[2], 1.0)], axis=1)
     low2, high2 = _bounds(a, c, e, _least_squares(a, e))
     # a matrix that came out as NaN bounds nothing
-    low = np.fmax(np.fmax(low, low2), -1.0).T
-    high = np.fmin(np.fmin(high, high2), 1.0).T
+    low, high = np.fmax(low, low2).T, np.fmin(high, high2).T
+    low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
+    high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
     empty = (low > high).any(axis=0)
     free = batch.pins == 0
     # by `WIDER`, and at least to the next double: more than what rounding does to the sum
@@ -320,16 +329,19 @@ def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
     rest, k = rows, np.arange(boxes)
     chosen = np.empty((boxes, posed.pivots), dtype=int)
     for p in range(posed.pivots):
-        chosen[:, p] = best = (rest * rest).sum(axis=1).argmax(axis=1)
+        chosen[:, p] = best = first_largest((rest * rest).sum(axis=1))
         u = rest[k, :, best]
         u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), 1e-300)[:, None]
         rest = rest - u[:, :, None] * (u[:, None, :] @ rest)
     square = np.take_along_axis(rows, chosen[:, None, :], axis=2)
-    good = np.abs(np.linalg.det(square)) > 1e-250
-    inverse = np.linalg.inv(np.where(good[:, None, None], square, np.eye(posed.pivots)))
+    volume = np.linalg.norm(square, axis=1).prod(axis=1)
+    poor = ~(np.abs(np.linalg.det(square)) > DEPENDENT * volume)
+    inverse = np.linalg.inv(np.where(poor[:, None, None], np.eye(posed.pivots), square))
+    # pinned angles have no slopes: what rounding makes of their columns is no inverse
+    inverse[poor] = np.linalg.pinv(np.nan_to_num(square[poor], posinf=0.0, neginf=0.0), rcond=RANK)
     y = np.zeros((boxes, n, count))
     part = np.zeros((boxes, n, posed.pivots))
-    np.put_along_axis(part, chosen[:, :, None], np.where(good[:, None, None], inverse, 0.0), axis=1)
+    np.put_along_axis(part, chosen[:, :, None], inverse, axis=1)
     y[:, :, posed.linear] = part
     return y
 

@@ -1,9 +1,10 @@
 """A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
 
-Schema ``origami-nlp/proof/1``.  ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
-doubles; the two must agree.  ``points``, ``singular``, ``undecided``: lists of objects with the names below.  ``tree``:
-``nodes`` and arrays, each base64 of zlib of its little-endian numbers with their bytes gathered by significance (all
-first bytes, all second bytes, ...).  Nothing in a file is evaluated.
+Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
+doubles; the two must agree. ``others``: documents of the same schema for states that wind more often. ``points``,
+``singular``, ``undecided``: lists of objects with the names below. ``tree``: ``nodes`` and arrays, each base64 of zlib
+of its little-endian numbers with their bytes gathered by significance (all first bytes, all second bytes, ...). Nothing
+in a file is evaluated.
 """
 
 from __future__ import annotations
@@ -131,6 +132,9 @@ class Certificate:
         What is left open: states of dependent axes, and all else.
     nodes
         The tree.
+    others
+        The same for states that wind more than once round the axis of their symmetry, each with a scene that says how
+        often.
     """
 
     scene: Scene
@@ -139,6 +143,7 @@ class Certificate:
     singular: tuple[Left, ...]
     undecided: tuple[Left, ...]
     nodes: Nodes
+    others: tuple[Certificate, ...] = ()
 
 
 def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
@@ -163,6 +168,11 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
         "exact": {name: [v.hex() for v in values] for name, values in _exact(scene).items()},
         "r0": certificate.r0,
         **{name: [asdict(one) for one in getattr(certificate, name)] for name in lists},
+        **(
+            {"others": [certificate_to_dict(o) for o in certificate.others]}
+            if certificate.others
+            else {}
+        ),
         "counts": dict(zip(KINDS, counts, strict=True)),
         "tree": {
             "nodes": len(nodes.kind),
@@ -254,9 +264,11 @@ def certificate_from_dict(data: Any) -> Certificate:
         tuple(_left(c, f"{name}[{i}]", n) for i, c in _objects(data, name))
         for name in ("singular", "undecided")
     )
-    return Certificate(
-        scene, r0, points, singular, undecided, _nodes(_entry(data, "tree", dict), n)
-    )
+    others: tuple[Certificate, ...] = ()
+    if "others" in data:
+        others = tuple(certificate_from_dict(one) for _, one in _objects(data, "others"))
+    tree = _nodes(_entry(data, "tree", dict), n)
+    return Certificate(scene, r0, points, singular, undecided, tree, others)
 
 
 def _exact(scene: Scene) -> dict[str, tuple[float, ...]]:

@@ -73,18 +73,26 @@ class Vertex:
     Parameters
     ----------
     sectors
-        Shape [N] [rad], sum 2 pi.
+        Shape [N] [rad], sum `whole`.
     stiffness
         Shape [N], in any unit: rows do not depend on it.
     rest
         Shape [N] [rad].
+    whole
+        What the sectors add up to [rad]: less where every period of a symmetric state closes by itself.
     """
 
     linear = slice(1, 4)
     """Rows of closure that are linear to first order; the other one is of second order."""
     pivots = 3
 
-    def __init__(self, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray) -> None:
+    def __init__(
+        self,
+        sectors: np.ndarray,
+        stiffness: np.ndarray,
+        rest: np.ndarray,
+        whole: float = 2 * math.pi,
+    ) -> None:
         n = self.size = len(sectors)
         self.stiffness = np.asarray(stiffness, dtype=float)
         self.rest = np.asarray(rest, dtype=float)
@@ -101,6 +109,10 @@ class Vertex:
         self.sides = (
             (tuple(range(self.half)), _right_products(left), 1.0),
             (tuple(range(n - 1, self.half - 1, -1)), _right_products(right), -1.0),
+        )
+        # folds and sectors of the loop multiply to -1: q_left Q(e3, whole) = -q_right, whole = 2 pi on a sheet
+        self.onward = (
+            None if whole == 2 * math.pi else _onward(-math.cos(whole / 2), -math.sin(whole / 2))
         )
         self._pose_triples()
         self._pose_minors()
@@ -122,7 +134,7 @@ class Vertex:
             ]
             back, on, middle = min(options, key=lambda o: (o[0] + o[1], abs(o[0] - o[1])))
             self.kinds.setdefault((back, on), []).append((number, middle))
-        self.reach = max(max(kind) for kind in self.kinds)
+        self.reach = max((max(kind) for kind in self.kinds), default=1)
 
     def _pose_minors(self) -> None:
         """Number the minors: four creases, the triple without each, and the sign of the expansion along G."""
@@ -159,6 +171,9 @@ class Vertex:
     def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
         left, right = self.sides_of(middle, half, pins)
+        if self.onward is not None:
+            left = carried(self.onward, left)
+            left = Affine(left.centre, left.slopes, left.error + 4 * self.doubt)
         back = right.slopes[:, ::-1]  # creases h+1 .. N in order
         # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
         sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
@@ -331,6 +346,12 @@ def taken(turn: Turn, which: Any, sign: float = 1.0) -> Turn:
     return Turn(
         c, s, turn.mean[which], turn.spread[which], sign * turn.slope[which], turn.miss[which]
     )
+
+
+def _onward(cosine: float, sine: float) -> np.ndarray:
+    """Matrix [4, 4] of q -> q (cosine + sine e3)."""
+    c, s = cosine, sine
+    return np.array([[c, 0, 0, -s], [0, c, s, 0], [0, -s, c, 0], [s, 0, 0, c]])
 
 
 def _right_products(azimuths: list[float]) -> list[np.ndarray]:

@@ -1,17 +1,19 @@
 """A proof that a list of minima is complete, checked by a second arithmetic that knows nothing of the first.
 
-The statement. A flat vertex within fold limits |x_i| <= pi, as it is, or among the states that keep a symmetry (then
-the angles x are those of its piece). Every local minimum of U = sum k_i/2 (x_i - rest_i)^2 among the closed states
-lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where F. John's condition holds on the free ones:
-the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows of [G | C] vanish, G_i = k_i (x_i -
-rest_i), C_i the slopes of the m closure equations (without symmetry det [G_S | c_S] = 0 for every four creases, c_i
-the axes); creases whose axes coincide all over a stratum have torques that agree up to the same sign. No regularity
-is assumed.
+The statement. A flat vertex within fold limits |x_i| <= pi, as it is, or among all states that keep a symmetry, however
+often they wind round its axis (then the angles x are those of its piece). Every local minimum of U = sum k_i/2 (x_i -
+rest_i)^2 among the closed states lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where F. John's
+condition holds on the free ones: the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows of [G |
+C] vanish, G_i = k_i (x_i - rest_i), C_i the slopes of the m closure equations (without symmetry det [G_S | c_S] = 0 for
+every four creases, c_i the axes); creases whose axes coincide all over a stratum have torques that agree up to the same
+sign. No regularity is assumed.
 
 What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
 removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
 claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
-anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b).
+anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b). (f) With symmetry, that there
+is a tree for every way in which the whole vertex closes: from the product of all its folds (`check_whole`), not from
+its piece.
 
 What is trusted. This file, `certificate`, and the files `check_*` beside it, which share no code with the search; the
 reading of a scene, with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, each operation rounded
@@ -135,28 +137,43 @@ def check_proof(
         ) from None
     from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
 
-    replay = Replay(certificate, progress or (lambda done, total: None))
+    every = (certificate, *certificate.others)
+    replays = [Replay(one, progress or (lambda done, total: None)) for one in every]
     refused = ""
-    try:
-        replay.run()
-    except Refused as problem:
-        refused = str(problem)
+    for one, replay in zip(every, replays, strict=True):
+        try:
+            replay.run()
+        except Refused as problem:
+            refused = _winding(one) + str(problem)
+            break
     trusted = (
         f"python-flint {flint.__version__} ({COARSE} bits for boxes, {FINE} for points), Python, NumPy for suggestions",
         "sector angles: all vertices within 2 units in the last place of these, that close flat; "
         "sums that are multiples of pi to that precision are taken as such",
         "the statement: a minimum closes with q = +1, and its torques are those of one moment (det [G | C] = 0)",
     )
-    found = replay.found
+    found = [one for replay in replays for one in replay.found]
+    left = [
+        _winding(one) + line
+        for one, replay in zip(every, replays, strict=True)
+        if not refused
+        for line in _open(one, replay.found, replay.flat_falls)
+    ]
     return Check(
         refused,
         tuple(i for i, one in enumerate(found, start=1) if one.is_minimum),
-        tuple(p.x for p in certificate.points),
+        tuple(p.x for one in every for p in one.points),
         dict(Counter(one.index for one in found)),
-        tuple(_open(certificate, found, replay.flat_falls)) if not refused else (),
-        {KINDS[k]: c for k, c in sorted(replay.counts.items())},
+        tuple(left),
+        {KINDS[k]: c for k, c in sorted(sum((r.counts for r in replays), Counter[int]()).items())},
         trusted,
     )
+
+
+def _winding(certificate: Certificate) -> str:
+    """Name the states that a certificate is about, where they wind more than once."""
+    winding = certificate.scene.winding or 1
+    return f"winding {winding}: " if winding > 1 else ""
 
 
 def degrees(angles: Sequence[float]) -> str:

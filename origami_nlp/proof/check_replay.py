@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 from flint import arb, ctx
@@ -35,7 +36,8 @@ from origami_nlp.proof.check_forms import (
 )
 from origami_nlp.proof.check_pieces import Sheet
 from origami_nlp.proof.check_points import Located, Refused, Stratum
-from origami_nlp.proof.check_wedges import piece_of
+from origami_nlp.proof.check_wedges import SymmetricPiece, piece_of
+from origami_nlp.proof.check_whole import check_identity, closing_numbers
 
 FINE, COARSE = 128, 64
 """Bits for points, and for the many boxes of the tree."""
@@ -77,7 +79,7 @@ class Replay:
         self.flat_falls = self.flat_shown = False
 
     def run(self) -> None:
-        """Check everything.
+        """Check everything but what the certificate holds of other windings.
 
         Raises
         ------
@@ -90,12 +92,40 @@ class Replay:
         if not scene.vertex.flat:
             raise Refused("a vertex that does not lie flat is not checked")
         with _bits(FINE):
+            self._covers_the_vertex()
             self._points()
         with _bits(COARSE):
             self.piece = piece_of(self.certificate.scene)
             self._alone()
             self._tree()
-            self.flat_falls = isinstance(self.piece, Sheet) and falls(self.piece)
+            # the flat state closes with the first number alone
+            winds = (scene.winding or 1) > 1
+            self.flat_falls = winds or (isinstance(self.piece, Sheet) and falls(self.piece))
+
+    def _covers_the_vertex(self) -> None:
+        """Check that the whole vertex closes where the piece does, and nowhere that no tree covers."""
+        scene, others = self.certificate.scene, self.certificate.others
+        if scene.group.is_trivial:
+            if others:
+                raise Refused("states without symmetry have no windings")
+            return
+        piece = piece_of(scene)
+        assert isinstance(piece, SymmetricPiece)
+        check_identity(scene, piece)
+        given = [one.scene.winding for one in others]
+        if any(one.others or replace(one.scene, winding=None) != scene for one in others):
+            raise Refused("what it holds of other windings is about another scene")
+        numbers = closing_numbers(scene.group.order)
+        asked = [] if scene.winding else [2 * k + 1 for k in range(1, len(numbers))]
+        for winding in asked:
+            if winding not in given:
+                number = float(numbers[winding // 2].mid())
+                raise Refused(
+                    f"the whole vertex also closes where the number of its piece is {number:.6g}, states that wind "
+                    f"{winding} times round the axis: no tree covers them"
+                )
+        if given != asked:
+            raise Refused(f"it holds states that wind {given} times, not {asked}")
 
     # ------------------------------------------------------------ points
 

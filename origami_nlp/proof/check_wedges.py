@@ -1,16 +1,19 @@
 """Pieces of symmetric vertices, over boxes of fold angles: a wedge between two mirrors, and a period of turns.
 
-D_n: H = Q(b_1, x_1) .. Q(b_k, x_k), half as much at creases on the mirrors, carries the last mirror, of flat normal
-n_k = (sin pi/n, -cos pi/n, 0), to one at the right angle from the first, of normal n_1 = e2. n = 1: H e2 = e2, stated
-as h_x = h_z = 0; on closed states the slopes of these by all angles are those of the x and z of the axes, turned, so
-that the minors may be had from (n_1, c_j, c_k), or (c_j, c_k, H n_k). n > 1: n_1 . H n_k + cos pi/n = 0, of slopes
-(n_1, c_i, H n_k). C_n: T = H Q(e3, 2 pi/n) has the scalar cos pi/n; its slope by x_i is that of T with b_i put in
-before Q(b_i, x_i), halved. A crease on a mirror stands for half as many creases and moves half: rows of minors are as
-without symmetry, with the torque of one crease.
+D_n: H = Q(b_1, x_1) .. Q(b_k, x_k), half as much at creases on the mirrors, carries the last mirror, of flat normal n_k
+= (sin pi/n, -cos pi/n, 0), to one at an angle from the first, of normal n_1 = e2, with which the vertex closes: -n_1 .
+H n_k = c, c one of the roots of `check_whole`. c = -1: H n_k = n_1, stated as h_x = h_z = 0 once H is followed by the
+turn by pi/n - pi that takes n_1 to n_k; on closed states the slopes of these by all angles are those of the x and z of
+the axes, turned, so that the minors may be had from (n_1, c_j, c_k), or (c_j, c_k, H n_k). c > -1: n_1 . H n_k + c = 0,
+of slopes (n_1, c_i, H n_k). C_n: T = H Q(e3, 2 pi/n) has the scalar c > -1; its slope by x_i is that of T with b_i put
+in before Q(b_i, x_i), halved. c = -1: T = -1, minors as without symmetry, of triple products of the axes of one period.
+A crease on a mirror stands for half as many creases and moves half: rows of minors are as without symmetry, with the
+torque of one crease.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,6 +22,7 @@ from flint import arb, arb_mat, fmpq
 from origami_nlp.pattern import Scene
 from origami_nlp.proof.check_forms import Box, Form, Terms, carry, linear
 from origami_nlp.proof.check_pieces import Balls, Chain, Sheet, cross, near
+from origami_nlp.proof.check_whole import closing_numbers, whole_vertex
 
 
 def piece_of(scene: Scene) -> Chain:
@@ -36,16 +40,25 @@ def piece_of(scene: Scene) -> Chain:
     """
     if scene.group.is_trivial:
         return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
-    return (Wedge if scene.group.kind == "D" else Period)(scene)
+    if scene.group.kind == "D":
+        return Wedge(scene)
+    return Loop(scene) if closing_numbers(scene.group.order)[_root(scene)] == -1 else Period(scene)
 
 
-class _Piece(Chain):
+def _root(scene: Scene) -> int:
+    """Which root of `closing_numbers` the states of a scene have: they wind round the axis 1, 3, 5, .. times."""
+    return ((scene.winding or 1) - 1) // 2
+
+
+class SymmetricPiece(Chain):
     """What both kinds share: variables in the order of the creases on the rays."""
 
     def __init__(self, scene: Scene) -> None:
         rays, orbit = scene.group.rays, scene.group.orbit
         mirrors = (0, len(rays) - 1) if scene.group.kind == "D" else ()
-        self.order = scene.group.order
+        self.order, self.scene = scene.group.order, scene
+        self.level = closing_numbers(self.order)[_root(scene)]
+        self.sectors = [near(a) for a in scene.vertex.sector_angles]
         self.gaps = [near(ray.sector) for ray in rays]
         whole = arb.pi() / self.order
         places = [r for r, ray in enumerate(rays) if ray.crease is not None]
@@ -63,6 +76,14 @@ class _Piece(Chain):
         self.places = places
         share = fmpq(1, self.order)
         self.cosine, self.sine = arb.cos_pi_fmpq(share), arb.sin_pi_fmpq(share)
+
+    def vertex(self, angles: Sequence[Any]) -> Balls:
+        """Product of all folds of the whole vertex, [w, x, y, z]: 1 where it closes."""
+        return whole_vertex(self.scene, self.sectors, angles)
+
+    @abstractmethod
+    def number(self, angles: Sequence[Any]) -> Any:
+        """Return the number c of the piece, which decides whether the whole vertex closes."""
 
     def whole(self, box: Box, pins: Sequence[int], before: int | None = None) -> Terms:
         """H over a box, as a column [w, x, y, z]; with b_i put in before Q(b_i, x_i)."""
@@ -91,25 +112,28 @@ class _Piece(Chain):
         return bends[i][j]
 
 
-class Wedge(_Piece):
+class Wedge(SymmetricPiece):
     """A wedge of D_n."""
 
     spare = 0
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene)
-        self.rank = 2 if self.order == 1 else 1
+        self.rank = 2 if self.level == -1 else 1
+        # followed by the last mirror's turn to where that of n = 1 is
+        s, c = ((arb.pi() / self.order - arb.pi()) / 2).sin_cos()
+        self.onward = arb_mat([[c, 0, 0, -s], [0, c, s, 0], [0, -s, c, 0], [s, 0, 0, c]])
         self.first = arb_mat([[0], [1], [0]])
         self.last = arb_mat([[self.sine], [-self.cosine], [0]])
 
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
-        """As of `Chain`: h_x and h_z, or n_1 . H n_k + cos pi/n."""
-        if self.order == 1:
-            pick = arb_mat([[0, 1, 0, 0], [0, 0, 0, 1]])
+        """As of `Chain`: h_x and h_z, or n_1 . H n_k + c."""
+        if self.rank == 2:
+            pick = arb_mat([[0, 1, 0, 0], [0, 0, 0, 1]]) * self.onward
             terms = {mask: pick * v for mask, v in self.whole(box, pins).items()}
             return terms, [[1.0, 0.0], [0.0, 1.0]]
         terms = {mask: v.transpose() * self.first for mask, v in self._onward(0, box, pins).items()}
-        terms[0] = terms[0] + arb_mat([[self.cosine]])
+        terms[0] = terms[0] + arb_mat([[self.level]])
         return terms, [[1.0]]
 
     def _onward(self, i: int, box: Box, pins: Sequence[int], to: int | None = None) -> Terms:
@@ -127,7 +151,7 @@ class Wedge(_Piece):
     def slopes(self, some: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
         """(n_1, c_j, c_k), from either mirror, or (n_1, c_i, H n_k)."""
         j, k = some[0], some[-1]
-        if self.order > 1:
+        if self.rank == 1:
             return self.mixed(self._back(j, box, pins), j, self._onward(j, box, pins))
         if sum(not s for s in pins[:k]) <= sum(not s for s in pins[j + 1 :]):
             return self.mixed(self._back(j, box, pins), j, self._onward(j, box, pins, k))
@@ -154,12 +178,13 @@ class Wedge(_Piece):
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
         """As of `Chain`."""
         h, turn, axes = self.chain(angles)
-        n = range(self.count)
-        if self.order == 1:
+        n, sheet = range(self.count), self.vertex(angles)[0]
+        if self.rank == 2:
+            h = (self.onward * arb_mat([[v] for v in h])).entries()
             by = [arb(1) / (2 * o) for o in self.over]
             bends = _products(h, axes, by, (1, 3))
             slopes = [[b * v for v in _times(c, h)[1::2]] for b, c in zip(by, axes, strict=True)]
-            return h[1::2], slopes, slopes, bends, arb(1)
+            return h[1::2], slopes, slopes, bends, sheet
         v = (turn * self.last).entries()
         by = [arb(1) / o for o in self.over]
         slopes = [[b * cross(c, v)[1]] for b, c in zip(by, axes, strict=True)]
@@ -167,10 +192,14 @@ class Wedge(_Piece):
             [[by[i] * by[j] * cross(axes[min(i, j)], cross(axes[max(i, j)], v))[1]] for j in n]
             for i in n
         ]
-        return [v[1] + self.cosine], slopes, slopes, turned, arb(1)
+        return [v[1] + self.level], slopes, slopes, turned, sheet
+
+    def number(self, angles: Sequence[Any]) -> Any:
+        """-n_1 . H n_k."""
+        return -(self.chain(angles)[1] * self.last).entries()[1]
 
 
-class Period(_Piece):
+class Period(SymmetricPiece):
     """A period of C_n, n > 1."""
 
     rank, spare = 1, 0
@@ -181,9 +210,9 @@ class Period(_Piece):
         return {mask: row * v for mask, v in terms.items()}
 
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
-        """As of `Chain`: the scalar less cos pi/n."""
+        """As of `Chain`: the scalar less c."""
         terms = self._scalar(self.whole(box, pins))
-        terms[0] = terms[0] - arb_mat([[self.cosine]])
+        terms[0] = terms[0] - arb_mat([[self.level]])
         return terms, [[1.0]]
 
     def slopes(self, some: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
@@ -207,13 +236,59 @@ class Period(_Piece):
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
         """As of `Chain`."""
-        q, _, axes = self.chain(angles)
-        w, x, y, z = q
-        c, s = self.cosine, self.sine
-        t = [w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s]  # q (c + s k)
+        t, axes = self.turned(angles)
         by = [arb(0.5)] * self.count
         slopes = [[b * _times(a, t)[0]] for b, a in zip(by, axes, strict=True)]
-        return [t[0] - c], slopes, slopes, _products(t, axes, by, (0,)), arb(1)
+        sheet = self.vertex(angles)[0]
+        return [t[0] - self.level], slopes, slopes, _products(t, axes, by, (0,)), sheet
+
+    def turned(self, angles: Sequence[Any]) -> tuple[Balls, list[Balls]]:
+        """T at balls of fold angles, [w, x, y, z], and all axes [n][3]."""
+        (w, x, y, z), _, axes = self.chain(angles)
+        c, s = self.cosine, self.sine
+        return [w * c - z * s, x * c + y * s, y * c - x * s, z * c + w * s], axes  # q (c + s k)
+
+    def number(self, angles: Sequence[Any]) -> Any:
+        """The scalar of T."""
+        return self.turned(angles)[0][0]
+
+
+class Loop(Period):
+    """A period of C_n, n odd, that closes by itself: T = -1."""
+
+    rank, spare = 3, 1
+
+    def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
+        """As of `Chain`: T + 1, its scalar of second order."""
+        c, s = self.cosine, self.sine
+        onward = arb_mat([[c, 0, 0, -s], [0, c, s, 0], [0, -s, c, 0], [s, 0, 0, c]])
+        terms = {mask: onward * v for mask, v in self.whole(box, pins).items()}
+        terms[0] = terms[0] + arb_mat([[1], [0], [0], [0]])
+        return terms, [[float(r == k) for k in range(4)] for r in range(4)]
+
+    def slopes(self, some: Sequence[int], box: Box, pins: Sequence[int]) -> Form:
+        """Triple product of the axes of three creases, in order."""
+        i, j, k = some
+        back = [(c, *self.turn(c, box, pins, -1)) for c in range(i + 1, j)]
+        forth = [(c, *self.turn(c, box, pins, 1)) for c in reversed(range(j, k))]
+        return self.mixed(carry(self._axes[i], back), j, carry(self._axes[k], forth))
+
+    def at(
+        self, angles: Sequence[Any]
+    ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
+        """As of `Chain`, of -T as `Sheet` has it of q."""
+        t, axes = self.turned(angles)
+        w, *v = [-value for value in t]
+        slopes = [[(w * a + b) / 2 for a, b in zip(c, cross(c, v), strict=True)] for c in axes]
+        none, n = [arb(0)] * 3, range(self.count)
+        bends = [[cross(axes[j], axes[i]) if j < i else none for j in n] for i in n]
+        # T = 1 has no vector either
+        sheet = w.min(self.vertex(angles)[0])
+        return v, slopes, axes, bends, sheet
+
+    def curvature(self, i: int, j: int, bends: list[list[Balls]]) -> Balls:
+        """As of `Sheet`."""
+        return [b / 2 for b in bends[i][j]]
 
 
 def _times(v: Sequence[Any], q: Sequence[Any]) -> Balls:

@@ -158,21 +158,23 @@ def pose(model: Model) -> tuple[Posed, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if model.freedom < 1:
+    if model.freedom < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no freedom: its closed states are finitely many")
-    group = scene.group
+    group, turn = scene.group, model.structure.turn
     if group.is_trivial:
         vertex = Vertex(p.sectors, p.stiffness, p.rest)
         return vertex, flat_lemma(vertex)
     # torques per crease: variables stand for several, the model sums their springs
     k = p.stiffness / model.multiplicity
     flat = Flat(0.0, 0, None)
+    if group.kind == "C" and turn == 1:  # every period closes by itself
+        return Vertex(p.sectors, k, p.rest, 2 * math.pi / group.order), flat
     if group.kind == "C":
-        return Period(group.order, p.sectors, k, p.rest), flat
+        return Period(group.order, p.sectors, k, p.rest, model.structure.winding), flat
     crease: list[int | None] = []
     for ray in group.rays:
         crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
-    return Wedge(group.order, p.sectors, crease, k, p.rest), flat
+    return Wedge(turn, p.sectors, crease, k, p.rest), flat
 
 
 def certified(

@@ -28,15 +28,15 @@ NAMES = {
 """Kinds of nodes, as certificates count them."""
 
 
-def certificate_of(scene: Scene, proof: Proof) -> c.Certificate:
+def certificate_of(scene: Scene, proof: Proof, *others: Proof) -> c.Certificate:
     """Return a proof with its scene, in the form that is written to a file and checked.
 
     Parameters
     ----------
     scene
         What was proved.
-    proof
-        With its tree.
+    proof, *others
+        With their trees: one for each of `Scene.of_each_winding`, in their order.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def certificate_of(scene: Scene, proof: Proof) -> c.Certificate:
     Raises
     ------
     OptionError
-        If the tree was not recorded.
+        If a tree was not recorded.
     """
     check_type("scene", scene, Scene)
     check_type("proof", proof, Proof)
@@ -59,6 +59,7 @@ def certificate_of(scene: Scene, proof: Proof) -> c.Certificate:
         tuple(map(_left, proof.singular)),
         tuple(map(_left, proof.undecided)),
         _nodes(proof.tree, None if proof.flat_radius else len(proof.undecided) - 1),
+        tuple(map(certificate_of, scene.of_each_winding[1:], others)),
     )
 
 

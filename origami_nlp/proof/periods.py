@@ -1,8 +1,8 @@
 """What every local minimum satisfies where turns are imposed, over boxes of the fold angles of a period of C_n.
 
-The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(pi / n); its slopes are, but for a factor, the x of T read from
-crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is a product of
-two half chains.
+The scalar of T = prod Q(e1, phi_i) Q(e3, a_i) is cos(w pi / n), w the winding; its slopes are, but for a factor, the x
+of T read from crease i on, t_i: G_a t_b = G_b t_a for every two free creases, G the torques of single creases.  Each is
+a product of two half chains.
 """
 
 from __future__ import annotations
@@ -40,16 +40,24 @@ class Period:
         Of the period, shape [n] [rad].
     stiffness, rest
         Of each crease of the period, [n].
+    winding
+        How often states wind round the axis, less than n: the scalar is cos(winding pi / n).
     """
 
     pivots = 1
     linear = slice(0, 1)
 
     def __init__(
-        self, order: int, sectors: np.ndarray, stiffness: np.ndarray, rest: np.ndarray
+        self,
+        order: int,
+        sectors: np.ndarray,
+        stiffness: np.ndarray,
+        rest: np.ndarray,
+        winding: int = 1,
     ) -> None:
         n = self.size = len(sectors)
-        self.order, self.sectors = order, np.asarray(sectors, float)
+        self.order, self.level = order, math.cos(winding * math.pi / order)
+        self.sectors = np.asarray(sectors, float)
         self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
         self.minor_creases = tuple(itertools.combinations(range(n), 2))
         self.minor_count = len(self.minor_creases)
@@ -69,9 +77,10 @@ class Period:
         """Enclose the rows over boxes, as `Vertex.rows` does."""
         middle, half = variables(lower, upper)
         scalar, slopes = self._products(half_turns(middle, half, pins))
-        level = math.cos(math.pi / self.order)
         first = scalar[:1]
-        closure = padded(first.centre - level, first.slopes, first.error, 2.0 + 0 * first.centre, 4)
+        closure = padded(
+            first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
+        )
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)

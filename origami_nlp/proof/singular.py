@@ -135,7 +135,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
             lines[int(np.argmin(apart))].append(i)
         else:
             lines.append([i])
-    mirrored = model.structure.kind == "D" and model.structure.order <= 2 and len(lines) == 1
+    mirrored = model.structure.kind == "D" and model.structure.turn in (1, 2) and len(lines) == 1
     for line in lines:
         if len(line) < 2 and not mirrored:
             raise NotShown("a crease is turned that has no twin")

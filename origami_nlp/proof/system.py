@@ -105,6 +105,7 @@ class System:
     def __init__(self, model: Model) -> None:
         self.kinematics = Kinematics(model)
         self.n, self.m = model.size, model.equation_count
+        self.flat = model.structure.flat_piece
         self.k, self.rest = model.parameters.stiffness, model.parameters.rest
         rays = [r for r, has in enumerate(model.structure.has_crease) if has]
         dihedral = model.structure.kind == "D"
@@ -182,7 +183,7 @@ class System:
         """What rounding and doubt leave in F at most, [R, n + m]; less near the flat state (see above)."""
         size = np.abs(lam)
         near = np.ones(len(x))
-        if self.m > 1:
+        if self.m > 1 and self.flat:
             near = np.minimum(1.0, np.abs(x).sum(axis=1))
             # the rows of closure are x, y, z or x, z of q; A's row z is of the size of the folds
             size = np.concatenate([size[:, :-1], near[:, None] * size[:, -1:]], axis=1)

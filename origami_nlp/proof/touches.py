@@ -11,6 +11,16 @@ A touch that only describes closed creases again (all between the ray and the fa
 the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the
 argument is within {closure, P, T}.
 
+Two kinds of strata of a vertex of degree five are curves, or empty, and are left out; x is on a stratum that is not.
+- Where sectors e and e+1 are equal and crease e between them is shut, rays e-1 and e+1 lie on each other, and a gap of
+  one of them off a facet that the other bounds vanishes on the whole of {closure, crease e shut}.  So it says nothing
+  beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
+- Ray k on facet k+2 and ray k+2 on facet k+4 at once, where sectors k and k+1 make less than pi.  If these rays differ,
+  the great circles of both facets pass through both and are one circle, so that creases k+3 and k+4 are at 0 or +-pi.
+  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are an arc longer
+  than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one, crease k+1 is
+  shut between equal sectors: the case before.
+
 Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
 meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
 
@@ -37,6 +47,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
+from origami_nlp.numerics import RESOLVED, SUMMED
 from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
@@ -56,8 +67,8 @@ from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
 MOST = 5_000
 """Small boxes of a set of touches from which on they are no isolated points."""
-MOST_BOXES = 500_000
-"""Boxes for a set of touches."""
+MOST_BOXES = 1_000_000
+"""Boxes for all sets of touches together: 20 seconds, twice what vertices within 1e-6 of a regular one need."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +176,9 @@ def touch_strata(model: Model) -> Iterator[Stratum]:
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
             allowed &= on == (touches[0].rays == (0, 3))
+        for crease in range(model.size if model.structure.kind == "C" else 0):
+            if any(_says_nothing(model, t, crease) for t in touches):
+                allowed &= patterns.pins[crease] == 0
         if allowed.any():
             yield Stratum(touches, posed, patterns[allowed])
 
@@ -182,7 +196,9 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
             if 3 <= (rays[0] - rays[1]) % n <= n - 2
         ]
         for count in range(1, model.freedom + 1):
-            yield from itertools.combinations(rows, count)
+            for touches in itertools.combinations(rows, count):
+                if not _on_each_other(model, touches):
+                    yield touches
     elif model.structure.order == 1:
         for rays in ((3, 0), (0, 3)) if first else ():
             yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
@@ -190,6 +206,28 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
         # both at once: rays 1 and 3 on each other, which is crease 2 shut between equal sectors
         for (r, side), i in first.items():
             yield (Row("end" if side else "start", (r,), i),)
+
+
+def _says_nothing(model: Model, touch: Row, crease: int) -> bool:
+    """Whether a ray lies on an edge of the facet that it touches wherever a crease between equal sectors is shut."""
+    a, n = model.parameters.sectors, model.size
+    if abs(a[crease - 1] - a[crease]) > SUMMED:
+        return False
+    ray, facet = touch.rays
+    met = {(crease - 1) % n, (crease + 1) % n} - {ray}
+    return len(met) == 1 and met <= {facet, (facet + 1) % n}
+
+
+def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
+    """Whether two touches can hold at once only with rays on each other, a crease shut, or all flat (degree five)."""
+    a, n = model.parameters.sectors, model.size
+    if len(touches) != 2 or n != 5:
+        return False
+    one, two = touches[0].rays, touches[1].rays
+    for (k, j), other in ((one, two), (two, one)):
+        if j == (k + 2) % n and other == (j, (j + 2) % n):
+            return bool(a[k] + a[(k + 1) % n] < math.pi - RESOLVED)
+    return False
 
 
 def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -> Proof:
@@ -211,7 +249,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
     """
     started = time.process_time()
     end = math.inf if seconds is None else started + seconds
-    boxes, finished = limits.boxes, limits.finished
+    treated, finished = 0, limits.finished
     singular, undecided = list(limits.singular), list(limits.undecided)
     points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
@@ -221,20 +259,21 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         left = prune(
             stratum.posed,
             stratum.start,
-            most=MOST_BOXES,
+            most=MOST_BOXES - treated,
             seconds=max(end - time.process_time(), 0.0),
         )
-        boxes += left.boxes
+        treated += left.boxes
         finished &= not len(left.open)
         for group in by_stratum(left.open):
-            undecided.append(cluster_of(model, left.open[group], f"time was up; {names}"))
+            why = f"the time, or the number of boxes, was up; {names}"
+            undecided.append(cluster_of(model, left.open[group], why))
         if len(left.candidates) > MOST:
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
         system = TouchSystem(model, tuple(t.gap for t in touches))
         roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, None)
-        boxes += more
+        treated += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
         new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]
         which = np.array(new, dtype=int)
@@ -250,7 +289,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         points=tuple(sorted(kept, key=lambda p: p.energy)),
         singular=tuple(_refused(model, c) for c in singular),
         undecided=tuple(undecided),
-        boxes=boxes,
+        boxes=limits.boxes + treated,
         seconds=limits.seconds + time.process_time() - started,
         finished=finished,
         crossing=len(points) - len(kept),

@@ -7,7 +7,8 @@ D_1: the first mirror's normal n_1 is the last one's, N = H n_k (the paper's H e
 of closure are a rotation of n_1 x c_i, in the mirror's plane: det [G, x, z]_S = 0 for every three free creases, an
 alternating sum of G_i (n_1, c_j, c_k); the triple product is the same with N.
 
-D_n, n > 1: n_1 . N = -cos(pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
+D_n, n > 1: n_1 . N = -cos(pi / n) (cos(w pi / n) where states wind w times, w < n; w = n: as D_1), with slopes t_i =
+(n_1, c_i, N): G_a t_b = G_b t_a for every two free creases.
 
 All of it is triple products seen from the crease in the middle, as without symmetry.  Backwards, the wedge is read in a
 mirror (y to -y).
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from fractions import Fraction
 
 import numpy as np
 
@@ -52,7 +54,7 @@ class Wedge:
     Parameters
     ----------
     order
-        n of D_n.
+        n of D_n, over the winding w of its states: mirrors make the angle w pi/n.
     sectors
         Between successive rays, [R - 1] [rad].
     crease
@@ -63,7 +65,7 @@ class Wedge:
 
     def __init__(
         self,
-        order: int,
+        order: int | Fraction,
         sectors: np.ndarray,
         crease: list[int | None],
         stiffness: np.ndarray,
@@ -269,7 +271,9 @@ def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
 
 def all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarray:
     """Tell which choices of creases are free, [M, K]."""
-    which = np.array(creases, dtype=int).reshape(len(creases), -1)
+    if not creases:
+        return np.zeros((0, pins.shape[1]), dtype=bool)
+    which = np.array(creases, dtype=int)
     return (pins == 0)[which].all(axis=1)
 
 

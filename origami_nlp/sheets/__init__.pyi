@@ -1,4 +1,4 @@
-from .branches import Branches as Branches, list_branches as list_branches
+from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .contacts import closed_choices as closed_choices, closed_contacts as closed_contacts
 from .counts import (
@@ -41,6 +41,7 @@ from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .pinned import press_along as press_along, press_off as press_off
+from .pops import pop_rows as pop_rows
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows

@@ -10,9 +10,6 @@ from origami_nlp.facets import Closure
 from origami_nlp.kkt import TangentCone, tangent_cone
 from origami_nlp.pattern import Pattern
 
-Branches = TangentCone
-"""Ways out of a state."""
-
 
 def list_branches(
     pattern: Pattern, phi: np.ndarray | None = None, check: Callable[[], None] = lambda: None

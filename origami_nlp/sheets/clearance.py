@@ -75,6 +75,7 @@ class Clearance:
         pieces = self.sheet.crossings.pieces
         out = np.full(len(self.first), -1)
         for k, (i, j) in enumerate(zip(self.first, self.second, strict=True)):
+            self.sheet.check_time()
             common = np.intersect1d(pieces[i], pieces[j])
             if len(common):
                 out[k] = common[0] if len(common) == 1 else -2
@@ -90,6 +91,7 @@ class Clearance:
             crease_between[i, j] = crease_between[j, i] = k
         out = np.zeros((len(self.first), p.creases))
         for k, (i, j) in enumerate(zip(self.first, self.second, strict=True)):
+            self.sheet.check_time()
             if self._apex[k] == -2:
                 out[k] = FAR  # never shown to be apart where anything moves
                 continue
@@ -205,6 +207,7 @@ class Clearance:
             )
         out, flags, unclear = [states[0]], [crosses[0]], 0
         for i, control in enumerate(curve.control):
+            self.sheet.check_time()
             ends = (placed[i], crosses[i]), (placed[i + 1], crosses[i + 1])
             # folded flat at an end, facets lie on each other
             at_end = i in (0, len(curve.control) - 1)

@@ -11,8 +11,9 @@ import math
 import numpy as np
 
 from origami_nlp.facets import Sheet
+from origami_nlp.kkt import TangentCone
 from origami_nlp.numerics import CLOSES, dense
-from origami_nlp.sheets.branches import Branches, list_branches
+from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.interpolant import Interpolant, second
 
 MOST_CREASES = 60
@@ -77,9 +78,11 @@ def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
         loops = sheet.pattern.vertices
         most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
         return most.min(axis=0)
+    sheet.check_time()
     j = np.array([dense(sheet.closure.jacobian(x)) for x in states])
     values = np.linalg.svd(j, compute_uv=False)
-    return values[:, n - 2] if values.shape[1] > n - 2 else np.full(len(states), np.inf)
+    # one crease alone is held by nothing, and meets no other curve
+    return values[:, n - 2] if 0 <= n - 2 < values.shape[1] else np.full(len(states), np.inf)
 
 
 def _snapped(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
@@ -92,7 +95,7 @@ def _snapped(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     return np.clip(new, -math.pi, math.pi) if residual <= CLOSES else None
 
 
-def ways_from(sheet: Sheet, phi: np.ndarray) -> Branches:
+def ways_from(sheet: Sheet, phi: np.ndarray) -> TangentCone:
     """Enumerate the ways out of a closed state, those of two freedoms cut down by what closure says to second order.
 
     Parameters
@@ -104,13 +107,13 @@ def ways_from(sheet: Sheet, phi: np.ndarray) -> Branches:
 
     Returns
     -------
-    Branches
+    TangentCone
         Candidates: whether states follow is seen when they are walked.
     """
     return split(sheet, phi, list_branches(sheet.pattern, phi, sheet.check_time))
 
 
-def split(sheet: Sheet, phi: np.ndarray, ways: Branches) -> Branches:
+def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
     """Cut families of two freedoms down to lines where closure is not met to second order.
 
     Self-stresses s, s J = 0, of the whole sheet ask for s . c''(d, d) = 0, where vertices by themselves do not.
@@ -124,7 +127,7 @@ def split(sheet: Sheet, phi: np.ndarray, ways: Branches) -> Branches:
 
     Returns
     -------
-    Branches
+    TangentCone
         With lines instead of families that are none.
     """
     if not ways.families:
@@ -156,4 +159,4 @@ def split(sheet: Sheet, phi: np.ndarray, ways: Branches) -> Branches:
                     min(np.abs(line - k).max(), np.abs(line + k).max()) < FORMS for k in lines
                 ):
                     lines.append(line)
-    return Branches(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)
+    return TangentCone(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)

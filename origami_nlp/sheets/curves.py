@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -35,11 +36,14 @@ class Traced:
         Where facets cross along it; None where contact is not asked for.
     crossroads
         States of it, not flat or folded flat, at which closure loses rank, [n] each.
+    meets
+        All states of it at which closure loses rank.
     """
 
     curve: Interpolant
     stretches: Stretches | None
     crossroads: tuple[np.ndarray, ...]
+    meets: tuple[np.ndarray, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -51,8 +55,10 @@ class Traced:
         seen = self.stretches
         if seen is not None:
             seen = replace(seen, states=image(symmetry, seen.states))
-        crossroads = tuple(image(symmetry, x) for x in self.crossroads)
-        return Traced(self.curve.image(symmetry), seen, crossroads)
+        crossroads, meets = (
+            tuple(image(symmetry, x) for x in which) for which in (self.crossroads, self.meets)
+        )
+        return Traced(self.curve.image(symmetry), seen, crossroads, meets)
 
 
 class Curves:
@@ -71,7 +77,12 @@ class Curves:
     def __init__(self, sheet: Sheet, labels: Labels, contact: bool) -> None:
         self.sheet, self.labels = sheet, labels
         self.found: list[Traced] = []
-        self._clearance = Clearance(sheet) if contact else None
+        self._contact = contact
+
+    @cached_property
+    def _clearance(self) -> Clearance:
+        """Gaps of all pairs of facets: of sheets whose curves are traced."""
+        return Clearance(self.sheet)
 
     def __contains__(self, phi: np.ndarray) -> bool:
         """Tell whether a closed state is on one of the curves."""
@@ -93,9 +104,10 @@ class Curves:
             The curve, and its images that are not known yet.
         """
         curve = interpolate(self.sheet, follow_curve(self.sheet, phi, along, LONG))
-        seen = None if self._clearance is None else self._clearance.along(curve)
-        meet = [x for x in dips(self.sheet, curve) if np.abs(np.sin(x)).max() > FLAT]
-        new = [Traced(curve, seen, tuple(meet))]
+        seen = self._clearance.along(curve) if self._contact else None
+        meets = tuple(dips(self.sheet, curve))
+        meet = [x for x in meets if np.abs(np.sin(x)).max() > FLAT]
+        new = [Traced(curve, seen, tuple(meet), meets)]
         self.found += new
         for symmetry in self.labels.images:
             other = image(symmetry, phi)

@@ -52,7 +52,11 @@ class Descended:
 
 
 def descend(
-    sheet: Sheet, phi: np.ndarray, most: int = 200, side: np.ndarray | None = None
+    sheet: Sheet,
+    phi: np.ndarray,
+    most: int = 200,
+    side: np.ndarray | None = None,
+    kept: np.ndarray | None = None,
 ) -> Descended:
     """Follow the energy downhill from a closed state.
 
@@ -66,6 +70,8 @@ def descend(
         Steps.
     side
         Direction [n] that says to which side saddles are left.
+    kept
+        Creases that stay as they are, of bool [n].
 
     Returns
     -------
@@ -73,14 +79,16 @@ def descend(
         A stationary state where it arrived: not yet judged.
     """
     radius, saddles = TRUST, 0
-    held = np.abs(np.abs(phi) - math.pi) <= AT_LIMIT
+    stays = np.zeros(len(phi), bool) if kept is None else kept
+    held = (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT) | stays
     energy, path = sheet.scaled_energy(phi), [phi]
     for step in range(most):
         where = np.flatnonzero(held)
         lam, limits, balance = sheet.multipliers(phi, where)
         normal = sheet.normal(phi, where)  # the factors of the multipliers
-        if len(where) and limits.min() < -STILL:  # the limit would have to pull: let go
-            held[where[int(limits.argmin())]] = False
+        pulls = np.where(stays[where], 0.0, limits)
+        if len(where) and pulls.min() < -STILL:  # the limit would have to pull: let go
+            held[where[int(pulls.argmin())]] = False
             continue
         # beside the flat state multipliers are large, and rounding with them
         size, left = max(1.0, float(np.abs(lam).max(initial=0.0))), float(np.abs(balance).max())

@@ -35,6 +35,7 @@ from origami_nlp.show import (
     UPPER,
     VALLEY,
     crease_legend,
+    label_text,
 )
 
 if TYPE_CHECKING:
@@ -296,11 +297,10 @@ def draw_overview(seen: Overview, path: Any = None) -> Figure:
             _draw_flat(axes, p)
         else:
             draw_sheet(axes, p, phi)
-        axes.set_title(title, fontsize=10)
+        axes.set_title(label_text(title), fontsize=10)
     free = "not known" if seen.freedoms is None else str(seen.freedoms)
-    figure.suptitle(
-        f"{p.name}: {p.facets} facets, {p.creases} creases, freedoms: {free}", fontsize=11
-    )
+    title = f"{p.name}: {p.facets} facets, {p.creases} creases, freedoms: {free}"
+    figure.suptitle(label_text(title), fontsize=11)
     figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
     if path is not None:
         from origami_nlp.files import save_figure
@@ -374,9 +374,9 @@ def draw_states(
         touches = contacts[k] if k < len(contacts) else ()
         draw_sheet(axes, pattern, phi, named if k + 1 == len(states) else (), touches)
         _widen(axes, CELL)
-        axes.set_title(name, fontsize=9)
+        axes.set_title(label_text(name), fontsize=9)
     more = f" (the first {len(shown)} of {len(states)})" if len(states) > len(shown) else ""
-    figure.suptitle(title + more, fontsize=11)
+    figure.suptitle(label_text(title + more), fontsize=11)
     handles = crease_legend() + touch_legend(c for held in contacts[: len(shown)] for c in held)
     many = 4 if columns > 1 else 2
     figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)

@@ -9,32 +9,34 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_whole
-from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.facets import OutOfTime, Sheet, round_vertex
+from origami_nlp.arguments import check_flag, check_number, check_whole
+from origami_nlp.errors import Interrupted, OptionError, OutOfTime
+from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, RESOLVED, SAME, STATIONARY, nearest
-from origami_nlp.pattern import Contact, Pattern, Scene, as_pattern
-from origami_nlp.sheets.branches import Branches, list_branches
+from origami_nlp.numerics import ANSWERED, CLOSES, RESOLVED, SAME, STATIONARY, rank
+from origami_nlp.pattern import Pattern, as_pattern
+from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
-from origami_nlp.sheets.curve import SHUT, tangents
-from origami_nlp.sheets.curves import Curves, Traced
-from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.sheets.curve import tangents
+from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
+from origami_nlp.sheets.descent import Descended, descend
+from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import judge, singular_beside
+from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
-from origami_nlp.sheets.pressing import UNTOLD
-from origami_nlp.sheets.result import MEETINGS, OF_VERTEX, WAYS_OUT, SheetResult
-from origami_nlp.sheets.rows import Rows, polish
+from origami_nlp.sheets.pressing import UNTOLD, press
+from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
+from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -42,14 +44,16 @@ OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 MOST_TRACED = 250
 """Creases up to which curves are traced; descents beyond."""
-ON_PLANE = 1e-6
-"""Planes of states that agree to this are one."""
 MOST_DRAWN = 10
 """Random starts in all, over those that are to find nothing new."""
+MOST_POPPED = 2
+"""Starts with a vertex popped in all, over the random starts that are to find nothing new."""
 MOST_CURVES = 64
 """That are traced, beside images of them."""
 SECONDS = 300.0
-"""Processor time for a search."""
+"""For a search, of wall time."""
+FAILURES = np.linalg.LinAlgError, ArithmeticError
+"""What linear algebra may end in at some start: it is counted and named."""
 
 
 def find_states(
@@ -58,6 +62,7 @@ def find_states(
     seed: int = 0,
     contact: bool = True,
     seconds: float = SECONDS,
+    escape: bool = True,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
@@ -66,16 +71,15 @@ def find_states(
     pattern
         With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
     starts
-        Random starts in a row that find no other minimum or curve before the search ends; ten times as many in all at
-        most.
+        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
     seed
-        Of the random starts: how creases are numbered, where the sheet lies in space, and from which side it is seen
-        change nothing.
+        Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Processor time for the search, give or take a second or two: what was found by then is kept, what was left out
-        is named.
+        Wall time for the search, give or take a second or two: what was left out is named.
+    escape
+        Say what it takes to leave each minimum (`SheetState.escape`).
 
     Returns
     -------
@@ -99,12 +103,13 @@ def find_states(
     pattern = as_pattern(pattern)
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
+    check_flag("escape", escape)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
-    for start in search.given():
+    for start in given(search.sheet.pattern):
         search.part("starts that the pattern gives", search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
@@ -112,7 +117,10 @@ def find_states(
     for k in range(MOST_DRAWN * starts):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
+    search.part(POPS, search.pop, MOST_POPPED * starts)
     search.part("images of minima under symmetries", search.add_images)
+    if escape:
+        search.part(BARRIERS, search.add_escapes)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
         raise Interrupted(found)
@@ -123,11 +131,12 @@ class _Search:
     """A search on its way."""
 
     def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
-        until = time.process_time() + seconds
+        until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
         self._middle = pattern.corners.mean(axis=0)
+        self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
         rng = np.random.default_rng(0)
@@ -145,12 +154,19 @@ class _Search:
             self.sheet.until, self.tally.interrupted = -math.inf, True
             self.tally.left_out[what] = None
             return False
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
         return True
 
-    # ------------------------------------------------------------ states
+    def attempt(self, work: Callable[..., None], *given: Any) -> None:
+        """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
+        try:
+            work(*given)
+        except FAILURES as failure:
+            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
     def known(self, phi: np.ndarray) -> bool:
-        """Tell whether a state was judged already."""
+        """Tell whether a state was judged."""
         return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
 
     def add(self, state: SheetState) -> None:
@@ -162,12 +178,13 @@ class _Search:
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
-        closed = self._closed(phi)
-        if closed is None or self.known(closed):
+        if (closed := close(self.sheet, phi)) is None or self.known(closed):
             self.tally.open += closed is None
             return
         for side in (self._side, -self._side):
             end = descend(self.sheet, closed, side=side)
+            if not end.arrived and (better := stationary_beside(self.sheet, end.phi)) is not None:
+                end = replace(end, phi=better, arrived=True)
             if not end.arrived:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
@@ -179,12 +196,16 @@ class _Search:
                 return
 
     def _judged(self, phi: np.ndarray) -> SheetState:
-        """Judge the end of a descent; where torque is left over, solve for the state beside it."""
+        """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        if state.verdict != "crosses" and STATIONARY < state.kkt_residual < ANSWERED:
-            limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-            better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-            if better is not None and np.abs(better - phi).max() < BESIDE:
+        left = state.kkt_residual > STATIONARY
+        if state.verdict == "not a minimum":
+            left &= state.kkt_residual < ANSWERED
+        elif state.verdict in ("minimum", "undecided"):
+            left |= sheet.loose(phi)
+        if left and state.verdict != "crosses":
+            better = stationary_beside(self.sheet, phi)
+            if better is not None:
                 return judge(sheet, better, self.contact)
         return state
 
@@ -204,21 +225,64 @@ class _Search:
                 return
             self.add(replace(state, verdict="undecided", kind=None, certificate=why))
 
+    def add_escapes(self) -> None:
+        """Add what it takes to leave each minimum."""
+        states, most = self._by_energy(), self.tally.starts
+        self.tally.judged = with_escapes(self.curves, states, self.contact, most)
+        self.sheet.check_time()
+
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
+        return tuple(s.moved(self._middle) for s in self._by_energy())
+
+    def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
-        return tuple(sorted((s.moved(self._middle) for s in by_key), key=lambda s: s.energy))
+        return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
+
+    def _from_popped(self, start: np.ndarray) -> None:
+        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
+        phi = self._begun(start)
+        if phi is None or phi in self.curves:
+            return
+        if self.contact and self.sheet.size <= MOST_DENSE and not self.sheet.crossings.find(phi):
+            self.press(press(self.sheet, phi, keep=True))
+        else:
+            self._enter(phi)
 
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
-        k, rest = self.sheet.stiffness, self.sheet.pattern.rest
-        for to, sign in self.labels.images:
-            if np.abs(k[to] - k).max() > SAME or np.abs(rest[to] - sign * rest).max() > SAME:
-                continue
+        for symmetry in self._symmetries:
             for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
-                self.settle(image((to, sign), state.fold_angles))
+                self.attempt(self.settle, image(symmetry, state.fold_angles))
 
-    # ------------------------------------------------------------ what is enumerated
+    def pop(self, most: int) -> None:
+        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+
+        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
+        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
+        """
+        popped: list[np.ndarray] = []
+        while True:
+            self.sheet.check_time()
+            waiting = [
+                s.fold_angles
+                for s in self._by_energy()
+                if s.verdict == "minimum"
+                and s.fold_angles.any()
+                and not any(np.abs(s.fold_angles - x).max() <= 10 * SAME for x in popped)
+            ]
+            if not waiting:
+                return
+            phi = waiting[0]
+            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for start in popped_starts(self.sheet.pattern, self.labels, phi):
+                if self.tally.popped == most:
+                    return
+                self.tally.popped += 1
+                before = self._found()[0]
+                self.tally.starts += 1
+                self.attempt(self._from_popped, start)
+                self.tally.by_pops += self._found()[0] - before
 
     def from_crossroads(self) -> None:
         """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
@@ -231,7 +295,7 @@ class _Search:
             )
             return
         tally.lines, tally.families = len(flat.lines), len(flat.families)
-        folded = list_flat_folded(pattern, self.contact)
+        folded = list_flat_folded(pattern, self.contact, self.sheet.check_time)
         states = folded.states
         if folded.reason:
             tally.reasons.append(
@@ -262,7 +326,7 @@ class _Search:
         for phi, ways in ways_out(sheet.pattern, states, sheet.check_time):
             self._leave(phi, split(sheet, phi, ways))
 
-    def _leave(self, phi: np.ndarray, ways: Branches) -> None:
+    def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
         """Go all ways out of a state."""
         if ways.reason:
             self.tally.reasons.append(f"ways out of a state where curves meet: {ways.reason}")
@@ -279,15 +343,13 @@ class _Search:
         """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
         sheet, tally = self.sheet, self.tally
         off = phi - basis @ (basis.T @ phi)
-        for other, there in tally.planes:
-            if other.shape == basis.shape and np.abs(off - there).max() < ON_PLANE:
-                if np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE:
-                    return
+        if tally.has_plane(basis, off):
+            return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
             tally.planes.append((basis, off))
-            lowest = self._lowest(phi, basis)
+            lowest = lowest_on(sheet, phi, basis)
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
             return
@@ -297,36 +359,15 @@ class _Search:
             d = inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
             self.explore(phi + OUT * d / np.abs(d).max())
 
-    def _lowest(self, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
-        """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
-        root = np.sqrt(self.sheet.stiffness)[:, None]
-        _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
-        y0 = np.linalg.lstsq(
-            root * basis, root[:, 0] * (self.sheet.pattern.rest - phi), rcond=None
-        )[0]
-        rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
-        y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
-        if y is None:
-            return None
-        state = phi + basis @ np.linalg.solve(r, y)
-        shut = math.pi - np.abs(state) < 10 * SAME
-        state[shut] = np.copysign(math.pi, state[shut])
-        state[np.abs(state) < 10 * SAME] = 0.0
-        return self._closed(state)
-
     def round_the_vertex(self, seed: int) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
         pattern = self.sheet.pattern
-        (loop,) = pattern.vertices
-        vertex, creases = round_vertex(pattern, loop), list(loop.creases)
-        if vertex is None or len(creases) < pattern.creases:
+        scene, creases = scene_of(pattern, self.contact)
+        if scene is None:
             return
-        contact: Contact = "full" if self.contact else "fold-limits"
-        stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
-        scene = Scene(vertex, stiffness, rest, "none", contact)
         # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = 0.5 * (self.sheet.until - time.process_time())
-        result = find_minima(scene, seed=seed, prove=False, seconds=max(seconds, 0.0))
+        seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
+        result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
         if result.search.stopped_by == "time":
             self.tally.left_out[OF_VERTEX] = None
         for found in result.minima:
@@ -336,33 +377,10 @@ class _Search:
             if not self.known(phi):
                 self.add(self._judged(phi))
 
-    # ------------------------------------------------------------ starts
-
-    def given(self) -> Iterator[np.ndarray]:
-        """Yield fold angles [n] that the pattern itself gives."""
-        pattern = self.sheet.pattern
-        if not np.isnan(pattern.file_angles).any():
-            yield pattern.file_angles
-        if pattern.reference.any():
-            yield pattern.reference
-        if pattern.signs.any():
-            yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
-        if pattern.rest.any():
-            yield from (0.3 * pattern.rest, pattern.rest)
-
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        n = self.sheet.size
-        if k % 3 == 0 and self.sheet.pattern.is_flat:
-            self.explore(self._grown(rng))
-        else:
-            size = rng.uniform(0.3, math.pi)
-            start = rng.uniform(-size, size, n)
-            if k % 3 == 2:  # some creases shut, which is kept as long as their springs push
-                shut = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
-                start[shut] = rng.choice([-math.pi, math.pi], len(shut))
-            self.explore(self.labels.drawn(start))
+        self.explore(drawn(self.sheet, self.labels, rng, k))
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.since = self.tally.since + 1 if self._found() == before else 0
@@ -371,33 +389,28 @@ class _Search:
         """Return how many minima and curves are known."""
         return sum(s.verdict == "minimum" for s in self.tally.judged), len(self.curves.found)
 
-    def _grown(self, rng: np.random.Generator) -> np.ndarray:
-        """Grow a state out of the flat one by steps along what closure leaves free."""
-        sheet, n = self.sheet, self.sheet.size
-        phi, residual = sheet.project(self.labels.drawn(rng.uniform(-0.3, 0.3, n)))
-        way = phi
-        for _ in range(int(rng.integers(0, 8))):
-            aside = self.labels.drawn(rng.normal(size=n))
-            way = sheet.along(phi, way + 0.5 * aside * np.abs(way).max())
-            size = float(np.abs(way).max())
-            if residual > CLOSES or size < RESOLVED:
-                break
-            new, residual = sheet.project(phi + 0.3 * way / size)
-            if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
-                break
-            phi = new
-        return phi
-
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
+        self.tally.starts += 1
+        self.attempt(self._explore, start)
+
+    def _explore(self, start: np.ndarray) -> None:
+        if (phi := self._begun(start)) is not None:
+            self._enter(phi)
+
+    def _begun(self, start: np.ndarray) -> np.ndarray | None:
+        """Close a start; None, and counted, where that fails or leads back to the flat state."""
+        phi = close(self.sheet, start)
+        near = phi is not None and bool(np.abs(phi).max() < RESOLVED**0.5)
+        flat = near and self.sheet.pattern.is_flat
+        self.tally.open += phi is None
+        self.tally.flat += flat
+        return None if flat else phi
+
+    def _enter(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, or go downhill from it."""
         sheet, tally = self.sheet, self.tally
-        tally.starts += 1
-        phi = self._closed(start)
-        if phi is None:
-            tally.open += 1
-        elif sheet.pattern.is_flat and np.abs(phi).max() < RESOLVED**0.5:
-            tally.flat += 1
-        elif sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+        if sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
             if tally.traced == MOST_CURVES:
@@ -408,23 +421,34 @@ class _Search:
             for traced in self.curves.trace(phi, z[:, 0]):
                 self._along(traced)
 
-    def _closed(self, start: np.ndarray) -> np.ndarray | None:
-        """Close a start within the fold limits, creases that are shut left so if they can be; None where it is not."""
-        start = np.clip(start, -math.pi, math.pi)
-        shut = np.abs(start) == math.pi
-        for held in (shut, None) if shut.any() else (None,):
-            phi, residual = self.sheet.project(start, held)
-            within = np.abs(phi).max(initial=0.0) <= math.pi + SHUT
-            phi = np.clip(phi, -math.pi, math.pi)
-            if residual <= CLOSES and within and self.sheet.closure.on_sheet(phi):
-                return phi
-        return None
-
     def _along(self, traced: Traced) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
         for well in wells(self.sheet, traced.curve):
-            self.settle(well)
+            self.tally.wells += 1
+            self.attempt(self._settle_well, well)
         if traced.stretches is None:
             return
         for end in press_along(self.sheet, traced.stretches):
-            self.press(end)
+            self.attempt(self.press, end)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
+        self.settle(well)
+        known = {"minimum": ON_CURVE, "crosses": ON_CURVE, "not a minimum": 10 * SAME}
+        judged = any(
+            np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
+            for s in self.tally.judged
+        )
+        if not judged and (closed := close(self.sheet, well)) is not None:
+            beside = stationary_beside(self.sheet, closed)
+            if beside is not None:
+                if not self.known(beside):
+                    self.add(self._judged(beside))
+                # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
+                judged = any(
+                    np.abs(beside - s.fold_angles).max() <= 10 * SAME
+                    and (s.verdict in ("minimum", "crosses") or s.freedoms == 1)
+                    for s in self.tally.judged
+                    if s.verdict in known
+                )
+        self.tally.resolved += judged

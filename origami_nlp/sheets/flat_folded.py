@@ -16,10 +16,9 @@ import numpy as np
 from origami_nlp.errors import OrigamiError
 from origami_nlp.facets import Closure, round_vertex
 from origami_nlp.folding import examine
-from origami_nlp.kkt import combine, loop_modes
+from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes
 from origami_nlp.numerics import CLOSES, quaternion
 from origami_nlp.pattern import Loop, Pattern
-from origami_nlp.sheets.branches import Branches
 
 MOST_STATES = 500
 """Flat-folded states that are listed."""
@@ -43,7 +42,9 @@ class FlatFolded:
     reason: str = ""
 
 
-def list_flat_folded(pattern: Pattern, contact: bool = True) -> FlatFolded:
+def list_flat_folded(
+    pattern: Pattern, contact: bool = True, check: Callable[[], None] = lambda: None
+) -> FlatFolded:
     """Enumerate the flat-folded states of a pattern whose reference state is flat.
 
     Parameters
@@ -52,6 +53,8 @@ def list_flat_folded(pattern: Pattern, contact: bool = True) -> FlatFolded:
         The pattern.
     contact
         Whether to leave out states in which the layers round a vertex have no order: near them facets cross.
+    check
+        Called every now and then: may raise to end it.
 
     Returns
     -------
@@ -67,22 +70,22 @@ def list_flat_folded(pattern: Pattern, contact: bool = True) -> FlatFolded:
     degree = max((len(loop.creases) for loop in pattern.vertices), default=0)
     if degree > LARGEST_DEGREE:
         return FlatFolded(none, f"a vertex has degree {degree}, more than {LARGEST_DEGREE}")
-    tables = [_foldings(pattern, loop, contact) for loop in pattern.vertices]
-    level, known = np.zeros((1, n)), np.zeros(n, bool)
-    left = set(range(len(tables)))
-    while left:  # as many creases as can be are known already, few foldings
-        v = max(
-            left,
-            key=lambda v: (known[list(pattern.vertices[v].creases)].sum(), -len(tables[v]), -v),
-        )
-        left.remove(v)
+    tables = []
+    for loop in pattern.vertices:
+        check()
+        tables.append(_foldings(pattern, loop, contact))
+    around = [np.array(loop.creases) for loop in pattern.vertices]
+    level, known = np.zeros((1, n), np.int8), np.zeros(n, bool)
+    # as many creases as can be are known already, few foldings
+    for v in by_known(around, [len(table) for table in tables]):
+        check()
         creases = list(pattern.vertices[v].creases)
         fits = (level[:, None, creases] == tables[v]) | ~known[creases]
         state, folding = np.nonzero(fits.all(axis=2))
         if len(state) > 20 * MOST_STATES:
             return FlatFolded(none, f"there are more than {MOST_STATES:,}")
         level = level[state]
-        level[:, creases] = tables[v][folding]
+        level[:, creases] = tables[v][folding].astype(np.int8)
         known[creases] = True
     if len(level) > MOST_STATES:
         return FlatFolded(none, f"there are more than {MOST_STATES:,}")
@@ -109,7 +112,7 @@ def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
 
 def ways_out(
     pattern: Pattern, states: np.ndarray, check: Callable[[], None] = lambda: None
-) -> Iterator[tuple[np.ndarray, Branches]]:
+) -> Iterator[tuple[np.ndarray, TangentCone]]:
     """Go through flat-folded states [S, n] with the ways out of each.
 
     Parameters
@@ -124,7 +127,7 @@ def ways_out(
     Yields
     ------
     tuple
-        A state and its `Branches`.
+        A state and its `TangentCone`.
     """
     closure = Closure(pattern)
     known: dict[tuple[int, bytes], list[np.ndarray]] = {}

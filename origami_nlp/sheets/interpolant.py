@@ -70,6 +70,11 @@ class Interpolant:
     ends: tuple[str, str]
     off: float
 
+    @property
+    def fits(self) -> bool:
+        """Whether the polynomials are as close to closed states as they are meant to be."""
+        return self.off <= FITS
+
     def image(self, symmetry: tuple[np.ndarray, float]) -> Interpolant:
         """Return where a symmetry of the paper takes it."""
         return replace(
@@ -162,6 +167,49 @@ def _step(
     return control
 
 
+def stationary(sheet: Sheet, curve: Interpolant) -> list[tuple[int, float, bool]]:
+    """Return where the energy is stationary inside a curve.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    curve
+        Of `interpolate`.
+
+    Returns
+    -------
+    list of tuple
+        Step, share of it, and whether the slope rises there: a well, else a top.
+    """
+    found = []
+    for step, s in enumerate(_slopes(sheet, curve)):
+        # control values of one sign only, and there is no root: most steps
+        if (np.abs(s[1:]).sum() < abs(s[0])) or not np.abs(s).max():
+            continue
+        roots = np.polynomial.polynomial.polyroots(s)
+        for r in roots[np.abs(roots.imag) < REAL].real:
+            u = min(max(float(r), 0.0), 1.0)
+            rises = np.polynomial.polynomial.polyval(r, s[1:] * np.arange(1.0, 10.0)) > 0
+            if abs(u - r) < REAL:
+                found.append((step, u, bool(rises)))
+    return found
+
+
+def _slopes(sheet: Sheet, curve: Interpolant) -> np.ndarray:
+    """Slopes of the energy over u in each step, coefficients of 1, u, ..., [S - 1, 10]."""
+    c = POWERS @ curve.control  # coefficients of u^k, [S - 1, 6, n]
+    pull = c.copy()
+    pull[:, 0] -= sheet.pattern.rest
+    pull *= sheet.stiffness
+    speed = c[:, 1:] * np.arange(1.0, 6.0)[:, None]
+    slope = np.zeros((len(c), 10))
+    for i in range(6):
+        for k in range(5):
+            slope[:, i + k] += np.einsum("sn,sn->s", pull[:, i], speed[:, k])
+    return slope
+
+
 def wells(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
     """Return where the energy has its minima along a curve: inside, and at ends that it falls towards.
 
@@ -177,26 +225,8 @@ def wells(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
     list of numpy.ndarray
         Fold angles [n], to the accuracy of the polynomials.
     """
-    c = POWERS @ curve.control  # coefficients of u^k, [S - 1, 6, n]
-    pull = c.copy()
-    pull[:, 0] -= sheet.pattern.rest
-    pull *= sheet.stiffness
-    speed = c[:, 1:] * np.arange(1.0, 6.0)[:, None]
-    slope = np.zeros((len(c), 10))  # of the energy over u, coefficients of 1, u, ...
-    for i in range(6):
-        for k in range(5):
-            slope[:, i + k] += np.einsum("sn,sn->s", pull[:, i], speed[:, k])
-    found = []
-    for step, s in enumerate(slope):
-        # control values of one sign only, and there is no root: most steps
-        if (np.abs(s[1:]).sum() < abs(s[0])) or not np.abs(s).max():
-            continue
-        roots = np.polynomial.polynomial.polyroots(s)
-        for r in roots[np.abs(roots.imag) < REAL].real:
-            u = min(max(float(r), 0.0), 1.0)
-            rises = np.polynomial.polynomial.polyval(r, s[1:] * np.arange(1.0, 10.0)) > 0
-            if abs(u - r) < REAL and rises:
-                found.append(curve.at(step, u))
+    found = [curve.at(step, u) for step, u, rises in stationary(sheet, curve) if rises]
+    slope = _slopes(sheet, curve)
     first, last = slope[0, 0], float(slope[-1].sum())
     if curve.ends[0] == "limit" and first >= 0:
         found.append(curve.states[0])

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.facets import Lying, Sheet
+from origami_nlp.facets import MOST_DENSE, Lying, Sheet
 from origami_nlp.kkt import Classification, ContactForce, State, classify
 from origami_nlp.numerics import BESIDE, CLOSES
 from origami_nlp.sheets.descent import AT_LIMIT
+from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
 
 NEAREST = 1e-5
@@ -42,6 +43,12 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
     SheetState
         With the verdict and what it rests on.
     """
+    state = _judged(sheet, phi, contact)
+    return replace(state, softest=state.eigenvalue * sheet.scale)
+
+
+def _judged(sheet: Sheet, phi: np.ndarray, contact: bool) -> SheetState:
+    """Judge a state, see `judge`."""
     phi = np.asarray(phi, float)
     shut = np.clip(phi, -math.pi, math.pi)
     if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close
@@ -60,7 +67,8 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
         return replace(blank, certificate="a fold angle is beyond pi")
     what = classified(sheet, phi)
     state = _told(sheet, replace(blank, freedoms=sheet.size - sheet.rank(phi)), what)
-    if state.verdict == "minimum" and singular_beside(sheet, phi) is not None:
+    # lower states as well: what closes to rounding may be further off the curve than they are away
+    if state.verdict in ("minimum", "not a minimum") and singular_beside(sheet, phi) is not None:
         why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
         return replace(state, verdict="undecided", kind=None, certificate=why)
     return state
@@ -137,3 +145,23 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
+
+
+def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
+    """Solve for the stationary state beside a closed one, creases that are shut kept so.
+
+    Parameters
+    ----------
+    sheet, phi
+        The programme and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        The state, [n]; None where it is far, or the sheet has more than `MOST_DENSE` creases.
+    """
+    if sheet.size > MOST_DENSE:
+        return None
+    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+    better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
+    return None if better is None or np.abs(better - phi).max() >= BESIDE else better

@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import SAME, cross
 from origami_nlp.pattern import Loop, Pattern
 
 GRID = 1e-6
@@ -51,6 +51,15 @@ class Labels:
         out = np.empty_like(values)
         out[self.order] = self.sign * values
         return out
+
+    def symmetries(self, pattern: Pattern) -> list[tuple[np.ndarray, float]]:
+        """Return those of the images that keep the springs as well."""
+        k, rest = pattern.stiffness / pattern.stiffness.mean(), pattern.rest
+        return [
+            (to, sign)
+            for to, sign in self.images
+            if np.abs(k[to] - k).max() <= SAME and np.abs(rest[to] - sign * rest).max() <= SAME
+        ]
 
     def arranged(self, pattern: Pattern) -> Pattern:
         """Return a pattern with loops that begin where this order says, about its middle.

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -22,6 +23,7 @@ from origami_nlp.facets import MOST_DENSE, Placed, Sheet, Touch, choices
 from origami_nlp.numerics import CLOSES, INSIDE, null_space
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.judgement import classified
+from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.rows import (
     CLOSE,
     LOADED,
@@ -56,7 +58,7 @@ UNTOLD = "facets meet at borders or face to face, where no single gap tells them
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 
 
-def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
+def press(sheet: Sheet, phi: np.ndarray, most: int = 300, keep: bool = False) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -67,6 +69,8 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
         The start, within the fold limits, [n] [rad].
     most
         Steps.
+    keep
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
 
     Returns
     -------
@@ -76,20 +80,22 @@ def press(sheet: Sheet, phi: np.ndarray, most: int = 300) -> Descended:
     if sheet.size > MOST_DENSE:
         many = f"the pattern has {sheet.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
-    return _Press(sheet, phi).run(most)
+    return _Press(sheet, phi, keep).run(most)
 
 
 class _Press:
     """A descent: where it is, and which features it has run into."""
 
-    def __init__(self, sheet: Sheet, phi: np.ndarray) -> None:
+    def __init__(self, sheet: Sheet, phi: np.ndarray, keep: bool = False) -> None:
         self.sheet, self.features = sheet, sheet.features
-        self.radius = TRUST
+        self.radius, self.pops = TRUST, pop_rows(sheet.pattern) if keep else None
+        self.path: list[np.ndarray] = []
         self.known: dict[object, Touch] = {}
         self._go(phi)
 
     def _go(self, phi: np.ndarray) -> None:
         """Be at a state."""
+        self.path.append(phi)
         self.phi, self.energy = phi, self.sheet.scaled_energy(phi)
         self.place = Placed(self.sheet.crossings.poses, phi)
         self.near = self._facing(REACH)
@@ -109,6 +115,10 @@ class _Press:
 
     def run(self, most: int) -> Descended:
         """Go down."""
+        end = self._run(most)
+        return replace(end, path=tuple(self.path))
+
+    def _run(self, most: int) -> Descended:
         sheet = self.sheet
         slips = 0
         for step in range(most):
@@ -150,6 +160,8 @@ class _Press:
             kept = [t for t, on in zip(pushing.touches, stay, strict=True) if on]
             new = put_back(sheet, self.phi + share * d, rows, kept)
             fall = share * float(sheet.torque(self.phi) @ d)
+            if new is not None and self.pops is not None and is_jump(self.pops, self.phi, new):
+                new = None
             if new is not None and sheet.scaled_energy(new) < self.energy + 1e-4 * fall:
                 crossed = sheet.crossings.find(new)
                 if not crossed and np.abs(new - self.phi).max() <= 3 * share * length:
@@ -207,6 +219,7 @@ class _Press:
         if not opened and self._rows().gaps.min(initial=0.0) < -CLOSES:
             self.phi, self.known = before
             self._go(self.phi)
+            del self.path[-2:]
             return False
         return True
 

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.numerics import STATIONARY
+from origami_nlp.minima import shallow_words, softest_words, stability_words
+from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
@@ -23,6 +22,8 @@ SCHEMA = "origami_nlp.sheet_states/1"
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
+POPS = "minima with a vertex popped"
+BARRIERS = "escape barriers"
 """Parts of a search that its time may end."""
 
 
@@ -64,6 +65,15 @@ class SheetSearch:
         Of those, what became of the ones that did not arrive: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
+    popped, by_pops
+        Starts from minima with one vertex popped, its folds turned over; minima that they led to.
+    wells, resolved
+        Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
+        stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
+    coarse
+        Of the curves, those whose polynomials are further from closed states than they are meant to be.
+    failed
+        Starts, wells and parts of the search that linear algebra did not get through, each with its reason.
     left_out
         Parts of the search that its time, or an interruption, ended: what they had found before is listed.
     interrupted
@@ -89,6 +99,12 @@ class SheetSearch:
     pressed: int = 0
     refused: tuple[str, ...] = ()
     of_vertex: int = 0
+    popped: int = field(default=0, repr=False)
+    by_pops: int = field(default=0, repr=False)
+    wells: int = field(default=0, repr=False)
+    resolved: int = field(default=0, repr=False)
+    coarse: int = field(default=0, repr=False)
+    failed: tuple[str, ...] = field(default=(), repr=False)
     left_out: tuple[str, ...] = ()
     interrupted: bool = field(default=False, repr=False)
 
@@ -125,8 +141,17 @@ class SheetSearch:
             yield f"contact: {self.pressed} {what} along states that do not cross"
             for why, many in Counter(self.refused).items():
                 yield f"not decided: {many} of them gave up, {why}"
-        if self.curves == self.complete > 0 and not (self.not_traced or self.left_out):
-            yield "every well on these curves is listed; other curves are sampled only"
+        for why, many in Counter(self.failed).items():
+            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
+        if self.resolved < self.wells:
+            open_ = self.wells - self.resolved
+            yield f"not decided: {open_} of {self.wells} wells of the energy along these curves"
+        lost = self.curves != self.complete or self.coarse or self.resolved < self.wells
+        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+            yield (
+                f"every well of the energy along these curves was judged, {self.wells} in all; other curves are "
+                "sampled only"
+            )
         else:
             yield "sampled, not exhausted: there may be further states"
         if self.since:
@@ -136,6 +161,10 @@ class SheetSearch:
             )
         elif self.drawn:
             yield "the last drawn start found another minimum or curve: draw more (starts)"
+        if self.popped:
+            what = "minimum" if self.by_pops == 1 else "minima"
+            new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
+            yield f"{self.popped} starts from minima with one vertex popped: {new}"
 
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.complete
@@ -150,8 +179,7 @@ class SheetSearch:
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            what = "part of a step" if self.unclear == 1 else "parts of steps"
-            yield f"{self.unclear} {what} along them in which facets may touch and part again unseen"
+            yield "in parts of steps along them facets may touch and part again unseen"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -223,7 +251,8 @@ class SheetResult(Told, Turnable):
         """Return the minima as a table."""
         rows = []
         for k, s in enumerate(self.minima, 1):
-            curved = "rigid" if np.isinf(s.eigenvalue) else f"{s.eigenvalue:.4g}"
+            barrier = s.escape.words() if s.escape else "-"
+            barrier += ", shallow" * s.shallow
             limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
             touched = dict.fromkeys(c.where for c in s.contacts if len(c.where) == 2)
             pairs = [f"{a + 1}|{b + 1}" for a, b in touched]
@@ -233,22 +262,27 @@ class SheetResult(Told, Turnable):
                 shown = ", ".join(map(str, limits[:3])) + (", ..." if len(limits) > 3 else "")
                 words.append(f"fold limit of {shown}")
             touching = "; ".join(words)
-            rows.append(
-                [str(k), f"{s.energy:.10g}", str(s.kind), str(s.freedoms), curved, touching]
-            )
-        heads = "state", "energy", "kind", "freedoms", "curvature", "contacts"
-        return Table(heads, rows, title=self._title(), columns="lrlrrl")
+            cells = [f"{s.energy:.10g}", str(s.kind), str(s.freedoms), softest_words(s.softest)]
+            rows.append([str(k), *cells, barrier, touching])
+        heads = "state", "energy", "kind", "freedoms", "softest", "barrier", "contacts"
+        return Table(heads, rows, title=self._title(), columns="lrlrrrl")
 
     def _title(self) -> str:
-        many = len(self.minima)
+        shallow = sum(s.shallow for s in self.minima)
+        many = len(self.minima) - shallow
         name = f"{self.pattern.name}: " if self.pattern.name else ""
-        return f"{name}{many} stable state{'s' * (many != 1)}"
+        return f"{name}{many} stable state{'s' * (many != 1)}{shallow_words(shallow)}"
 
     def told(self) -> Iterable[Piece]:
         """Say what was found, what was not decided, and how it was looked for."""
         yield self.table() if self.minima else self._title()
         for k, state in enumerate(self.minima, 1):
             touches = [c.words() for c in state.contacts if c.type != "fold-limit"]
+            if state.escape is not None:
+                forces = [c.force for c in state.contacts]
+                isolated = state.freedoms == 0
+                words = stability_words(state.softest, forces, isolated, state.escape)
+                yield f"state {k}: {words}"
             if touches:
                 yield f"state {k} touches: " + "; ".join(touches)
         for s in self.crossing:
@@ -317,7 +351,8 @@ class SheetResult(Told, Turnable):
         groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
         states = [SheetState.from_dict(s) for group in groups for s in group]
         pattern = pattern_from_dict(data["pattern"])
-        by_energy = tuple(sorted(states, key=lambda s: s.energy))
+        scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        by_energy = tuple(sorted(states, key=lambda s: rank(s.energy / scale, ())))
         return cls(pattern, by_energy, from_plain(SheetSearch, data["search"]))
 
     def _rows(self) -> Iterable[Mapping[str, object]]:

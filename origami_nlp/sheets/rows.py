@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Placed, Sheet, Touch
+from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import (
     CLOSES,
     ROUNDED,
@@ -124,22 +125,30 @@ def quadratic(
 
 
 def _onto(
-    sheet: Sheet, phi: np.ndarray, held: np.ndarray, touches: Sequence[Touch]
+    sheet: Sheet, phi: np.ndarray, held: np.ndarray, touches: Sequence[Touch], sharp: bool = False
 ) -> np.ndarray | None:
-    """Move onto closure with creases held and gaps closed, by steps of least length; None if that fails."""
+    """Move onto closure with creases held and gaps closed, by steps of least length; None if that fails.
+
+    Beside singular states what is left over, `ROUNDED`, is a long way: where `sharp`, singular vectors take it back.
+    """
     free, none = np.flatnonzero(~held), np.zeros(0, int)
-    phi, before = phi.copy(), math.inf
+    last, before, whole = phi, math.inf, False
+    phi = phi.copy()
     for count in range(30):
+        sheet.check_time()
         rows = Rows.at(sheet, phi, none, touches)
         miss = np.r_[sheet.closure.values(phi), rows.gaps]
         worst = float(np.abs(miss).max(initial=0.0))
-        if worst <= ROUNDED:
+        if worst <= ROUNDED and not sharp:
             return phi
-        if count > 3 and worst > 0.3 * before:  # rounding, or rows that cannot be met together
-            break
-        before = worst
-        j = np.vstack([dense(sheet.closure.jacobian(phi)), rows.slopes])[:, free]
-        d = Normal(j).step(-miss)
+        if whole and worst >= before:  # rounding
+            return last
+        whole = sharp and worst <= CLOSES
+        if not whole and count > 3 and worst > 0.3 * before:
+            break  # rounding, or rows that cannot be met together
+        last, before = phi.copy(), worst
+        normal = Normal(np.vstack([dense(sheet.closure.jacobian(phi)), rows.slopes])[:, free])
+        d = normal.whole_step(-miss) if whole else normal.step(-miss)
         phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
     return phi if worst <= CLOSES else None
 
@@ -148,6 +157,8 @@ def put_back(
     sheet: Sheet, phi: np.ndarray, rows: Rows, kept: Sequence[Touch] = ()
 ) -> np.ndarray | None:
     """Put a trial state onto closure; limits and gaps that it has passed are met.
+
+    Where two sides that are to be kept apart become parallel there is no gap between them, and no such state is told.
 
     Parameters
     ----------
@@ -163,6 +174,14 @@ def put_back(
     numpy.ndarray
         The state [n]; None where there is none near by.
     """
+    with suppress(Parallel):
+        return _put_back(sheet, phi, rows, kept)
+    return None
+
+
+def _put_back(
+    sheet: Sheet, phi: np.ndarray, rows: Rows, kept: Sequence[Touch]
+) -> np.ndarray | None:
     held = np.abs(phi) >= math.pi
     touches = list(kept)
     for _ in range(10):
@@ -203,11 +222,18 @@ def polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.
     numpy.ndarray
         The state [n], to rounding; None where Newton does not arrive.
     """
+    with suppress(Parallel):
+        return _polish(sheet, phi, rows, forces)
+    return None
+
+
+def _polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.ndarray | None:
     loaded = forces > LOADED
     held = np.zeros(sheet.size, bool)
     held[rows.limits[loaded[: len(rows.limits)]]] = True
     touches = [t for t, on in zip(rows.touches, loaded[len(rows.limits) :], strict=True) if on]
-    new = _onto(sheet, np.where(held, np.copysign(math.pi, phi), phi), held, touches)
+    start = np.where(held, np.copysign(math.pi, phi), phi)
+    new, before = _onto(sheet, start, held, touches, sharp=True), math.inf
     for _ in range(12):
         if new is None:
             return None
@@ -217,12 +243,16 @@ def polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.
         multipliers = Normal(fixed).multipliers(torque)
         z = null_space(fixed)
         m = sheet.closure.count
-        left = z.T @ torque
-        if np.abs(left).max(initial=0.0) <= STILL * (1 + np.abs(multipliers).max(initial=0.0)):
+        reduced = z.T @ torque
+        left = float(np.abs(reduced).max(initial=0.0))
+        # large multipliers round coarsely: as far as Newton gets
+        rounded = STILL * (1 + np.abs(multipliers).max(initial=0.0))
+        if left <= STILL or rounded >= left >= 0.1 * before:
             return new
+        before = left
         h = dense(sheet.hessian(new, multipliers[:m])) - at.bent(sheet, new, multipliers[m:])
-        d = -z @ np.linalg.lstsq(z.T @ h @ z, left, rcond=1e-14)[0]
+        d = -z @ np.linalg.lstsq(z.T @ h @ z, reduced, rcond=1e-14)[0]
         if np.abs(d).max() > CLOSE:
             return None
-        new = _onto(sheet, new + d, held, touches)
+        new = _onto(sheet, new + d, held, touches, sharp=True)
     return None

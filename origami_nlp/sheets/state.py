@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from origami_nlp.files import Brief
+from origami_nlp.kkt import ALONE, TRACED, Escape
 
 Verdict: TypeAlias = Literal["minimum", "not a minimum", "undecided", "crosses", "no state"]
 Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -127,6 +128,11 @@ class SheetState(Brief):
         Pairs of facets that pass through each other.
     certificate
         What is proved, and why.
+    softest
+        `eigenvalue` times the mean stiffness [N m/rad], per unit length of all fold angles: what the softest free
+        motion resists with; inf where contacts leave nothing free.
+    escape
+        Of a minimum, how much energy it takes to leave it; None where it was not asked for.
     """
 
     fold_angles: np.ndarray = field(repr=False)
@@ -140,10 +146,18 @@ class SheetState(Brief):
     contacts: tuple[SheetContact, ...]
     crossings: tuple[tuple[int, int], ...]
     certificate: str
+    softest: float = math.nan
+    escape: Escape | None = None
+
+    @property
+    def shallow(self) -> bool:
+        """Whether a way out is known that climbs next to nothing, see `Escape.shallow`."""
+        return self.escape is not None and self.escape.shallow
 
     def title(self, number: int) -> str:
         """Name the state, of some number, by its kind and energy."""
-        return f"state {number}: {self.kind or self.verdict}, {self.energy:.6g} J"
+        kind = f"{self.kind or self.verdict}{', shallow' * self.shallow}"
+        return f"state {number}: {kind}, {self.energy:.6g} J"
 
     def lines(self) -> tuple[str, ...]:
         """Say what is proved, and which facets touch."""
@@ -172,6 +186,8 @@ class SheetState(Brief):
             "contacts": [c.to_dict() for c in self.contacts],
             "crossings": [[a + 1, b + 1] for a, b in self.crossings],
             "certificate": self.certificate,
+            "softest": self.softest if math.isfinite(self.softest) else None,
+            "escape": _plain(self.escape),
         }
 
     @classmethod
@@ -207,4 +223,22 @@ class SheetState(Brief):
             tuple(SheetContact.from_dict(c) for c in data["contacts"]),
             tuple((int(a) - 1, int(b) - 1) for a, b in data["crossings"]),
             str(data["certificate"]),
+            unknown if data.get("softest") is None else float(data["softest"]),
+            _escape(data.get("escape")),
         )
+
+
+def _plain(escape: Escape | None) -> dict[str, Any] | None:
+    """Return plain data of an escape barrier; None for what is not known, or infinite."""
+    if escape is None:
+        return None
+    return {**asdict(escape), "barrier": escape.barrier if escape.known else None}
+
+
+def _escape(data: dict[str, Any] | None) -> Escape | None:
+    """Rebuild an escape barrier from plain data: without a number there is no way out, or none was determined."""
+    if data is None:
+        return None
+    none = math.inf if data["method"] in (TRACED, ALONE) else math.nan
+    barrier = none if data["barrier"] is None else float(data["barrier"])
+    return Escape(**{**data, "barrier": barrier, "top": tuple(map(float, data["top"]))})

@@ -11,6 +11,9 @@ from origami_nlp.sheets.curves import Traced
 from origami_nlp.sheets.result import SheetSearch
 from origami_nlp.sheets.state import SheetState
 
+ON_PLANE = 1e-6
+"""Planes of states that agree to this are one."""
+
 
 @dataclass(eq=False)
 class Tally:
@@ -35,8 +38,22 @@ class Tally:
     pressed: int = 0
     refused: list[str] = field(default_factory=list)
     of_vertex: int = 0
+    popped: int = 0
+    by_pops: int = 0
+    wells: int = 0
+    resolved: int = 0
+    failed: list[str] = field(default_factory=list)
     left_out: dict[str, None] = field(default_factory=dict)
     interrupted: bool = False
+
+    def has_plane(self, basis: np.ndarray, off: np.ndarray) -> bool:
+        """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is known."""
+        return any(
+            other.shape == basis.shape
+            and np.abs(off - there).max() < ON_PLANE
+            and np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE
+            for other, there in self.planes
+        )
 
     def summary(self, found: Sequence[Traced]) -> SheetSearch:
         """Sum up what was done, with the curves that are known."""
@@ -60,6 +77,12 @@ class Tally:
             pressed=self.pressed,
             refused=tuple(self.refused),
             of_vertex=self.of_vertex,
+            popped=self.popped,
+            by_pops=self.by_pops,
+            wells=self.wells,
+            resolved=self.resolved,
+            coarse=sum(not c.curve.fits for c in found),
+            failed=tuple(self.failed),
             left_out=tuple(self.left_out),
             interrupted=self.interrupted,
         )

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import save_figure
-from origami_nlp.show import MOUNTAIN, VALLEY, draw_state
+from origami_nlp.show import MOUNTAIN, VALLEY, draw_state, label_text
 from origami_nlp.springs.result import Design
 
 ACROSS = 5
@@ -65,10 +65,12 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
             continue
         name, energy, phi, wanted = states[k]
         draw_state(axes, design.scene.vertex, phi, size=7.0)
-        axes.set_title(f"{name}\n{energy:.4g} J", fontsize=9, color="black" if wanted else GREY)
+        axes.set_title(
+            label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color="black" if wanted else GREY
+        )
     what = "verified" if design.verified else "NOT verified"
-    label = design.scene.name or f"degree {design.scene.degree}"
-    above.suptitle(f"{label}: margin {design.margin:.3g}, {what}", fontsize=11)
+    label = design.scene.label or f"degree {design.scene.degree}"
+    above.suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
     axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _springs(axes[0], axes[1], design)
     _levels(axes[2], design)
@@ -143,7 +145,8 @@ def _levels(axes: Axes, design: Design) -> None:
         )
     names = [*place, *("extra" for _ in others)]
     axes.set_xticks([2.0 * k for k in range(len(names))])
-    axes.set_xticklabels(names, fontsize=8, rotation=30 if max(map(len, names)) > 8 else 0)
+    turned = 30 if max(map(len, names)) > 8 else 0
+    axes.set_xticklabels(list(map(label_text, names)), fontsize=8, rotation=turned)
     axes.set_ylabel("energy [J]")
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(y=0.15)

@@ -50,7 +50,8 @@ def design(
     """Find the springs that hold given states with the largest margin, or prove that there are none.
 
     At fixed states the conditions are convex in stiffness and torque (`equilibrium`), so that the answer is the best
-    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.
+    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.  Given
+    states with a symmetry imposed are those that wind once round its axis (`Scene.windings`).
 
     Parameters
     ----------
@@ -168,7 +169,12 @@ class _Work:
         self.say("minima of the scene")
         full = self.targets.full_space and not self.targets.blank.group.is_trivial
         minima = find_minima(
-            scene, seed=self.seed, effort=self.effort, full=full, prove=None if prove else False
+            scene,
+            seed=self.seed,
+            effort=self.effort,
+            full=full,
+            prove=None if prove else False,
+            escape=False,
         )
         ways = {} if self.passes is None else self.passes.ways
         return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)

@@ -210,7 +210,7 @@ class Design(Told):
             for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
                 angles = "  ".join(f"{math.degrees(a):.3f}" for a in phi)
                 same = f" (image of {whose} under a symmetry of the scene)" if whose else ""
-                yield Words(f"  {energy:.6g} J  {kind}: {angles} deg{same}")
+                yield Words(f"  {energy:.5g} J  {kind}: {angles} deg{same}")
         else:
             yield Words("no other minimum was found")
         if self.minima is not None and self.minima.completeness is not None:
@@ -238,7 +238,7 @@ class Design(Told):
         rows: list[tuple[str, ...]] = [
             (
                 s.name,
-                f"{s.energy:.9g}",
+                f"{s.energy:.5g}",
                 s.kind or "no minimum",
                 s.full_space or "-",
                 f"{math.degrees(s.moved):.2g}",
@@ -255,7 +255,7 @@ class Design(Told):
         wound = any(preload)
         heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
         rows: list[tuple[str, ...]] = [
-            (str(i), f"{k:.6g}", f"{math.degrees(r):.4f}") + (f"{p:.6g}",) * wound
+            (str(i), f"{k:.5g}", f"{math.degrees(r):.4f}") + (f"{p:.5g}",) * wound
             for i, (k, r, p) in enumerate(
                 zip(self.scene.stiffness, self.scene.rest_angles, preload, strict=True), start=1
             )

@@ -245,7 +245,9 @@ def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
     s = sweep.search
 
     def states(sheet: Pattern) -> tuple[Rows, int, None]:
-        found = find_states(sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"])
+        found = find_states(
+            sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
+        )
         rows = tuple(
             (
                 m.energy,

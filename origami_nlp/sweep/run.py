@@ -7,6 +7,7 @@ to the last bit; so the answers depend on neither workers, nor interruptions, no
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import (
@@ -22,13 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_path, check_type, check_whole
+from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.pattern import Scene
 from origami_nlp.sweep.patterns import PatternSweep, run_pattern
 from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Rows, Store, attempted
-from origami_nlp.workers import worker_pool
+from origami_nlp.workers import stop_workers, worker_pool
 
 Progress = Callable[[int, int, int], None]
 """Called with scenes finished, scenes in all, and minima found since the run began."""
@@ -47,7 +48,7 @@ class SweepReport:
     seconds
         Of wall time.
     interrupted
-        Whether Ctrl-C ended it.
+        Whether Ctrl-C, or the time limit, ended it.
     """
 
     counts: dict[str, int]
@@ -73,6 +74,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             fewest_starts=s["starts"],
             full=s["full"],
             prove=False,
+            escape=False,
             guesses=[np.array(g) for g in guesses],
         )
         rows = tuple(
@@ -113,6 +115,7 @@ def run_sweep(
     *,
     executor: Executor | None = None,
     workers: int | None = None,
+    seconds: float | None = None,
     progress: Progress | None = None,
 ) -> SweepReport:
     """Run what is left of a sweep, adding to the store in a folder.
@@ -132,6 +135,8 @@ def run_sweep(
         threads: CasADi's solvers are not for two of them at once.
     workers
         Processes; one a core by default.
+    seconds
+        Wall time after which the run ends as after Ctrl-C; None: no limit.
     progress
         Called after each scene, as progress(scenes finished, scenes in all, minima found).
 
@@ -153,15 +158,21 @@ def run_sweep(
         check_type("executor", executor, Executor)
     if workers is not None:
         check_whole("workers", workers, 1)
+    if seconds is not None:
+        check_number("seconds", seconds, 0.0)
     check_callback("progress", progress)
     begin = time.perf_counter()
+    until = math.inf if seconds is None else time.monotonic() + seconds
     own = executor is None
     with Store(folder, sweep) as store:
         pool = worker_pool(workers) if executor is None else executor
+        interrupted = True
         try:
-            ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress)
+            ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress, until)
         finally:
-            if own:
+            if own and interrupted:
+                stop_workers(pool)
+            elif own:
                 pool.shutdown(wait=False, cancel_futures=True)
         return SweepReport(store.counts(), ran, time.perf_counter() - begin, interrupted)
 
@@ -175,7 +186,12 @@ def _size(pool: Any) -> int:
 
 
 def _walk(
-    sweep: Sweep, store: Store, pool: Executor, workers: int, progress: Progress | None
+    sweep: Sweep,
+    store: Store,
+    pool: Executor,
+    workers: int,
+    progress: Progress | None,
+    until: float = math.inf,
 ) -> tuple[int, bool]:
     done = store.done()
     waiting = iter([chain for chain in sweep.chains() if not done.issuperset(chain)])
@@ -204,7 +220,13 @@ def _walk(
                 submit(chain, 0)
             if not running:
                 return ran, False
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
+            left = None if until == math.inf else max(until - time.monotonic(), 0.0)
+            ended = wait(running, left, return_when=FIRST_COMPLETED).done
+            if not ended or time.monotonic() > until:
+                for future in running:
+                    future.cancel()
+                return ran, True
+            for future in ended:
                 chain, k = running.pop(future)
                 found = future.result()
                 for outcome in found if isinstance(found, list) else [found]:

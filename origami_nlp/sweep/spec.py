@@ -222,7 +222,7 @@ def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
     path = (folder or Path()) / data["file"]
     what = f"scene file {data['file']!r}"
     try:
-        return parse_toml(path.read_text(encoding="utf-8"), what, SweepError)
+        return parse_toml(path.read_text(encoding="utf-8-sig"), what, SweepError)
     except OSError as error:
         raise SweepError(f"{what} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:

@@ -9,7 +9,8 @@ kill -9: a scene is there whole or not at all.  Tables (documented, so that othe
 - ``states(scene, state, energy, kind, dimension, closure, kkt, polished, full_space, fold_angles)``: the minima
   of each scene by energy; fold angles [rad] as a JSON list.
 
-Only the process that runs the sweep writes.
+Only the process that runs the sweep writes: it holds ``sweep.lock`` beside it, an empty database, for as long as it
+lives; a second one is told so.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 
 SCHEMA = "origami-nlp/sweep/1"
-FILE = "sweep.sqlite"
+FILE, LOCK = "sweep.sqlite", "sweep.lock"
 T = TypeVar("T")
 Rows = tuple[tuple[Any, ...], ...]
 
@@ -90,11 +91,23 @@ class Store:
         Raises
         ------
         SweepError
-            If the folder holds another sweep, or is no store.
+            If the folder holds another sweep, is no store, or another process runs a sweep there.
         """
         path = Path(folder) / FILE
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            self._lock = sqlite3.connect(path.parent / LOCK, timeout=0, isolation_level=None)
+            try:
+                self._lock.execute(
+                    "BEGIN EXCLUSIVE"
+                )  # the system ends it with the process, however that ends
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
+                    raise
+                raise SweepError(
+                    f"--out {str(folder)!r} is in use: another process runs a sweep there; wait for its end, or "
+                    "choose another folder"
+                ) from None
             self._db = sqlite3.connect(path)
             self._db.execute("PRAGMA journal_mode = WAL")
             self._db.execute("PRAGMA synchronous = NORMAL")
@@ -163,8 +176,9 @@ class Store:
         return dict(self._db.execute("SELECT status, COUNT(*) FROM scenes GROUP BY status"))
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, and let others have it."""
         self._db.close()
+        self._lock.close()
 
     def __enter__(self) -> Store:
         return self

@@ -66,9 +66,9 @@ def _book_fold() -> list[tuple[str, bool]]:
 
 
 _AREA = (
-    "A state is a closed spherical polygon of length L = 2 pi and area A = 2 pi - sum phi (Gauss-Bonnet), "
-    "so that L^2 - A (4 pi - A) = (sum phi)^2.  By the isoperimetric inequality on the sphere (cited) this "
-    "vanishes for circles only: a state with sum phi = 0 is the great circle, the flat state."
+    "A state is a closed spherical polygon of length 2 pi with sum phi = 2 pi less the area on its left "
+    "(Gauss-Bonnet), and one of its sides lies in its convex hull K: but for the great circle, the flat state, "
+    "|sum phi| >= 2 pi - area(K) > 0, facets that touch included (docs/barriers.md)."
 )
 _REMARK = (
     "over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
@@ -96,7 +96,7 @@ def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict
     if set(points) == joints:
         return Verdict(
             "proved",
-            "isoperimetric inequality, exact book fold",
+            "convex hull on the sphere, exact book fold",
             f"{_AREA}  So only the flat state belongs to the closures of both regions.",
             remark=_REMARK,
         )
@@ -104,7 +104,7 @@ def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict
     wrong += [f"over {_named(p)} the flat state is" for p in sorted(joints - set(points))]
     verdict = refuted(
         f"{_AREA}  Of states common to both regions: {', '.join(wrong)}.",
-        "isoperimetric inequality, exact crimping algorithm",
+        "convex hull on the sphere, exact crimping algorithm",
         None,
     )
     if set(points) != picture:

@@ -11,13 +11,13 @@ from typer.testing import CliRunner
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.graph import parabola_top, side_of_flat
-from origami_nlp.barriers.merge_tree import merge_tree
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import StartStream, State, follow, project
 from origami_nlp.minima import find_minima
+from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
 from tests.computed_once import barriers_with_handles, once, panel_result

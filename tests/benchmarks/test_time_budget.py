@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from benchmarks import time_budget
 from benchmarks.__main__ import app
 from origami_nlp import examples
-from origami_nlp.minima import find as minima, ipopt, record, search
+from origami_nlp.minima import find as minima, ipopt, record
 from tests.computed_once import panel_result
 
 RUN = CliRunner()
@@ -29,7 +29,7 @@ def test_stages_add_up(budget):
 
 
 def test_nothing_stays_wrapped(budget):
-    for function in (record.classify, search.polish, minima.confirm, ipopt.build_warm):
+    for function in (record.classify, record.polish, minima.confirm, ipopt.build_warm):
         assert "wrapped" not in getattr(function, "__qualname__", "")
 
 

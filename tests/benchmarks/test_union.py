@@ -155,7 +155,7 @@ def test_the_reference_of_the_benchmark_holds_the_union(known, monkeypatch):
     """A main job that lists only its first minimum: the judge knows the others from the union, once each."""
     job = find_minima(SCENE)
     short = replace(job, minima=job.minima[:1])
-    monkeypatch.setattr(judging, "find_minima", lambda scene, seed: short)
+    monkeypatch.setattr(judging, "find_minima", lambda scene, **options: short)
     assert len(job.minima) > 1 and len(Judge.of(SCENE, 0).known) == 1
     all_known = Judge.of(SCENE, 0, known).known
     assert len(all_known) == len(job.minima)

@@ -19,6 +19,7 @@ IN_THEIR_OWN_WORDS = {
     "--to": "pattern takes it with --load only, and a force may be what grows",
     "--back": "pattern takes it with --load only",
     "--confirm": "pattern takes it with --load only",
+    "--seconds": "of pattern it bounds --minima and --load, which take long",
     "--prove": "follow proves at its checks, and only if asked",
 }
 """Options of one name, form and meaning whose help differs between commands, and why."""

@@ -198,7 +198,7 @@ alpha = "pi/4"
 set = "ratio"
 values = [1, 2]
 """
-COUNT = "cone count --degree 6 --ratio 1 --rest-elevation 0.3"
+COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
 
 
 @needs_linux
@@ -234,7 +234,7 @@ def test_json_reaches_every_kind_of_output(tmp_path, line):
         "$NLP example degree6 > /dev/full",
         "$NLP paper demo --out /dev/null/a",
         f"$NLP paper demo --out {'a' * 300}",
-        f"$NLP paper reproduce cones --out {'a' * 300}",
+        f"$NLP paper demo --seed 1 --out {'a' * 300}",
         f"$NLP sweep s.toml --out {'a' * 300}",
     ],
 )
@@ -252,7 +252,7 @@ def test_faults_of_the_system_are_one_line(tmp_path, line, monkeypatch):
 
 @needs_linux
 def test_a_reader_that_leaves_is_no_fault(tmp_path):
-    code, _, err = command("$NLP cone foldings --degree 30 --list | head -1", tmp_path)
+    code, _, err = command("$NLP paper cone foldings --degree 30 --list | head -1", tmp_path)
     assert code == 0 and not err
 
 
@@ -290,7 +290,7 @@ def test_commands_check_their_files_first(tmp_path):
         ["critical", str(scene), "--markdown", bad],
         ["space", str(scene), "--json", bad],
         ["paper", "panels", "--markdown", bad],
-        ["transitions", "degree6", "--json", bad],
+        ["paper", "transitions", "degree6", "--json", bad],
     ):
         done = CliRunner().invoke(app, args)
         assert isinstance(done.exception, OrigamiError) and args[-2] in str(done.exception), args

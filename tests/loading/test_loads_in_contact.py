@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp.facets import Sheet, Torque
-from origami_nlp.numerics import STATIONARY
 from origami_nlp.loading import PatternDriver
+from origami_nlp.numerics import STATIONARY
 from origami_nlp.path import EquilibriumCurve, Hold, Steps, Web
 from origami_nlp.sheets import judge, press
 from tests.sheets.patterns import QUAD, metasheet
@@ -41,9 +41,15 @@ class Turned(Rigid):
         return np.array(miss).ravel()
 
     def crossing(self, phi):
-        """Pairs of facets that the collision library finds in each other when all are a little smaller."""
+        """Pairs of facets that the collision library finds in each other when all are a little smaller.
+
+        Not those on both sides of a crease folded by a half turn: they lie on each other, and rounding decides.
+        """
         x = [q + 1e-6 * (q.mean(axis=0) - q) for q in self.polygons(phi)]
-        return [pair for pair in combinations(range(len(x)), 2) if _collide(*(x[k] for k in pair))]
+        p, shut = self.p, np.abs(phi) == math.pi
+        stacked = {tuple(sorted(pair)) for pair in zip(p.left[shut], p.right[shut], strict=True)}
+        pairs = (pair for pair in combinations(range(len(x)), 2) if pair not in stacked)
+        return [pair for pair in pairs if _collide(*(x[k] for k in pair))]
 
 
 # ---------------------------------------------------------------- one freedom, in closed form

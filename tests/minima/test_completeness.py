@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import find, proved
+from origami_nlp.minima import proved, windings
 from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
@@ -35,13 +35,13 @@ def forget(monkeypatch, chosen):
     true = proved.prove_complete
     forgotten = []
 
-    def forgetful(model, record, wanted):
+    def forgetful(model, record, wanted, left):
         for answer in chosen(record.minima):
             record.answers = [a for a in record.answers if a is not answer]
             forgotten.append(model.expand(answer.polished.x))
-        return true(model, record, wanted)
+        return true(model, record, wanted, left)
 
-    monkeypatch.setattr(find, "prove_complete", forgetful)
+    monkeypatch.setattr(windings, "prove_complete", forgetful)
     return forgotten
 
 
@@ -103,16 +103,16 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     scene = generic(3, 5)
     true = proved.prove_complete
 
-    def prove_wrong(model, record, wanted):
+    def prove_wrong(model, record, wanted, left):
         saddle = next(p for p in prove(model).points if p.index and 1 not in p.pinned_signs)
         answer = listed(model, np.array(saddle.x))
         assert answer.what.verdict == "saddle"
         answer.what = replace(answer.what, verdict="minimum", kind="interior")
         record.answers.append(answer)
-        return true(model, record, wanted)
+        return true(model, record, wanted, left)
 
     with monkeypatch.context() as patch:
-        patch.setattr(find, "prove_complete", prove_wrong)
+        patch.setattr(windings, "prove_complete", prove_wrong)
         result = find_minima(scene, prove=True)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason

@@ -323,7 +323,8 @@ def test_the_strata_of_a_tree_may_not_change_places():
 
 @shared
 def wedge_proof(name):
-    return certificate_of(WEDGES[name], prove(Model(WEDGES[name]), record=True))
+    each = WEDGES[name].of_each_winding
+    return certificate_of(WEDGES[name], *(prove(Model(s), record=True) for s in each))
 
 
 @pytest.mark.parametrize(
@@ -335,7 +336,8 @@ def test_proofs_of_wedges_are_confirmed(name):
     good = wedge_proof(name)
     found = check_proof(good)
     assert not found.refused
-    assert found.minima == tuple(i for i, p in enumerate(good.points, 1) if p.is_minimum) != ()
+    points = [p for one in (good, *good.others) for p in one.points]
+    assert found.minima == tuple(i for i, p in enumerate(points, 1) if p.is_minimum) != ()
 
 
 @pytest.mark.parametrize("name", ["D2", "C2"])
@@ -403,7 +405,7 @@ def test_the_check_shares_nothing_with_the_search():
     """All that the check may use of the package: the reading of scenes and files."""
     folder = Path(check_module.__file__).parent
     own = [folder / "certificate.py", *sorted(folder.glob("check*.py"))]
-    assert len(own) == 9
+    assert len(own) == 10
     known = {f"origami_nlp.proof.{path.stem}" for path in own}
     for path in own:
         tree = ast.parse(path.read_text())

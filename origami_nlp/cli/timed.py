@@ -1,0 +1,111 @@
+"""A limit of wall time for a command: what was found until then is told, and that the limit ended it, by name."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from typing import Any
+
+import typer
+
+from origami_nlp.cli import options as o
+
+ENDED = 124
+"""Exit code, that of `timeout`."""
+
+
+class OutOfTime(BaseException):
+    """The time is over; no error, so that nothing takes it for an answer that failed."""
+
+
+_end: list[float] = []
+"""When the time is over (`time.monotonic`), for a command with a limit."""
+_kept: list[Any] = []
+"""What the command has found, and not told."""
+
+
+def keep(result: Any) -> None:
+    """Keep a result, to be told if the time is over before the command tells more."""
+    _kept[:] = [result]
+
+
+@contextmanager
+def paused() -> Iterator[float | None]:
+    """Let something keep to the limit itself; gives the seconds that are left, None without a limit."""
+    if not _end:
+        yield None
+        return
+    _arm(0.0)
+    yield max(_end[0] - time.monotonic(), 0.0)
+    if time.monotonic() >= _end[0]:
+        raise OutOfTime
+    _arm(_end[0] - time.monotonic())
+
+
+def bounded(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the option ``--seconds``."""
+    stated = inspect.signature(command, eval_str=True)
+    own = list(stated.parameters.values())
+    after = sum(p.kind is not inspect.Parameter.KEYWORD_ONLY for p in own)
+    limit = inspect.Parameter(
+        "seconds", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.Seconds
+    )
+
+    @wraps(command)
+    def run(seconds: float | None = None, **given: Any) -> None:
+        try:
+            with _limited(seconds):
+                command(**given)
+        except OutOfTime:
+            _tell(seconds, given)
+            raise typer.Exit(ENDED) from None
+
+    run.__signature__ = stated.replace(parameters=[*own[:after], limit, *own[after:]])  # type: ignore[attr-defined]
+    return run
+
+
+def _tell(seconds: float | None, given: dict[str, Any]) -> None:
+    from origami_nlp.files import screen
+
+    console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
+    for result in _kept:
+        result.tell(console)
+    console.print(
+        f"interrupted by the time limit (--seconds {seconds:g}): "
+        + ("what stands above was found; the rest of the command" if _kept else "the command")
+        + " did not come to its end, and files that it had not written are not written"
+    )
+
+
+@contextmanager
+def _limited(seconds: float | None) -> Iterator[None]:
+    _kept.clear()
+    if seconds is None:
+        yield
+        return
+    _end[:] = [time.monotonic() + seconds]
+    able = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+    former = signal.signal(signal.SIGALRM, _over) if able else None
+    try:
+        _arm(max(seconds, 1e-6))
+        yield
+    finally:
+        _arm(0.0)
+        _end.clear()
+        if able:
+            signal.signal(signal.SIGALRM, former)
+
+
+def _over(*_: object) -> None:
+    raise OutOfTime
+
+
+def _arm(seconds: float) -> None:
+    if hasattr(signal, "setitimer"):
+        signal.setitimer(signal.ITIMER_REAL, seconds)

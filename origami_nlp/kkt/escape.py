@@ -1,0 +1,420 @@
+"""How much energy it takes to leave a stable state: passes between states, and upper bounds of them from descents.
+
+Written for whatever has states, energies and descents (`Terrain`).  The **escape barrier** of a state is the least
+energy that a path to a state of no higher energy has to climb; that of a state that has none such, to another one that
+is not shallow itself (the elder rule of merge trees: of two states that a ripple parts, the higher one is shallow).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal, NamedTuple, Protocol
+
+import numpy as np
+
+from origami_nlp.files import Brief
+from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW
+
+Method = Literal[
+    "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
+]
+TRACED: Final = "exact (traced)"
+TREE: Final = "merge tree"
+BOUND: Final = "upper bound (descents)"
+OPEN: Final = "not determined"
+ALONE: Final = "isolated"
+SECTIONS, ROUNDS = 9, 2
+"""States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
+MOST_CONFIRMED = 5
+"""Ways out of a state that are gone down carefully, the one of the least height first."""
+
+
+@dataclass(frozen=True, repr=False)
+class Escape(Brief):
+    """What it takes to leave a stable state.
+
+    Attributes
+    ----------
+    barrier
+        Energy that has to be put in [the scene's units]; inf where no way leads to another state; nan where it is not
+        determined.
+    method
+        ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
+        ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:
+        geometry holds it), or ``not determined``.
+    why
+        What that rests on.
+    to
+        Number (1-based) of the state that the way leads to; 0 for none, or one that is not listed.
+    top
+        Fold angles where the way is highest [rad], shape [N]; empty where that is not known.
+    shallow
+        Whether the barrier is below `SHALLOW` of the energy that it takes to fold every crease by pi.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.miura("pi/3"))
+    >>> result.minima[1].escape.method
+    'exact (traced)'
+    """
+
+    barrier: float
+    method: Method
+    why: str
+    to: int = 0
+    top: tuple[float, ...] = field(default=(), repr=False)
+    shallow: bool = False
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a number."""
+        return math.isfinite(self.barrier)
+
+    def words(self) -> str:
+        """Say it in a cell of a table: "0.0123", "<= 0.013", "none" (no way out), "?" (not determined)."""
+        if not self.known:
+            return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no way out")
+        return f"<= {rounded_up(self.barrier)}" if self.method == BOUND else f"{self.barrier:.3g}"
+
+
+def rounded_up(value: float) -> str:
+    """Return a positive number with two digits, not below it: an upper bound stays one."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0 else 1.0
+    # what rounding, and the accuracy of a bisection, may change does not show
+    return f"{math.ceil(value / unit * (1 - 1e-6)) * unit:.2g}"
+
+
+def energy_scale(stiffness: np.ndarray) -> float:
+    """Return the energy that it takes to fold every crease by pi from rest: what barriers are measured by.
+
+    Parameters
+    ----------
+    stiffness
+        Of all creases, [N].
+
+    Returns
+    -------
+    float
+        sum k pi^2 / 2, in the units of the stiffness.
+    """
+    return float(np.sum(stiffness)) * math.pi**2 / 2
+
+
+class Way(NamedTuple):
+    """A way out of a state: how high it climbs over it, where, and number of the listed state it leads to, or -1."""
+
+    height: float
+    top: np.ndarray
+    to: int
+
+
+class Terrain(Protocol):
+    """States with descents between them; states of `minima` [M, n] by number.
+
+    floor: energies over a state that are not told apart from nothing.  worth: heights above this are made lower where
+    a pass shows how.
+    """
+
+    minima: np.ndarray
+    floor: float
+    worth: float
+
+    def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
+        """Closed admissible states [S, n] along ways out of some states, with the state's number; it comes first."""
+
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies of states [S, n] over that of state k, [S]."""
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the energy's gradient at a state."""
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance of two states, in the same metric."""
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state [n] has less energy than state k, by more than rounding."""
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether to end at a state [n] is to have left state k: for one of no more energy, if there is one."""
+
+    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
+
+    def land(self, states: np.ndarray) -> np.ndarray:
+        """Where descents from states [S, n] end, fast: what is not known to end is nan."""
+
+    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
+
+    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """Stationary states near two states that go down to different sides."""
+
+
+def ways_out(
+    terrain: Terrain,
+    which: Sequence[int],
+    sections: int = SECTIONS,
+    confirmed: int = MOST_CONFIRMED,
+) -> dict[int, Way]:
+    """Find a way out of states of a terrain that climbs little.
+
+    Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
+    gone down step by step, which is the way: an upper bound of the barrier.  Descents from either side of where they
+    part stay together up to next to a pass; where Newton finds that, the way goes over it.
+
+    Parameters
+    ----------
+    terrain
+        States, energies and descents.
+    which
+        Numbers of the states.
+    sections
+        That a step is cut at in one round.
+    confirmed
+        Ways out of a state that are gone down carefully.
+
+    Returns
+    -------
+    dict
+        A way by number, where one was found.
+    """
+    partings = _partings(terrain, which)
+    _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
+    ways = {}
+    for k, parts in partings.items():
+        lowest = sorted(parts[:confirmed], key=lambda p: p.height)
+        found = (_way(terrain, part) for part in lowest)
+        way = next(filter(None, found), None)
+        if way is not None:
+            ways[k] = way
+    return ways
+
+
+@dataclass
+class _Parting:
+    """A ray of state k whose descents end there up to `low`, elsewhere from `high` on; before: its states up to `low`.
+
+    height: the largest energy up to `high`.
+    """
+
+    k: int
+    before: list[np.ndarray]
+    low: np.ndarray
+    high: np.ndarray
+    height: float
+
+
+def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting]]:
+    """Return where descents along rays begin to end elsewhere, by state, the lowest first."""
+    rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
+    starts = [(k, x) for k, ray in rays for x in ray[1:]]
+    out: dict[int, list[_Parting]] = {}
+    away = iter(_away(terrain, starts).tolist())
+    for k, ray in rays:
+        gone = [False, *(next(away) for _ in ray[1:])]
+        if True not in gone:
+            continue
+        first = gone.index(True)
+        top = float(terrain.rise(k, ray[: first + 1]).max())
+        before = list(ray[:first])
+        part = _Parting(k, before, before[-1], ray[first], top)
+        out.setdefault(k, []).append(part)
+    return {k: sorted(parts, key=lambda p: p.height) for k, parts in out.items()}
+
+
+def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
+    """Tell of some states whether descents from them leave the state, of some number, for good."""
+    away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
+    todo = np.flatnonzero(~away).tolist()
+    if len(todo):
+        ends = terrain.land(np.array([starts[i][1] for i in todo]))
+        for i, end in zip(todo, ends, strict=True):
+            away[i] = np.isfinite(end).all() and terrain.is_way(starts[i][0], end)
+    return away
+
+
+def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None:
+    """Cut the steps in which descents part finer, those of several states together."""
+    even = np.arange(1, sections + 1) / (sections + 1)
+    # what is left in the first step may be left much sooner
+    narrow = 4.0 ** np.arange(-sections, 0)
+    for _ in range(ROUNDS):
+        inner = {
+            i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)
+            for i, p in enumerate(parts)
+        }
+        cut = {i: x for i, x in inner.items() if x is not None}
+        away = iter(_away(terrain, [(parts[i].k, x) for i, xs in cut.items() for x in xs]).tolist())
+        for i, xs in cut.items():
+            p, points = parts[i], [parts[i].low, *xs, parts[i].high]
+            first = [False, *(next(away) for _ in xs), True].index(True)
+            p.low, p.high = points[first - 1], points[first]
+    for p in parts:
+        states = np.array([*p.before, p.low, p.high])
+        p.height = float(terrain.rise(p.k, states).max())
+
+
+CERTAIN = 1e-3
+"""The highest state of a way is told to this share of its height: printed are two digits."""
+MOST_CUTS, A_ROUND = 150, 16
+"""Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
+LONG = 0.1
+"""A step that is longer [rad] is cut in any case: whether it is a way at all."""
+FLOOR = SHALLOW / 100
+"""Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
+
+
+def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Return an upper bound of the energy along a way over state k, and the highest state that was looked at.
+
+    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps
+    that may be higher than what was seen are cut until that is little.  None where a cut does not close,
+    is not admissible, or lies aside: then it is no way.
+    """
+    x = list(states)
+    u = terrain.rise(k, states).tolist()
+    slope = [terrain.slope(y) for y in x]
+    cuts = 0
+    while True:
+        d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
+        most = [
+            (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
+            for i in range(len(d))
+        ]
+        top = max(u)
+        enough = max(top * (1 + CERTAIN), terrain.floor)
+        cut = [i for i in range(len(d)) if d[i] > LONG]
+        if not cut and cuts < MOST_CUTS:
+            high = (i for i in range(len(d)) if most[i] > enough)
+            cut = sorted(high, key=lambda i: -most[i])[:A_ROUND]
+        if not cut:
+            return max(top, *most), x[int(np.argmax(u))]
+        cuts += len(cut)
+        for i in sorted(cut, reverse=True):
+            inner = terrain.between(x[i], x[i + 1], np.array([0.5]))
+            if inner is None or max(terrain.distance(inner[0], y) for y in (x[i], x[i + 1])) > (
+                ASIDE * d[i]
+            ):
+                return None
+            x.insert(i + 1, inner[0])
+            u.insert(i + 1, float(terrain.rise(k, inner)[0]))
+            slope.insert(i + 1, terrain.slope(inner[0]))
+
+
+LONGER = 2.0
+"""A step along closed states is longer than its chord, by less than this once steps are short."""
+JUMP = 0.3
+"""Steps of a descent are no longer [rad], or it left the curve or surface that it is on."""
+ASIDE = 0.75
+"""The middle of a step is nearer to either end than this share of the step."""
+
+
+def _way(terrain: Terrain, part: _Parting) -> Way | None:
+    """Follow the way over a parting, state by state; None where it does not lead elsewhere."""
+    k = part.k
+    down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
+    lower = terrain.is_lower(k, down[-1])
+    # it went on until it was lower: where that leads is what descents in batches say
+    last = terrain.land(down[-1:])[0] if lower else down[-1]
+    to = _listed(terrain, last) if np.isfinite(last).all() else -1
+    if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
+        return None
+    if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
+        return None
+    best = _highest(terrain, k, np.array([*part.before, part.low, part.high]))
+    if best is None or best[0] > terrain.worth:
+        back = terrain.path_down(part.low, lambda x: False)
+        if _listed(terrain, back[-1]) == k:
+            over = (_highest(terrain, k, states) for states in _over_passes(terrain, back, down))
+            best = min(filter(None, (best, *over)), key=lambda found: found[0], default=None)
+    return None if best is None else Way(*best, -1 if to == k else to)
+
+
+def _listed(terrain: Terrain, x: np.ndarray) -> int:
+    apart = np.abs(terrain.minima - x).max(axis=1)
+    nearest = int(apart.argmin())
+    return nearest if apart[nearest] <= BESIDE else -1
+
+
+def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
+    """Return ways that leave one descent for the other where these part: straight across, and over passes there."""
+    apart = np.linalg.norm(back[:, None] - down[None], axis=2)
+    near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
+    j = int(np.flatnonzero(near.any(axis=0))[-1])
+    i = int(apart[:, j].argmin())
+    ways = []
+    for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
+        ways.append(np.array([*back[i:][::-1], *middle, down[j]]))
+    return ways
+
+
+TOGETHER = 0.1
+"""Descents that are no further apart [rad] are together."""
+
+
+def barriers(
+    energies: np.ndarray,
+    heights: np.ndarray,
+    level: float,
+    scale: float,
+    beyond: np.ndarray | None = None,
+) -> list[tuple[float, int]]:
+    """Return the escape barrier of each state, and the position of the state that it leads to, -1 for none.
+
+    Parameters
+    ----------
+    energies
+        Of the states, [M].
+    heights
+        Of the lowest pass between two of them, over zero, [M, M]; inf where there is none.
+    level
+        Energies that differ by no more are equal.
+    scale
+        Of energies, see `energy_scale`.
+    beyond
+        What a way from each to a lower state that is none of these climbs, [M]; inf for none.
+
+    Returns
+    -------
+    list
+        A pair a state; the barrier is inf where no way is known.
+    """
+    heights = _closed(heights)
+    out: list[tuple[float, int]] = []
+    for k, energy in enumerate(energies):
+        others = (energies <= energy + level) & (np.arange(len(energies)) != k)
+        found = _least(heights[k], others, energy)
+        direct = math.inf if beyond is None else float(beyond[k])
+        out.append(found if found[0] <= direct else (direct, -1))
+    for k, (barrier, _) in enumerate(out):
+        if math.isinf(barrier) and (energies >= energies[k] - level).all():
+            deep = np.array([b >= SHALLOW * scale for b, _ in out])
+            deep[k] = False
+            out[k] = _least(heights[k], deep, energies[k])
+    return out
+
+
+def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float, int]:
+    if not which.any():
+        return math.inf, -1
+    j = int(np.where(which, heights, math.inf).argmin())
+    return (
+        (float(max(heights[j] - energy, 0.0)), j) if math.isfinite(heights[j]) else (math.inf, -1)
+    )
+
+
+def _closed(heights: np.ndarray) -> np.ndarray:
+    """Return heights [M, M] of ways over other states as well, where these are lower."""
+    h = np.minimum(heights, heights.T)
+    for k in range(len(h)):
+        h = np.minimum(h, np.maximum(h[:, k : k + 1], h[k]))
+    return h
+
+
+def level_of(energies: np.ndarray, scale: float) -> float:
+    """Return by how much energies may differ that are equal [their units]."""
+    return LEVEL * (scale + float(np.abs(energies).max(initial=0.0)))

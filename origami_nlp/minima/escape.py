@@ -1,0 +1,396 @@
+"""Escape barriers of the minima of a scene: traced with one freedom, bounded by descents with more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.kkt import (
+    ALONE,
+    BOUND,
+    FLOOR,
+    OPEN,
+    TRACED,
+    TREE,
+    Escape,
+    State,
+    barriers,
+    energy_scale,
+    follow,
+    level_of,
+    newton,
+    project,
+    ways_out,
+)
+from origami_nlp.minima.descents import Descents
+from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.one_freedom import Traced
+from origami_nlp.minima.samples import Samples
+from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
+from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, SETTLED, SHALLOW
+from origami_nlp.programme import Contact, Model
+
+MOST_STATES = 8
+"""Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""
+MOST_VARIABLES = 12
+"""Variables up to which ways out are sought."""
+SMALLEST, LARGEST = 1e-3, 0.25
+"""First and longest step along a ray [rad]; each is twice the one before."""
+FARTHEST = 12.0
+"""How far rays go [rad]: fifteen creases turned by pi are as far."""
+NEAREST = 3
+"""Other minima that rays lead towards, those at equal distances counted as one."""
+MOST_STEPS = 12
+"""Of a projection: where it takes more, the ray has come to a singular state."""
+PASS_NEAR = 0.5
+"""Newton finds a pass within this distance [rad] of where descents part."""
+
+
+NOTHING_NEAR = "no other admissible state is near"
+
+
+class VertexTerrain:
+    """Minima of a model with descents between them: what `kkt.ways_out` walks on."""
+
+    def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
+        self.model, self.minima, self._modes = model, minima, modes
+        self._descents = Descents(model)
+        self._closed: dict[bytes, tuple[Contact, ...]] = {}
+        scale = energy_scale(np.array(model.scene.stiffness))
+        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
+
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies over that of a minimum."""
+        x = self.minima[k]
+        return np.array([self.model.energy_change(x, y) for y in states])
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the torques, in the metric of all fold angles."""
+        gradient = self.model.local(x).gradient / self.model.root
+        return self.model.scale * float(np.linalg.norm(gradient))
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance in the metric of all fold angles."""
+        return float(np.linalg.norm(self.model.root * (a - b)))
+
+    def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
+        """Contacts that two states both hold."""
+        one, two = (self._contacts(x) for x in (a, b))
+        return tuple(c for c in one if c in two)
+
+    def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
+        key = x.tobytes()
+        if key not in self._closed:
+            self._closed[key] = State(self.model, x).contacts.base
+        return self._closed[key]
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state has less energy than a minimum."""
+        at = self.minima[k]
+        return self.model.energy_change(at, x) < -LEVEL * max(
+            self.model.energy(at), self.model.scale
+        )
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
+        at = self.minima[k]
+        if np.abs(end - at).max() <= BESIDE:
+            return False
+        # known to `BESIDE` only: that is no more energy as well as can be told
+        slack = (self.slope(end) + self.slope(at)) * BESIDE
+        lowest = not any(
+            self.is_lower(k, y) or self._level(at, y) for i, y in enumerate(self.minima) if i != k
+        )
+        return lowest or self.model.energy_change(at, end) <= slack
+
+    def _level(self, at: np.ndarray, y: np.ndarray) -> bool:
+        noise = LEVEL * max(self.model.energy(at), self.model.scale)
+        return abs(self.model.energy_change(at, y)) <= noise
+
+    def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
+        """Fold each crease on and back, go along soft modes, to the flat state and on from there, and to other minima.
+
+        Contacts of the state are opened, and held, in turn.  Nothing of this depends on how creases are numbered.
+        """
+        if not len(which):
+            return []
+        jobs, flat = [], np.zeros(self.model.size)
+        to_flat: dict[int, np.ndarray] = {}
+        for k in which:
+            x = self.minima[k]
+            unit, modes = np.eye(len(x)), self._modes[k]
+            along = [*unit, *-unit, *modes, *(-mode for mode in modes)]
+            jobs.append((k, np.array(along), np.array([flat, *self._others(k)])))
+        out = self._walk(jobs, ())
+        for job in jobs:
+            if held := self._contacts(self.minima[job[0]]):
+                out += self._walk([job], held)
+        for k, path in out:
+            if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
+                to_flat[k] = path
+        for k, path in to_flat.items():
+            out += [
+                (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
+            ]
+        return out
+
+    def _others(self, k: int) -> np.ndarray:
+        """Return the other minima that are nearest to one."""
+        apart = np.linalg.norm(self.model.root * (self.minima - self.minima[k]), axis=1)
+        apart[k] = math.inf
+        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
+        return np.asarray(self.minima[near])
+
+    def _walk(
+        self, jobs: Sequence[tuple[int, np.ndarray, np.ndarray]], held: tuple[Contact, ...]
+    ) -> list[tuple[int, np.ndarray]]:
+        """Walk from minima along directions, and towards targets, as far as states close and are admissible."""
+        model, none = self.model, np.zeros((0, self.model.size))
+        owner = np.concatenate([[k] * (len(a) + len(t)) for k, a, t in jobs]).astype(int)
+        at = self.minima[owner].copy()
+        aimed = np.concatenate([np.r_[np.zeros(len(a)), np.ones(len(t))] for _, a, t in jobs]) > 0
+        goal = np.concatenate([none, *(part for _, a, t in jobs for part in (a, t))])
+        driven = ((goal != 0).sum(axis=1) == 1) & ~aimed  # one crease turns, the others follow
+        paths = [[x.copy()] for x in at]
+        live, step, gone = np.arange(len(at)), SMALLEST, 0.0
+        while len(live) and gone < FARTHEST:
+            way = (goal[live] - at[live] * aimed[live, None]) * model.root
+            left = np.linalg.norm(way, axis=1)
+            length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
+            move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
+            want = np.clip(at[live] + move, -model.bound, model.bound)
+            still = (goal[live] != 0) & driven[live, None]
+            y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
+            y = np.clip(y, -model.bound, model.bound)
+            moved = np.linalg.norm(y - at[live], axis=1)
+            good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
+            good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
+            good &= left > 0
+            good[good] = model.admissible(y[good])
+            live, y = live[good], y[good]
+            ahead = ~(aimed | driven)[live]
+            goal[live[ahead]] = (y - at[live])[ahead]  # a mode is gone on straight ahead
+            at[live] = y
+            for r in live:
+                paths[r].append(at[r].copy())
+            gone += step
+            step = min(2 * step, LARGEST)
+        return [(int(k), np.array(path)) for k, path in zip(owner, paths, strict=True)]
+
+    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        """States between two, with the contacts held that both hold."""
+        model = self.model
+        held = self._held(a, b)
+        x, residual = project(model, a + shares[:, None] * (b - a), held)
+        x = np.clip(x, -model.bound, model.bound)
+        long = np.abs(x - (a + shares[:, None] * (b - a))).max() > np.abs(b - a).max() + CLOSES
+        if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSES).any():
+            return None
+        # facets that lie on each other along the whole step have one order in it
+        crosses = not model.admissible(x).all() or (held and model.refuses(x[len(x) // 2]))
+        if crosses:
+            return None
+        for y in x:  # what a step holds, its middle holds
+            self._closed[y.tobytes()] = held
+        return x
+
+    def land(self, states: np.ndarray) -> np.ndarray:
+        """Where descents in batches end."""
+        shut = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
+        shut *= self.model.has_limits
+        out = np.full(states.shape, math.nan)
+        # at the flat state closure has no rank, and steps no direction
+        some = np.flatnonzero(states.any(axis=1))
+        self._land(states, shut, some, out)
+        return out
+
+    def _land(
+        self, states: np.ndarray, shut: np.ndarray, some: np.ndarray, out: np.ndarray
+    ) -> None:
+        """Go down from some states; one at which linear algebra fails, as beside singular ones, ends nowhere."""
+        if not len(some):
+            return
+        try:
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                ends = self._descents.run(Samples.on(states[some], shut[some]))
+        except np.linalg.LinAlgError:
+            if len(some) > 1:
+                for half in np.array_split(some, 2):
+                    self._land(states, shut, half, out)
+            return
+        known = ends.converged | ends.settled
+        out[some[known]] = ends.samples.x[known]
+
+    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """Go down step by step, see `kkt.follow`."""
+        try:
+            return follow(self.model, state, most_rescues=2, until=until).states
+        except ValueError:
+            return state[None]
+
+    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """Stationary states that Newton finds between two, with the contacts held that both hold, or none."""
+        model = self.model
+        held = tuple(sorted(self._held(a, b)))
+        found = []
+        for rows in dict.fromkeys([held, ()]):
+            start, _ = project(model, (a + b) / 2, rows)
+            done, _ = newton(model, start, rows)
+            if done is None or not done.converged or np.abs(done.x - start).max() > PASS_NEAR:
+                continue
+            if not model.refuses(done.x):
+                found.append(done.x)
+        return found
+
+
+def with_escapes(
+    model: Model, minima: Sequence[Minimum], traced: Traced | None = None
+) -> list[Minimum]:
+    """Add what it takes to leave each minimum.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    minima
+        All that are known.
+    traced
+        The curves of a model with one freedom, where they were resolved.
+
+    Returns
+    -------
+    list of Minimum
+        With `escape`.
+    """
+    states = np.array([model.reduce(np.array(m.fold_angles)) for m in minima])
+    states = states.reshape(-1, model.size)
+    energies = np.array([m.energy for m in minima])
+    isolated = [m.local_dimension == 0 for m in minima]
+    scale = energy_scale(np.array(model.scene.stiffness))
+    found = None
+    if traced is not None and traced.complete and model.has_limits and not model.scene.loads:
+        passes = traced_passes(model, traced.curves, traced.branches, states, energies)
+        found = passes and _exact(model, passes, energies, isolated, scale)
+    if not found:
+        found = _bounded(model, minima, states, energies, isolated, scale)
+    return [replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
+
+
+def with_merge_tree(
+    model: Model, minima: Sequence[Minimum], heights: np.ndarray, why: str
+) -> list[Minimum]:
+    """Add what a merge tree of a graph of states says of leaving each minimum.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    minima
+        Its minima.
+    heights
+        Energy of the lowest pass between two of them, [M, M]; inf where there is none.
+    why
+        What that rests on.
+
+    Returns
+    -------
+    list of Minimum
+        With `escape` where the tree knows a way out of a minimum; the others as they were.
+    """
+    energies = np.array([m.energy for m in minima])
+    scale = energy_scale(np.array(model.scene.stiffness))
+    listed = barriers(energies, heights, level_of(energies, scale), scale)
+    return [
+        replace(m, escape=Escape(barrier, TREE, why, to + 1, (), barrier < SHALLOW * scale))
+        if to >= 0
+        else m
+        for m, (barrier, to) in zip(minima, listed, strict=True)
+    ]
+
+
+def _exact(
+    model: Model,
+    passes: TracedPasses,
+    energies: np.ndarray,
+    isolated: Sequence[bool],
+    scale: float,
+) -> list[Escape] | None:
+    """Read barriers off the merge tree of curves; None where a minimum is on none of them."""
+    if not (passes.on_curves | np.array(isolated)).all():
+        return None
+    found = []
+    listed = barriers(energies, passes.heights(), level_of(energies, scale), scale)
+    for k, (barrier, to) in enumerate(listed):
+        if isolated[k]:
+            found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
+        elif to < 0:
+            why = "its curve leads to no state of no higher energy: it ends at limits, contacts or itself"
+            found.append(Escape(math.inf, TRACED, why))
+        else:
+            why = "the lowest pass of the curves of closed states, both ways, admissible all along"
+            top = tuple(model.expand(passes.top(k, to)).tolist())
+            found.append(Escape(barrier, TRACED, why, to + 1, top, barrier < SHALLOW * scale))
+    return found
+
+
+def _bounded(
+    model: Model,
+    minima: Sequence[Minimum],
+    states: np.ndarray,
+    energies: np.ndarray,
+    isolated: Sequence[bool],
+    scale: float,
+) -> list[Escape]:
+    """Bound barriers by ways out that descents show."""
+    why = ""
+    if model.scene.loads:
+        why = "forces in space: ways out are not sought under them"
+    elif model.size > MOST_VARIABLES:
+        why = f"more than {MOST_VARIABLES} variables: ways out are not sought"
+    loose = [k for k in range(len(minima)) if not isolated[k]]
+    sought = [] if why else loose[:MOST_STATES]
+    modes = [_modes(model, m) for m in minima]
+    ways = ways_out(VertexTerrain(model, states, modes), sought) if len(minima) else {}
+    heights = np.full((len(minima),) * 2, math.inf)
+    beyond = np.full(len(minima), math.inf)
+    for k, way in ways.items():
+        if way.to < 0:
+            beyond[k] = way.height
+        else:
+            heights[k, way.to] = energies[k] + way.height
+    level = level_of(energies, scale)
+    found = []
+    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+        if isolated[k]:
+            found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
+            continue
+        if math.isinf(barrier):
+            reason = why or "no descent from beside it ended at a state of lower energy"
+            if not why and k not in sought:
+                reason = f"more than {MOST_STATES} minima: sought for those of lowest energy"
+            elif not why and len(loose) == 1:
+                reason = "no other state is known that it could be left for"
+            found.append(Escape(math.nan, OPEN, reason))
+            continue
+        barrier = max(barrier, FLOOR * scale)
+        top = model.expand(ways[k].top) if k in ways and ways[k].to == to else ()
+        found.append(
+            Escape(
+                barrier,
+                BOUND,
+                "an explicit way out climbs so high; lower ones are not excluded",
+                to + 1,
+                tuple(map(float, top)),
+                barrier < SHALLOW * scale,
+            )
+        )
+    return found
+
+
+def _modes(model: Model, minimum: Minimum) -> list[np.ndarray]:
+    """Return the softest mode of a minimum in the model's variables, where it is one."""
+    return [model.reduce(np.array(minimum.softest_mode))] if minimum.softest_mode else []

@@ -1,0 +1,212 @@
+"""One search and one proof for each winding of symmetric states, told as one.
+
+Symmetric states may wind several times round the axis (`Scene.windings`): each winding is a programme of its own, and
+no path leads from one to another.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.kkt import OPEN, Escape
+from origami_nlp.minima.completeness import Completeness
+from origami_nlp.minima.escape import with_escapes
+from origami_nlp.minima.job import Job, Progress
+from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
+from origami_nlp.minima.noise import with_survival
+from origami_nlp.minima.proved import is_cheap, prove_complete
+from origami_nlp.minima.search import finish
+from origami_nlp.minima.starts import Effort
+from origami_nlp.pattern import Scene
+from origami_nlp.programme import Model
+
+STOPPED = ("complete", "rule", "cap", "time")
+"""Why searches stop, from the best reason to the worst."""
+
+
+def jobs_of(
+    scene: Scene,
+    seed: int,
+    effort: Effort,
+    starts: tuple[int, int],
+    progress: Progress | None,
+    until: float = math.inf,
+) -> list[Job]:
+    """Return the searches that a scene asks for, one for each winding; arguments as for `Job`."""
+    jobs = [Job(Model(one), seed, effort, starts, None, until) for one in scene.of_each_winding]
+    if progress is not None:
+        records = [job.record for job in jobs]
+
+        def tell(*_: int) -> None:
+            progress(
+                sum(r.starts for r in records),
+                sum(len(r.minima) for r in records),
+                sum(r.seen_once for r in records),
+            )
+
+        for job in jobs:
+            job.progress = tell
+    return jobs
+
+
+def finish_all(
+    searches: Sequence[Sequence[Job]], guesses: Sequence[np.ndarray] = (), workers: int = 1
+) -> None:
+    """Bring the searches of each of some scenes to their ends; guesses [N] go to the winding that they miss least.
+
+    Descents of one winding are made together for all scenes, where these have one vertex.
+    """
+    jobs = [job for some in searches for job in some]
+    given: dict[int, list[np.ndarray]] = {id(job): [] for job in jobs}
+    for guess in guesses:
+        given[id(min(jobs, key=lambda job: _miss(job.model, guess)))].append(guess)
+    for winding in sorted({job.model.structure.winding for job in jobs}):
+        some = [job for job in jobs if job.model.structure.winding == winding]
+        finish([job.work(given[id(job)], workers) for job in some])
+
+
+def _miss(model: Model, guess: np.ndarray) -> float:
+    return float(np.abs(model.closure(model.reduce(guess))[0]).max())
+
+
+def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness | None:
+    """Try to prove that the minima on record are all, of every winding; arguments and result as of `prove_complete`."""
+    first = jobs[0].model
+    if len(jobs) == 1 or (wanted is None and not is_cheap(first)):
+        return prove_complete(first, jobs[0].record, wanted, _left(jobs[0]))
+    until = math.inf
+    if wanted is not None and not isinstance(wanted, bool):
+        until = time.process_time() + wanted
+    found: list[Completeness] = []
+    for job in jobs:
+        if until < math.inf:
+            wanted = max(until - time.process_time(), 0.0)
+        one = prove_complete(job.model, job.record, wanted, _left(job))
+        if one is None:
+            return None
+        found.append(one)
+    return _joined([job.model.structure.winding for job in jobs], found)
+
+
+def _left(job: Job) -> float | None:
+    """Seconds that a search has left for its proof; None: no limit."""
+    return None if math.isinf(job.until) else max(job.until - time.monotonic(), 0.0)
+
+
+def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completeness:
+    order = ("proved", "proved-except-singular", "not-proved")
+    regions = Counter[str]()
+    for one in found:
+        regions.update(one.critical_points)
+    reasons = [
+        f"winding {w}: {one.reason}" for w, one in zip(windings, found, strict=True) if one.reason
+    ]
+    return Completeness(
+        max((one.status for one in found), key=order.index),
+        "; ".join(reasons),
+        sum(one.boxes for one in found),
+        sum(one.seconds for one in found),
+        dict(sorted(regions.items())),
+        sum(one.held for one in found),
+        sum(one.minima for one in found),
+        tuple(region for one in found for region in one.undecided),
+        tuple(region for one in found for region in one.singular),
+        tuple(new for one in found for new in one.added),
+        over=found[0].over,
+    )
+
+
+def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Minimum]:
+    """Add what it takes to leave each minimum, along states of its winding, numbered as in the whole list."""
+    found = list(minima)
+    for job, which in _apart(jobs, minima):
+        some = [minima[k] for k in which]
+        if time.monotonic() > job.until:
+            late = Escape(math.nan, OPEN, "interrupted by the time limit")
+            some = [replace(m, escape=late) for m in some]
+        else:
+            some = with_escapes(job.model, some, job.traced)
+        for k, m in zip(which, some, strict=True):
+            assert m.escape is not None
+            to = which[m.escape.to - 1] + 1 if m.escape.to else 0
+            found[k] = replace(m, escape=replace(m.escape, to=to))
+    return found
+
+
+def survival_of_each(jobs: Sequence[Job], minima: Sequence[Minimum], noise: float) -> list[Minimum]:
+    """Add how many random errors of the scene each minimum survives; noise: their size [degrees]."""
+    found = list(minima)
+    for job, which in _apart(jobs, minima):
+        some = with_survival(job.model, [minima[k] for k in which], noise)
+        for k, m in zip(which, some, strict=True):
+            found[k] = m
+    return found
+
+
+def _apart(jobs: Sequence[Job], minima: Sequence[Minimum]) -> Iterator[tuple[Job, list[int]]]:
+    """Each search with the places of its minima in the whole list."""
+    for job in jobs:
+        winding = job.model.structure.winding
+        yield job, [k for k, m in enumerate(minima) if m.winding == winding]
+
+
+def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> SearchReport:
+    """Tell of several searches as of one.
+
+    Parameters
+    ----------
+    windings, reports
+        How often states wind, and the report of their search.
+
+    Returns
+    -------
+    SearchReport
+        Counts added up; stopped by the worst of their reasons.
+    """
+    if len(reports) == 1:
+        return reports[0]
+    first = reports[0]
+    counted: dict[str, Counter[str]] = {}
+    for name in ("statuses", "outcomes", "by_source"):
+        counted[name] = Counter()
+        for r in reports:
+            counted[name].update(getattr(r, name))
+    drawn = [r for r in reports if r.starts]
+    return SearchReport(
+        starts=sum(r.starts for r in reports),
+        feasible_starts=sum(r.feasible_starts for r in reports),
+        solves=sum(r.solves for r in reports),
+        statuses=dict(counted["statuses"]),
+        outcomes=dict(counted["outcomes"]),
+        expected_undiscovered=sum(r.expected_undiscovered for r in reports),
+        stopped_by=max((r.stopped_by for r in reports), key=STOPPED.index),
+        seconds=max(r.seconds for r in reports),
+        seed=first.seed,
+        rejected=_in_order(r.rejected for r in reports),
+        undecided=_in_order(r.undecided for r in reports),
+        iterations=sum(r.iterations for r in reports),
+        effort=first.effort,
+        by_source=dict(counted["by_source"]),
+        stalled=sum(r.stalled for r in reports),
+        seen_once=sum(r.seen_once for r in reports),
+        quiet=min((r.quiet for r in drawn), default=0),
+        corners=sum(r.corners for r in reports),
+        every_corner=all(r.every_corner for r in drawn) if drawn else first.every_corner,
+        complete="; ".join(
+            f"winding {w}: {r.complete}" for w, r in zip(windings, reports, strict=True)
+        )
+        if all(r.complete for r in reports)
+        else "",
+        strata=first.strata,
+    )
+
+
+def _in_order(states: Iterable[tuple[Rejected, ...]]) -> tuple[Rejected, ...]:
+    every = (one for some in states for one in some)
+    return tuple(sorted(every, key=lambda r: (r.verdict, r.energy, r.fold_angles)))

@@ -1,0 +1,91 @@
+"""Numbers with fewer digits, so that rounding decides nothing that follows from them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED
+
+
+def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
+    """Return what states are sorted by, energy and then fold angles, without the digits that rounding leaves.
+
+    Parameters
+    ----------
+    energy
+        Over the mean stiffness.
+    fold_angles
+        In radians.
+
+    Returns
+    -------
+    tuple of float
+        Nine digits of the energy, seven of each angle: those of states that are degenerate are known to some 1e-8.
+
+    Examples
+    --------
+    >>> from origami_nlp.numerics import rank
+    >>> rank(0.3, (1.0, -1e-17)) == rank(0.1 + 0.2, (1.0 + 1e-15, 0.0))
+    True
+    """
+    return (round(energy, 9) + 0.0, *(round(float(a), 7) + 0.0 for a in fold_angles))
+
+
+def first_largest(a: np.ndarray) -> np.ndarray:
+    """Return where the largest entry of each row stands; of several that are equal but for rounding the first.
+
+    Parameters
+    ----------
+    a
+        Numbers, shape [..., n].
+
+    Returns
+    -------
+    np.ndarray
+        Positions, shape [...].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.numerics import first_largest
+    >>> int(first_largest(np.array([0.0, 0.3, 0.1 + 0.2])))
+    1
+    """
+    most = a.max(axis=-1, keepdims=True)
+    near = np.where(np.isfinite(most), CHOSEN * np.abs(most) + ROUNDED, 0.0)
+    return np.asarray((a >= most - near).argmax(axis=-1))
+
+
+def coarse(a: np.ndarray, to: float = CHOSEN) -> np.ndarray:
+    """Round the rows of an array to a grid relative to the largest entry of each.
+
+    Processors and kernels of linear algebra sum in orders of their own, and answers differ by some 1e-16.  What an
+    iteration goes on from, and what is compared, has these differences wiped out: on a grid of `to` they survive with
+    probability 1e-16 / to only.
+
+    Parameters
+    ----------
+    a
+        Numbers, shape [..., n].
+    to
+        Width of the grid, over a power of two at or above the largest entry of a row; a power of two.
+
+    Returns
+    -------
+    np.ndarray
+        Rounded numbers, exact multiples of the width, shape [..., n].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.numerics import coarse
+    >>> a = np.array([0.1 + 0.2, -0.3, 1e-17])
+    >>> b = coarse(a)
+    >>> bool(b[0] == -b[1]), bool(b[2] == 0), bool(abs(b - a).max() < 1e-5)
+    (True, True, True)
+    """
+    size = np.abs(a).max(axis=-1, keepdims=True, initial=0.0)
+    unit = np.ldexp(to, np.frexp(size)[1])
+    return np.asarray(np.round(a / unit) * unit)

@@ -1,0 +1,76 @@
+"""The sum of the fold angles round a vertex has a sign: at least 2 pi less the area of the convex hull of its link."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial.transform import Rotation
+
+from origami_nlp.facets import Sheet
+from origami_nlp.sheets import press
+from tests.sheets.patterns import wheel
+
+
+def link(sectors, phi) -> np.ndarray:
+    """Directions of the creases of a folded vertex, by matrices of scipy, [d, 3]."""
+    turn, out = Rotation.identity(), []
+    for sector, fold in zip(sectors, phi, strict=True):
+        turn = turn * Rotation.from_rotvec([fold, 0.0, 0.0])
+        out.append(turn.apply([1.0, 0.0, 0.0]))
+        turn = turn * Rotation.from_rotvec([0.0, 0.0, sector])
+    assert turn.magnitude() < 1e-7  # it closes
+    return np.array(out)
+
+
+def hull_area(points: np.ndarray) -> float:
+    """Area of the convex hull of points in an open hemisphere: seen from its middle, hulls in the plane are hulls."""
+    rows = np.column_stack([-points, np.ones(len(points))])
+    found = linprog([0, 0, 0, -1], rows, np.zeros(len(points)), bounds=[(-1, 1)] * 3 + [(None, 1)])
+    assert found.x[3] > 1e-6  # in an open hemisphere
+    middle = found.x[:3] / np.linalg.norm(found.x[:3])
+    frame = np.linalg.svd(middle[None])[2][1:]
+    plane = (points @ frame.T) / (points @ middle)[:, None]
+    try:
+        ring = points[ConvexHull(plane).vertices]
+    except QhullError:
+        return 0.0  # all on one great circle
+    angles = 0.0
+    for before, at, after in zip(np.roll(ring, 1, 0), ring, np.roll(ring, -1, 0), strict=True):
+        u, v = (x - (x @ at) * at for x in (before, after))
+        angles += math.acos(np.clip(u @ v / np.linalg.norm(u) / np.linalg.norm(v), -1, 1))
+    return angles - (len(ring) - 2) * math.pi
+
+
+@pytest.mark.parametrize("degree", [4, 6])
+def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
+    """Random states that do not cross, and minima that touching facets hold: on both sides of the flat state."""
+    rng = np.random.default_rng(degree)
+    sides, touching = set(), 0
+    for _ in range(5):
+        sectors = rng.dirichlet(np.full(degree, 4.0)) * 2 * math.pi
+        pattern = wheel(sectors)
+        pattern = pattern.with_springs(
+            rng.uniform(0.2, 2, degree).tolist(), rng.uniform(-3, 3, degree).tolist()
+        )
+        sheet = Sheet(pattern)
+        for _ in range(4):
+            phi, residual = sheet.project(rng.uniform(-1.5, 1.5, degree))
+            inside = (
+                residual < 1e-12 and np.abs(phi).max() <= math.pi and sheet.closure.on_sheet(phi)
+            )
+            if not inside or sheet.crossings.find(phi) or np.abs(phi).max() < 1e-3:
+                continue
+            held = press(sheet, phi).phi
+            touching += bool(np.abs(held).max() > math.pi - 1e-9)
+            for state in (phi, held):
+                if np.abs(state).max() < 1e-3:
+                    continue
+                around = list(pattern.vertices[0].creases)
+                # azimuths of creases follow the sectors: sector k lies after crease k
+                bound = 2 * math.pi - hull_area(link(np.roll(sectors, -around[0]), state[around]))
+                assert bound > 0
+                assert abs(state.sum()) >= bound - 1e-7
+                sides.add(math.copysign(1.0, state.sum()))
+    assert sides == {1.0, -1.0} and (touching or degree == 4)

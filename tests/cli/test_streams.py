@@ -1,0 +1,130 @@
+"""What surrounds a command: closed streams, settings of others, editors that write a mark, Ctrl-C before it begins."""
+
+import codecs
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from origami_nlp import Scene, Vertex, examples, format_scene
+from origami_nlp.cli.interruption import interruptible
+from origami_nlp.cli.start import THREADS
+from tests.command_line import run, scene_file
+
+ROOT = Path(__file__).parents[2]
+POSIX = pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell and signals")
+
+
+def shell(line, **settings):
+    """Run a line of a shell in which `nlp` is the program."""
+    program = f"{sys.executable} -m origami_nlp"
+    env = {**os.environ, "PYTHONPATH": str(ROOT), **settings}
+    return subprocess.run(
+        ["sh", "-c", line.replace("nlp", program)],
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+@POSIX
+def test_closed_standard_input_is_named():
+    done = shell("nlp model - <&-")
+    assert done.returncode == 2
+    assert done.stderr == "origami-nlp: cannot read scene '-': standard input is closed\n"
+
+
+@POSIX
+def test_closed_standard_output_is_named_and_no_file_gets_what_is_printed(tmp_path):
+    scene, out = scene_file(tmp_path, examples.degree6("pi/3", 1)), tmp_path / "out.json"
+    done = shell(f"nlp minima {scene} --json - >&-")
+    assert done.returncode == 2
+    assert done.stderr == "origami-nlp: --json = '-' cannot be written: standard output is closed\n"
+    assert shell(f"nlp space {scene} --rings 8 --json {out} >&- 2>&-").returncode == 0
+    assert out.read_text().startswith("{")
+
+
+@POSIX
+def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
+    done = shell("nlp model nowhere.toml 2>&-")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
+
+
+@POSIX
+def test_a_display_that_does_not_exist_and_no_home_do_not_matter(tmp_path):
+    scene = Scene(Vertex(("pi/2",) * 4), (1, 1, 1, 1), (1, 0, 1, 0), contact="fold-limits")
+    path = scene_file(tmp_path, scene)
+    line = f"nlp minima {path} --prove 0 --figure {tmp_path / 'a.png'}"
+    done = shell(line, MPLBACKEND="nonsense", HOME="/nowhere/at/all")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize("asked", [{}, {"OPENBLAS_NUM_THREADS": "2"}])
+def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked, monkeypatch):
+    for name in THREADS:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    assert run("--version").code == 0
+    told = {name: os.environ[name] for name in THREADS if name in os.environ}
+    assert told == (asked or {"OMP_NUM_THREADS": "1"})
+
+
+@POSIX
+@pytest.mark.parametrize("module", ["origami_nlp.cli.entry", "numpy", "typer"])
+def test_an_interruption_while_modules_load_is_one_line(tmp_path, module):
+    begun = tmp_path / "begun"
+    code = (
+        "import pathlib, signal, sys, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "class Slow:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        f"        if name == {module!r}:\n"
+        f"            pathlib.Path({str(begun)!r}).touch()\n"
+        "            try:\n"
+        "                time.sleep(60)\n"
+        "            except BaseException:\n"
+        "                raise ImportError('what some modules make of it')\n"
+        "sys.meta_path.insert(0, Slow())\n"
+        "sys.argv = ['origami-nlp', '--version']\n"
+        "from origami_nlp.cli import main\n"
+        "main()\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not begun.exists() and process.poll() is None:
+        time.sleep(0.02)
+    time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=100)[1] == "origami-nlp: interrupted\n"
+    assert process.returncode == 130
+
+
+def test_a_command_leaves_the_interruptions_of_others_as_they_were():
+    before = signal.getsignal(signal.SIGINT)
+    assert run("--version").code == 0
+    with interruptible():
+        pass
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize("kind", ["toml", "fold"])
+def test_a_byte_order_mark_is_no_text(tmp_path, kind):
+    path = tmp_path / f"scene.{kind}"
+    if kind == "toml":
+        path.write_text(format_scene(examples.degree6("pi/3", 1)))
+    else:
+        run("example", "degree6", "--fold", path)
+    plain = run("model", path)
+    path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
+    assert plain.code == 0 and run("model", path) == plain

@@ -1,0 +1,204 @@
+"""Symmetric states wind once or several times round their axis: lists against searches that share no wedge."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
+from origami_nlp.errors import OrigamiError
+from origami_nlp.pattern import scene_from_dict, scene_to_dict
+from tests.command_line import run, scene_file
+from tests.independent import search_symmetric
+from tests.independent.admissible import admissible
+from tests.independent.rotations import spin_sign
+
+CONTACTS = ("fold-limits", "none", "full")
+STAR = Scene(
+    Vertex(("pi/4",) * 8),
+    (1, 2) * 4,
+    (math.radians(131.0604),) * 8,
+    contact="fold-limits",
+)
+"""At rest in a star: closed, symmetric, without energy, and wound three times round its axis."""
+
+
+def drawn(number, most=12):
+    """Draw scene `number`: all groups, then all contacts, one after the other."""
+    rng = np.random.default_rng([number, 28])
+    kind, order = "CD"[number % 2], 1 + number // 2 % 8
+    d = search_symmetric.draw(kind, order, rng, max(most, 2 * order))
+    contact = CONTACTS[number // 16 % 3]
+    springs = tuple(d.stiffness[d.orbit]), tuple(d.rest[d.orbit])
+    return d, Scene(Vertex(tuple(d.sectors)), *springs, d.group, contact)
+
+
+def lacks(d, scene, result, starts, without=False, seed=0):
+    """Return states that are minima by searches which share no wedge, and that the list does not hold.
+
+    By descents on the whole vertex; without: also by a search without symmetry, of which the symmetric part counts.
+    Where facets must not cross, what is a minimum within fold limits and does not cross is a minimum as well.
+    """
+    rng = np.random.default_rng([seed, 29])
+    found = search_symmetric.minima(d, scene.contact != "none", rng, starts)[:, d.orbit]
+    if scene.contact == "full" and len(found):
+        found = found[admissible(d.sectors, found, "full")]
+    if without:
+        free = find_minima(
+            replace(scene, symmetry="none"), prove=False, max_starts=100, seconds=1.5
+        )
+        every = np.array([m.fold_angles for m in free.minima]).reshape(-1, len(d.orbit))
+        mean = np.array([np.bincount(d.orbit, x) for x in every]).reshape(-1, len(d.rest))
+        mean = (mean / np.bincount(d.orbit))[:, d.orbit]
+        found = np.concatenate([found, every[np.abs(mean - every).max(axis=1, initial=0.0) < 1e-6]])
+    listed = np.array([m.fold_angles for m in result.minima]).reshape(-1, len(d.orbit))
+    near = [np.abs(listed - x).max(axis=1).min(initial=math.inf) for x in found]
+    return found[np.array(near, dtype=float) > 1e-4], len(found)
+
+
+def test_the_star_is_listed_first():
+    result = find_minima(STAR)
+    lowest = result.minima[0]
+    assert STAR.group.name == "D4" and len(result.minima) == 4
+    assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
+    assert lowest.energy < 1e-12 and lowest.winding == 3
+    assert result.completeness.proved and "winding 1 or 3 times" in result.completeness.over
+    assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
+    # it stands without its symmetry as well
+    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200)
+    assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9
+
+
+def test_the_command_says_which_states_it_ranges_over(tmp_path):
+    path = scene_file(tmp_path, STAR)
+    done = run("minima", path)
+    assert "winds 3 times round the axis of D4" in done.out
+    assert "complete: proved: all 4 minima are listed" in done.out
+    assert "among closed states that keep D4, winding 1 or 3 times round its axis" in done.out
+
+
+def test_a_result_is_read_back_with_its_windings(tmp_path):
+    result = find_minima(STAR, prove=False)
+    path = tmp_path / "star.json"
+    result.save(path)
+    again = MinimaResult.load(path)
+    assert [m.winding for m in again.minima] == [m.winding for m in result.minima]
+    for m in again.minima:
+        model = again.model_of(m)
+        assert np.abs(model.closure(model.reduce(np.array(m.fold_angles)))[0]).max() < 1e-12
+
+
+def test_one_winding_may_be_asked_for():
+    one = replace(STAR, winding=3)
+    assert [m.winding for m in find_minima(one).minima] == [3, 3]
+    assert scene_from_dict(scene_to_dict(one)) == one
+    assert [s.winding for s in STAR.of_each_winding] == [None, 3]
+    for wrong in (2, 5, True, "3"):
+        with pytest.raises(OrigamiError, match=r"winding = .* must be one of 1, 3: symmetry D4"):
+            replace(STAR, winding=wrong)
+    with pytest.raises(OrigamiError, match="must be one of 1: symmetry D4, contact = 'full'"):
+        replace(STAR, winding=3, contact="full")
+
+
+def test_where_nothing_winds_there_is_one_search():
+    for scene in (
+        examples.degree6("pi/4", 1.0, contact="fold-limits"),
+        examples.degree8("pi/4", 1.0, contact="none"),
+        replace(STAR, contact="full"),
+        replace(STAR, symmetry="C2"),
+        replace(STAR, symmetry="none"),
+    ):
+        assert scene.windings == (1,) and scene.of_each_winding == (scene,)
+
+
+def test_a_guess_goes_to_its_winding():
+    star = find_minima(STAR, prove=False).minima[0]
+    away = np.array(star.fold_angles) + 0.05 * np.tile([1, -1], 4)
+    d = replace(STAR, rest_angles=tuple(np.array(STAR.rest_angles) - 0.01))
+    found = find_minima(d, guesses=[away], max_starts=1, prove=False)
+    assert found.minima[0].winding == 3
+
+
+def test_a_period_may_close_by_itself():
+    """Six facets of 60 degrees: folded over each other in three pairs, each closed."""
+    d = search_symmetric.Drawn(
+        "D3",
+        np.full(6, math.pi / 3),
+        np.tile([0, 1], 3),
+        np.array([1.0, 2.0]),
+        np.array([3.0, 3.0]),
+    )
+    scene = Scene(Vertex(("pi/3",) * 6), (1, 2) * 3, (3.0,) * 6, "D3", "fold-limits")
+    result = find_minima(scene)
+    assert any(
+        m.winding == 3 and np.abs(np.abs(m.fold_angles) - math.pi).max() == 0 for m in result.minima
+    )
+    assert result.completeness.proved
+    missing, found = lacks(d, scene, result, 60)
+    assert found >= 2 and not len(missing)
+    assert all(spin_sign(d.sectors, np.array(m.fold_angles)) > 0 for m in result.minima)
+
+
+def test_more_equations_than_fold_angles_are_no_programme_for_a_solver(capfd):
+    """Two fold angles, three equations where states wind three times: IPOPT is not asked, and prints nothing."""
+    scene = Scene(Vertex(("pi/3",) * 6), (1, 2) * 3, (3.0,) * 6, "C3", "fold-limits")
+    beyond = [m for m in find_minima(scene).minima if m.winding == 3]
+    assert beyond and all(m.solver is None for m in beyond)
+    assert "overconstrained" not in "".join(capfd.readouterr())
+
+
+@pytest.mark.parametrize("contact", ["none", "fold-limits"])
+@pytest.mark.parametrize("group", ["C7", "D7", "C6", "D6"])
+def test_the_flat_state_winds_once(group, contact):
+    n = int(group[1])
+    scene = Scene(Vertex((2 * math.pi / n,) * n), (1.0,) * n, (1.5,) * n, group, contact)
+    result = find_minima(scene)
+    assert {m.winding for m in result.minima} > {1}
+    for m in result.minima:
+        model = result.model_of(m)
+        assert np.abs(model.closure(model.reduce(np.array(m.fold_angles)))[0]).max() < 1e-12
+    assert [m.winding for m in result.minima if not np.any(m.fold_angles)] == [1]
+
+
+@pytest.mark.parametrize("number", [4, 5, 7, 9, 12, 20, 22, 27, 31, 38])
+def test_symmetric_lists_hold_what_descents_on_the_whole_vertex_find(number):
+    d, scene = drawn(number, most=9)
+    missing, _ = lacks(d, scene, find_minima(scene), 40)
+    assert not len(missing), np.degrees(missing)
+
+
+@pytest.mark.slow
+def test_200_symmetric_scenes_against_searches_without_the_wedge():
+    """All groups C1 to C8 and D1 to D8, all contacts: nothing is missing where "proved" is printed."""
+    told, false = study(range(200))
+    print(told)
+    assert not false
+    assert told["proved"] >= 35 and told["found"] >= 400
+
+
+def study(numbers, say=lambda line: None):
+    """Count what independent searches found and lists lack; return also the proved lists that lack a minimum."""
+    told, false = Counter(), []
+    for number in numbers:
+        d, scene = drawn(number)
+        result = find_minima(scene)
+        missing, found = lacks(d, scene, result, 100, without=True)
+        known = result.completeness
+        status = known.status if known else result.search.stopped_by
+        told.update({"scenes": 1, status: 1, "found": found, "listed": len(result.minima)})
+        told.update(
+            {f"{status}: scenes that lack one": bool(len(missing)), "missing": len(missing)}
+        )
+        several = sum(m.winding > 1 for m in result.minima)
+        told.update({"wind several times": several})
+        if status == "proved" and len(missing):
+            false.append((number, np.degrees(missing)))
+        lost = [
+            np.round(np.degrees(x[np.unique(d.orbit, return_index=True)[1]]), 3) for x in missing
+        ]
+        say(
+            f"{number} {d.group} N={len(d.orbit)} {scene.contact} {status} {found} {len(missing)} {lost}"
+        )
+    return told, false

@@ -1,0 +1,44 @@
+"""Sector angles next to special relations are decided once: neither reading them again nor other labels move them."""
+
+import numpy as np
+import pytest
+
+from origami_nlp import Scene, Vertex
+from origami_nlp.pattern import canonical_labels
+from origami_nlp.pattern.relations import find_relations
+from origami_nlp.programme import Model
+
+
+def near(seed, size):
+    """Equal sectors but for noise of some size [rad]."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(4, 8))
+    noise = size * rng.uniform(-1, 1, n)
+    return tuple(2 * np.pi / n + noise - noise.mean())
+
+
+@pytest.mark.parametrize("size", [3e-8, 1e-7, 3e-7, 1e-6])
+def test_a_decision_is_made_once(size):
+    for seed in range(40):
+        sectors = find_relations(near(seed, size)).sector_angles
+        again = find_relations(sectors)
+        assert again.moved == 0 and again.sector_angles == sectors
+
+
+@pytest.mark.parametrize("size", [1e-7, 3e-7, 1e-5, 1e-4])
+def test_other_labels_name_the_same_vertex_and_the_same_gaps(size):
+    for seed in range(25):
+        sectors = near(seed, size)
+        n = len(sectors)
+        scene = Scene(Vertex(sectors), (1.0,) * n, tuple(0.1 * k for k in range(n)), "none")
+        labels = canonical_labels(scene)
+        other = labels.relabelled(scene)
+        moved = np.subtract(
+            np.array(scene.vertex.sector_angles)[labels.facets], other.vertex.sector_angles
+        )
+        assert np.abs(moved).max() == 0
+        theirs = {
+            (labels.creases[k], labels.facets[j])
+            for k, j in (gap.rays for gap in Model(other).structure.gaps)
+        }
+        assert theirs == {gap.rays for gap in Model(scene).structure.gaps}
