@@ -15,7 +15,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Factor, Sheet
+from origami_nlp.facets import Sheet
+from origami_nlp.numerics import Factor
 from origami_nlp.pattern import Pattern, examples
 from origami_nlp.sheets import descend
 

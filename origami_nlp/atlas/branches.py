@@ -214,7 +214,7 @@ def point_of(
 
 def _dependent(frame: Equilibrium) -> Pieces:
     """Return the contacts that are closed at a state, piece by piece, where they do not determine their multipliers."""
-    if not frame.hold.contacts:
+    if not frame.hold.contacts or frame.programme.sparse:
         return ()
     state = frame.seen
     unique = all(state.on(piece).multiplier_set.unique for piece in state.pieces)

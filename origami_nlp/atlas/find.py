@@ -20,7 +20,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
+from origami_nlp.path import STEPS, Equilibrium, ParameterLine, Steps, Web
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.space import find_space
 
@@ -163,9 +163,13 @@ class _Survey:
         self._touching: Touching = {}
         symmetric = not self._scene.group.is_trivial
         functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
-        more = {} if steps is None else {"steps": steps}
         self.web = Web(
-            family.line, low, high, through_folds=through_folds, functions=functions, **more
+            family.line,
+            low,
+            high,
+            steps=steps or STEPS,
+            through_folds=through_folds,
+            functions=functions,
         )
         self.checks: list[Check] = []
         self.alarms: list[str] = []

@@ -32,13 +32,13 @@ class Part(NamedTuple):
     certificate: str
 
 
-def parts_of(arc: Arc) -> list[Part]:
-    """Return what the states of an arc are, judged in the middle and beside its ends."""
+def parts_of(arc: Arc, ends: bool = True) -> list[Part]:
+    """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
     last = len(arc.frames) - 1
     if arc.index:
         return [Part(0, last, "saddle", "")]
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
-    if last == 1:
+    if last == 1 or not ends:
         inner = [arc.middle]
     known = {k: _judged(arc.frames[k]) for k in inner}
     cuts = [0]

@@ -65,7 +65,8 @@ class PatternEquations:
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
-        self._decomposed: tuple[bytes, np.ndarray, np.ndarray] | None = None
+        # of closure alone: shared with the same pattern under other loads
+        self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     @property
     def until(self) -> float:
@@ -240,12 +241,13 @@ class PatternEquations:
     def _singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Singular values of the Jacobian and all right vectors [n, n], in rows; the last ones are kept."""
         key = phi.tobytes()
-        if self._decomposed is None or self._decomposed[0] != key:
+        if key not in self._decomposed:
             # rank, kernel and curvature of a state are asked for in turn
             j = dense(self.closure.jacobian(phi))
             _, values, vt = np.linalg.svd(j, full_matrices=j.shape[0] < j.shape[1])
-            self._decomposed = key, values, vt
-        return self._decomposed[1:]
+            self._decomposed.clear()
+            self._decomposed[key] = values, vt
+        return self._decomposed[key]
 
     def rank(self, phi: np.ndarray, below: float = RANK) -> int:
         """Rank of the Jacobian of closure, singular values below a bound being zero.

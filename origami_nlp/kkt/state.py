@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 
@@ -77,6 +78,9 @@ class State:
     @cached_property
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the directions that closure allows to first order, in the metric, [n, t]."""
+        p: Any = self.programme
+        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
+            return cast(np.ndarray, p.kernel(self.x))
         _, values, vt = self._factors
         return vt[int((values > RANK).sum()) :].T
 

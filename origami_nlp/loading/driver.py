@@ -258,8 +258,8 @@ class VertexDriver:
         return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
 
     def _minima(self, t: float, search: Search) -> Sequence[Minimum]:
-        more = {"prove": False, "escape": False, "seconds": search.left}
-        result = find_minima(self.scene_at(t), **more, **search.options)
+        scene, left = self.scene_at(t), search.left
+        result = find_minima(scene, prove=False, escape=False, seconds=left, **search.options)
         search.cut = result.search.stopped_by == "time"
         return result.minima
 

@@ -254,7 +254,7 @@ class _Job:
         web.line.programme.until = math.inf  # type: ignore[attr-defined]
         for frame in (f for arc in web.arcs for f in arc.frames):
             frame.programme.until = math.inf  # type: ignore[attr-defined]
-        parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
+        parts = {k: parts_of(arc, not self.driver.lazy) for k, arc in enumerate(web.arcs)}
         branches, events = branches_of(web, self.over, chains_of(web), parts, self.across)
         for branch in branches:
             for r in branch.kind_ranges:

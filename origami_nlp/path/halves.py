@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.system import Hold, Tally
 from origami_nlp.path.tracer import ALIGNED, advance
-from origami_nlp.programme import Contact
+from origami_nlp.programme import Contact, Sparse
 
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
@@ -118,6 +119,9 @@ def _closure(state: State) -> tuple[int, ...]:
 
 def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
+    if state.programme.sparse:
+        yield from _large_holds(state, piece)
+        return
     held, closure, p = state.on(piece), _closure(state), state.programme
     found = held.multiplier_set
     size = 1.0 + float(np.abs(state.gradient).max())
@@ -141,6 +145,20 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
         left = np.abs(state.gradient - jacobian.T @ nu).max()
         if left <= BALANCED * size and (nu[len(closure) :] >= -BALANCED * size).all():
             yield Hold(tuple(piece[k] for k in chosen), closure)
+
+
+def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
+    """Yield sets of fold limits of a large programme that can carry what the springs ask for: all, and those loaded."""
+    p = cast(Sparse, state.programme)
+    closure = tuple(range(p.equation_count))
+    size = 1.0 + float(np.abs(p.torque(state.x)).max())
+    chosen = piece
+    for _ in range(2):
+        _, moments, left = p.multipliers(state.x, [c.index for c in chosen])
+        balanced = float(np.abs(left).max(initial=0.0)) <= BALANCED * size
+        if balanced and (moments >= -BALANCED * size).all():
+            yield Hold(chosen, closure)
+        chosen = tuple(c for c, m in zip(chosen, moments, strict=True) if m > BALANCED * size)
 
 
 def _along(

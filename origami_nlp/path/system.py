@@ -22,7 +22,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from scipy import sparse
@@ -40,7 +40,7 @@ from origami_nlp.numerics import (
     null_space,
 )
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.programme import Contact, Local, Programme
 
 ASLANT = 10.0
 """One over the cosine between a curve and where it went before: up to here one factorisation gives a step across it."""
@@ -96,7 +96,7 @@ class System:
         self.line, self.hold, self.x = line, hold, x
         self.programme: Programme = line.at(s)
         p = self.programme
-        root, local = p.root, p.local(x)
+        root, local = p.root, self._local()
         rows = slice(None) if len(hold.closure) == p.equation_count else list(hold.closure)
         closure, jacobian = local.closure[rows], self._scaled(local.closure_jacobian[rows])
         self.values, self.jacobian = closure, jacobian
@@ -119,6 +119,9 @@ class System:
         moved = moved if kept == m else np.concatenate([moved[:m][rows], moved[m:]])
         self.moved = moved / line.weight
         self.imbalance = gradient - self.jacobian.T @ self.multipliers
+
+    def _local(self) -> Local:
+        return self.programme.local(self.x)
 
     def _scaled(self, jacobian: Any) -> Any:
         return jacobian / self.programme.root
@@ -263,6 +266,10 @@ class RedundantSystem(System):
 
     Newton carries multipliers along: those of least squares change so fast beside the flat state that it would be slow.
     """
+
+    def _local(self) -> Local:
+        p: Any = self.programme
+        return cast(Local, p.rows(self.x))
 
     def _scaled(self, jacobian: Any) -> Any:
         return jacobian  # its metric is that of all fold angles

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -25,14 +26,15 @@ class Parameters:
     load
         Moment conjugate to each variable over `Model.scale`: the energy is U - load . phi, shape [n].
     dead
-        Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.
+        Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.  Of a
+        pattern what has the same methods: a load on what is not linear in the fold angles (`facets.Worked`).
     """
 
     sectors: np.ndarray
     stiffness: np.ndarray
     rest: np.ndarray
     load: np.ndarray
-    dead: DeadLoads | None = None
+    dead: DeadLoads | Any = None
 
     @cached_property
     def vector(self) -> np.ndarray:

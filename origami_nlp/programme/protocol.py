@@ -82,6 +82,9 @@ class Programme(Protocol):
         self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
     ) -> ClosedContacts: ...
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]: ...  # noqa: D102
+    def crossed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ...
+    ) -> tuple[tuple[int, int], ...]: ...
     def beyond(self, x: np.ndarray, tolerance: float = ...) -> tuple[Contact, ...]: ...  # noqa: D102
     def refuses(self, x: np.ndarray, tolerance: float = ...) -> str: ...  # noqa: D102
     def doubt(self, x: np.ndarray) -> str: ...  # noqa: D102
@@ -120,9 +123,6 @@ class Solvable(Programme, Protocol):
     structure: Any  # hashable; programmes of one structure share their solvers
 
     def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
-    def crossed(  # noqa: D102
-        self, x: np.ndarray, tolerance: float = ...
-    ) -> tuple[tuple[int, int], ...]: ...
 
 
 class Sparse(Programme, Protocol):
@@ -143,6 +143,7 @@ class Sparse(Programme, Protocol):
 class Redundant(Programme, Protocol):
     """What curves of equilibria need besides where rows of closure depend on each other; sparse where large."""
 
+    def rows(self, x: np.ndarray) -> Local: ...  # noqa: D102
     def kernel(self, x: np.ndarray, held: Iterable[int] = ()) -> np.ndarray: ...  # noqa: D102
     def curvature(  # noqa: D102
         self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]

@@ -12,8 +12,8 @@ import pytest
 from origami_nlp import Model, State, classify, examples, find_minima
 from origami_nlp.kkt import follow, project
 from origami_nlp.path import Web, line_between, load_line
-from origami_nlp.path.system import Hold, System
 from origami_nlp.path.halves import touches
+from origami_nlp.path.system import Hold, System
 from origami_nlp.path.web import STEPS
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029

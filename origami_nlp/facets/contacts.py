@@ -1,0 +1,238 @@
+"""Contacts of a pattern: fold limits of creases, and gaps between features of facets over the sheet's size.
+
+Of a gap one touch is kept, whichever the side from which it is seen: a contact names it by its number and its side.
+What is no single inequality is a choice between several: facets that meet at borders (of several gaps one stays open)
+and facets that lie face to face in an order that is not forced.
+
+The pieces of `closed` are larger than the set of states beside the one asked for: gaps that are certain are kept, what
+else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is none is shown by
+a lower state alone (`ClosedContacts.complete`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.facets.borders import choices
+from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
+from origami_nlp.facets.faces import Faces, Lying
+from origami_nlp.facets.local import PatternLocal
+from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
+from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.numerics import CLOSES, INSIDE, OUTSIDE, TOUCHES, Matrix, dense
+from origami_nlp.pattern import Pattern
+from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
+
+
+class PatternContacts(PatternEquations):
+    """Contacts of a pattern, and what is known of its facets at a state.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+    """
+
+    def __init__(self, pattern: Pattern, contact: bool = True) -> None:
+        super().__init__(pattern)
+        self.contact = contact
+        self._touches: list[tuple[Touch, Touch]] = []
+        self._numbers: dict[Touch, int] = {}
+        self._seen: dict[str, tuple[bytes, Any]] = {}
+
+    @cached_property
+    def limits(self) -> tuple[Contact, ...]:
+        """Both fold limits of every crease."""
+        return tuple(Contact("limit", v, side) for v in range(self.size) for side in (-1, 1))
+
+    @property
+    def every_gap(self) -> tuple[Contact, ...]:
+        """None: gaps are listed where facets meet."""
+        return ()
+
+    @property
+    def gaps(self) -> tuple[Contact, ...]:
+        """None: gaps are listed where facets meet."""
+        return ()
+
+    def local(self, x: np.ndarray) -> PatternLocal:
+        """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
+        found = self.rows(x)
+        if self.sparse:
+            return found
+        return replace(found, closure_jacobian=dense(found.closure_jacobian))
+
+    def rows(self, x: np.ndarray) -> PatternLocal:
+        """Evaluate the same with the Jacobian of closure as `jacobian` has it."""
+        at = self.closure.turned(x)
+        c, j = self.closure.values(x, at), self.closure.jacobian(x, at)
+        none, size = np.zeros((0, self.size)), self.crossings.size
+        known: dict[Contact, tuple[float, np.ndarray]] = self.kept("gaps", x, dict)
+        return PatternLocal(
+            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size, known
+        )
+
+    def contact_of(self, touch: Touch) -> Contact:
+        """Return the contact of a touch."""
+        same = replace(touch, sign=1.0)
+        number = self._numbers.setdefault(same, len(self._touches))
+        if number == len(self._touches):
+            self._touches.append((same, replace(same, sign=-1.0)))
+        return Contact("gap", number, 1 if touch.sign > 0 else -1)
+
+    def touch(self, contact: Contact) -> Touch:
+        """Return the touch of a contact."""
+        return self._touches[contact.index][contact.side < 0]
+
+    def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
+        """Return what is asked for several times of one state."""
+        key = x.tobytes()
+        if what not in self._seen or self._seen[what][0] != key:
+            self._seen[what] = key, make()
+        return self._seen[what][1]
+
+    def placed(self, x: np.ndarray) -> Placed:
+        """Return the facets in space at a state."""
+        placed: Placed = self.kept("placed", x, lambda: Placed(self.crossings.poses, x))
+        return placed
+
+    def faces(self, x: np.ndarray) -> Faces:
+        """Return the facets that lie face to face at a state in which no facets cross."""
+        faces: Faces = self.kept("faces", x, lambda: Faces(self, x))
+        return faces
+
+    @property
+    def sparse(self) -> bool:
+        """Whether the pattern is too large for singular values and kernels."""
+        return self.size > MOST_DENSE
+
+    def jacobian(self, x: np.ndarray) -> Matrix:
+        """Jacobian of closure, [m, n]; sparse for all but small patterns."""
+        return self.closure.jacobian(x)
+
+    @property
+    def touching(self) -> bool:
+        """Whether facets are looked at where they touch."""
+        return self.contact and self.size <= MOST_DENSE
+
+    def closed(
+        self, x: np.ndarray, tolerance: float = TOUCHES, local: Local | None = None
+    ) -> ClosedContacts:
+        """Find the contacts of a state that are closed, and the choices that keep facets apart."""
+        shut = np.flatnonzero(math.pi - np.abs(x) <= tolerance)
+        limits = tuple(fold_limit(int(v), x[v]) for v in shut)
+        if not self.touching:
+            return ClosedContacts(limits, (), ())
+        faces, place = self.faces(x), self.placed(x)
+
+        def closed(pair: int, above: bool) -> list[Contact]:
+            every = faces.touches(pair, above)
+            near = CLOSES * self.crossings.size
+            return [self.contact_of(t) for t in every if t.gap(place) <= near]
+
+        meeting = [self.contact_of(t) for t in touches_at(self, x, shut)]
+        known = [c for pair, above in faces.known for c in closed(pair, above)]
+        base = self._needed(x, (*limits, *meeting), known)
+        edges = choices(self.features, place)
+        branches: list[tuple[tuple[Contact, ...], ...]]
+        branches = [tuple((self.contact_of(t),) for t in choice) for choice in edges]
+        branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
+        branches = self._by_levers(x, branches)
+        whole = not (meeting or known or branches or faces.reason)
+        return ClosedContacts(base, tuple(branches), (), complete=whole)
+
+    def _by_levers(
+        self, x: np.ndarray, branches: list[tuple[tuple[Contact, ...], ...]]
+    ) -> list[tuple[tuple[Contact, ...], ...]]:
+        """Order choices and their options by the levers of their gaps: as numbers of corners do not change it."""
+        rows = [*dict.fromkeys(c for branch in branches for option in branch for c in option)]
+        if not rows:
+            return branches
+        slopes = self.local(x).openings(rows)[1] @ self.kernel(x)
+        lever = dict(zip(rows, np.linalg.norm(slopes, axis=1).round(9).tolist(), strict=True))
+
+        def levers(option: tuple[Contact, ...]) -> list[float]:
+            return sorted(lever[c] for c in option)
+
+        ordered = [tuple(sorted(branch, key=levers)) for branch in branches]
+        return sorted(ordered, key=lambda branch: [levers(option) for option in branch])
+
+    def _needed(
+        self, x: np.ndarray, sure: tuple[Contact, ...], more: Iterable[Contact]
+    ) -> tuple[Contact, ...]:
+        """Leave out contacts that stay open to first order as long as the others do."""
+        rows = [*dict.fromkeys((*sure, *more))]
+        if len(rows) == len(sure):
+            return sure
+        keep = needed_rows(self.local(x).openings(rows)[1] @ self.kernel(x), len(sure))
+        return tuple(c for c, on in zip(rows, keep, strict=True) if on)
+
+    def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        """Return contacts that stay open to second order too: corners of overlaps are moved inside both facets."""
+        moved = []
+        for contact in contacts:
+            touch = None if contact.is_limit else self.touch(contact)
+            moved.append(self.contact_of(touch.inside()) if isinstance(touch, Lying) else contact)
+        return tuple(moved)
+
+    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
+        """Return contacts that are open, but closed by a step of `length` [rad] at most."""
+        slack = math.pi - np.abs(x)
+        near = np.flatnonzero((slack > TOUCHES) & (slack <= 2 * length))
+        found = [fold_limit(int(v), x[v]) for v in near]
+        if self.touching:
+            facing = self.features.facing(self.placed(x), 2 * length)
+            found += [self.contact_of(t) for t, gap in facing if gap > TOUCHES]
+        return tuple(found)
+
+    def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
+        """Return the fold limits that a state is beyond by more than `tolerance`."""
+        over = np.flatnonzero(np.abs(x) > math.pi + tolerance)
+        return tuple(fold_limit(int(v), x[v]) for v in over)
+
+    def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
+        """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
+        slack = math.pi - np.abs(x)
+        shut = np.flatnonzero((slack <= 1e-6) | ((slack <= 1e-2) & (np.abs(pull) > slack)))
+        found = [fold_limit(int(v), x[v]) for v in shut]
+        if self.touching:
+            facing = self.features.facing(self.placed(x), 1e-6, INSIDE)
+            found += [self.contact_of(t) for t, _ in facing]
+        return tuple(found)
+
+    def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
+        """Return the gaps as one set: facets that touch at several places may stay so at all of them."""
+        return [tuple(contacts)] if len(contacts) > 1 else []
+
+    def name(self, contact: Contact) -> str:
+        """Say in words which contact it is; creases, facets and corners 1-based."""
+        if contact.is_limit:
+            return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
+        return touch_words(self.touch(contact))
+
+    def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
+        """Say who touches in a contact."""
+        if contact.is_limit:
+            return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
+        touch = self.touch(contact)
+        a, b = (f + 1 for f in touch.facets)
+        return ContactWords(touch.type, (), (a, b), self.name(contact))
+
+    def margin(self, contact: Contact, x: np.ndarray) -> float:
+        """How far inside each other the features of a contact are at a state, over their size; see `Features`."""
+        touch = None if contact.is_limit else self.touch(contact)
+        if touch is None or isinstance(touch, Lying):
+            return math.inf
+        return self.features.margin(touch, self.placed(x))
+
+    def weight(self, contact: Contact) -> float:
+        """Return what a multiplier is divided by: gaps are over the sheet's size, so that forces are in N."""
+        return 1.0 if contact.is_limit else self.crossings.size
