@@ -185,6 +185,8 @@ def _along(
             continue
         frame = Equilibrium(point, along, system)
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
+        if line.programme.redundant:  # a tangent near by spares a factorisation or two a step
+            curve.given[:] = [frame]
         half = goes_on(curve, Half(frame, signed), others)
         if half is not None:
             yield half
