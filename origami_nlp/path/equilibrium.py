@@ -15,7 +15,8 @@ import numpy as np
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import CLOSES, OUTSIDE, ROUNDED, SAME, STATIONARY
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.path.system import Hold, System, Tally, system_at
+from origami_nlp.path.redundant import system_at
+from origami_nlp.path.system import Hold, System, Tally
 from origami_nlp.path.tracer import ASIDE
 from origami_nlp.programme import Contact, Programme
 

@@ -21,7 +21,8 @@ from numpy.polynomial import chebyshev
 from origami_nlp.numerics import CLOSES, RANK, SETTLED, bracketed_roots
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.path.system import Hold, System, Tally, system_at
+from origami_nlp.path.redundant import system_at
+from origami_nlp.path.system import Hold, System, Tally
 
 FLAT = 0.1
 """Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
@@ -192,7 +193,7 @@ def beside_flat(
         for h in BESIDE_FLAT:
 
             def so_far(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
-                return along, h  # noqa: B023 - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
+                return along, h - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
 
             found = curve.solve(np.append(h * along[:-1] / root, s), so_far)
             frame = None if found is None else curve.frame_of(*found, along)

@@ -35,7 +35,8 @@ from origami_nlp.path.halves import (
 )
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.nodes import Arc, Node
-from origami_nlp.path.system import Tally, system_at
+from origami_nlp.path.redundant import system_at
+from origami_nlp.path.system import Tally
 from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
 
 STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)

@@ -14,9 +14,8 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp.facets import Sheet, Torque
-from origami_nlp.loading import PatternDriver
 from origami_nlp.numerics import STATIONARY
-from origami_nlp.path import EquilibriumCurve, Hold, Steps, Web
+from origami_nlp.path import Steps
 from origami_nlp.sheets import judge, press
 from tests.sheets.patterns import QUAD, metasheet
 from tests.sheets.rigid import Rigid, _collide
@@ -403,50 +402,3 @@ def test_descents_at_small_steps_of_the_load_come_to_the_same_state(seed, to, sn
     assert by_small_steps(seed, to) == pytest.approx(
         np.array(path.legs[-1].points[-1].fold_angles), abs=1e-9
     )
-
-
-@pytest.mark.slow
-def test_facets_that_touch_keep_a_crease_shut():
-    """Its moment vanishes, and a touch takes over that keeps it where it is: to rounding, never beyond."""
-    path = loaded(41, 8.0)
-    moments = {
-        p.t: {m.contact: m.value for m in p.multipliers}
-        for branch in path.branches for p in branch.points if p.t > path.snaps[0].t + 0.01
-    }  # fmt: skip
-    last = max(t for t, held in moments.items() if "phi = +pi at crease 14" in held)
-    assert last == pytest.approx(1.8381898723724, abs=1e-9) and not path.alarms
-    beyond = [p for p in path.legs[-1].points if p.t > last]
-    opened = [math.pi - abs(p.fold_angles[13]) for p in beyond]
-    assert len(beyond) > 5 and min(opened) >= 0.0 and max(opened) < 1e-13
-    assert by_small_steps(41, 8.0) == pytest.approx(np.array(beyond[-1].fold_angles), abs=1e-9)
-
-
-def test_a_descent_beyond_a_fold_in_contact_does_not_creep():
-    """Where curvature along a contact is all but zero, and that across it is not."""
-    pattern, _, crease = sprung(6)
-    (snap,) = loaded(6, 4.1).snaps
-    for share in (1e-5, 1e-4):
-        under = Sheet(pattern).under(Torque(pattern, (crease,)), snap.t * (1 + share))
-        end = press(under, np.array(snap.before))
-        assert end.arrived and end.steps < 30
-
-
-def test_facets_that_meet_between_two_steps_are_not_passed():
-    """A side swings onto a facet while a crease shuts: beyond, without the contact, another program sees them cross."""
-    path = loaded(39, -5.1)
-    event = next(e for e in path.events if "facet 8 on facet 1" in e.contact and e.located)
-    assert event.t == pytest.approx(-4.952537364, abs=1e-8)
-    rigid = Turned(path.pattern)
-    for p in path.legs[0].points:
-        assert not rigid.crossing(np.array(p.fold_angles))
-    web = Web(PatternDriver(path.driver.work).line(), -5.1, 0.0)
-    before = next(p for p in path.legs[0].points if -4.9 < p.t < -4.5)
-    held = tuple(c for c in web.line.at(before.t).closed(np.array(before.fold_angles)).base)
-    curve = EquilibriumCurve(
-        web.line, Hold(held, tuple(range(web.line.programme.equation_count))), web.tally
-    )
-    point = np.append(before.fold_angles, before.t)
-    for t in np.linspace(before.t, -5.05, 6):
-        along = np.append(np.zeros(len(point) - 1), -1.0)
-        point = curve.at(point, t, along).x
-    assert (0, 7) in rigid.crossing(point[:-1])

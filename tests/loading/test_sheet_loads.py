@@ -256,21 +256,17 @@ def folded_cross():
 
 @pytest.mark.slow
 def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable():
-    """A pull that does no work to first order: the state stays one, and is no minimum from the branching on."""
+    """A pull that does no work to first order: the state stays one, and is no certified minimum from 8/3 on."""
     pattern, start = folded_cross()
     assert start.verdict == "minimum"
     pull = Pull(pattern, (1, 3))
     path = o.load_path(pattern, pull, state=start, confirm=False)
     (event,) = path.events
-    assert event.type == "branching" and event.located and not path.alarms
-    assert "the load does no work" in str(path) and len(path.snaps) == 1
-    for share, verdict in ((0.999, "minimum"), (1.001, "not a minimum")):
+    assert event.t == pytest.approx(8 / 3, abs=1e-10) and "on the verdict" in event.why
+    assert "the load does no work" in str(path) and not path.alarms
+    for share, good in ((0.999, True), (1.001, False)):
         under = Sheet(pattern).under(pull, event.t * share)
-        assert judge(under, start.fold_angles).verdict == verdict
-    under = Sheet(pattern).under(pull, event.t * 1.001)
-    after = np.array(path.snaps[0].after)
-    assert np.abs(after - start.fold_angles).max() > 0.01
-    assert under.scaled_energy(after) < under.scaled_energy(start.fold_angles)
+        assert (judge(under, start.fold_angles).verdict == "minimum") == good
 
 
 def test_vertices_that_lie_on_each_other_have_no_pull():

@@ -9,7 +9,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Vertex, find_minima
-from origami_nlp.facets import Features, OutOfTime, Placed, Sheet
+from origami_nlp.errors import OutOfTime
+from origami_nlp.facets import Features, Placed, Sheet
 from origami_nlp.pattern import Scene, make_pattern
 from origami_nlp.sheets import (
     closed_contacts,

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import find_load_path, find_states, overview
+from origami_nlp import find_states, load_path, overview
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Normal, Parallel, Placed, Sheet, Touch
+from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.sheets import Rows, draw_overview, draw_states, pop_rows
 from tests.sheets.patterns import miura, strip
@@ -34,7 +34,7 @@ def test_one_crease(rest):
     found = find_states(hinge(rest), starts=2)
     assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest)]]
     assert found.search.curves == found.search.complete == 1
-    path = find_load_path(hinge(0.5), 1, to=0.2, starts=2)
+    path = load_path(hinge(0.5), 1, to=0.2, starts=2)
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
 
 
@@ -97,7 +97,7 @@ def test_seconds_are_those_of_a_clock():
     found = find_states("miura:24x24", seconds=0.5)
     assert found.search.left_out and time.monotonic() - begun < 6.0
     with pytest.raises(OptionError, match="the time was over"):
-        find_load_path("metasheet:3x3", [1, 2], to=0.05, seconds=0.0)
+        load_path("metasheet:3x3", [1, 2], to=0.05, seconds=0.0)
 
 
 @pytest.mark.slow
