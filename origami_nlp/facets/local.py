@@ -14,7 +14,7 @@ from origami_nlp.programme import Contact, Local
 
 @dataclass(frozen=True, eq=False)
 class PatternLocal(Local):
-    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated once, when asked for."""
+    """Values and first derivatives at one state of a pattern; gaps, over a length, once they are asked for."""
 
     placed: Callable[[np.ndarray], Placed]
     touch: Callable[[Contact], Touch]
@@ -31,6 +31,9 @@ class PatternLocal(Local):
             else:
                 if contact not in self.known:
                     touch, place = self.touch(contact), self.placed(self.x)
-                    self.known[contact] = touch.gap(place) / self.length, touch.row(place) / self.length
+                    self.known[contact] = (
+                        touch.gap(place) / self.length,
+                        touch.row(place) / self.length,
+                    )
                 values[r], slopes[r] = self.known[contact]
         return values, slopes

@@ -31,11 +31,7 @@ from origami_nlp.facets.linear import dense
 from origami_nlp.facets.local import PatternLocal
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import (
-    CLOSES,
-    OUTSIDE,
-    TOUCHES,
-)
+from origami_nlp.numerics import CLOSES, OUTSIDE, TOUCHES
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import (
     ClosedContacts,

@@ -99,9 +99,7 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     symmetric = polished and len(state.programme.own_symmetries) > 1
     if symmetric and (known := _of_an_image(state)) is not None:
         return known
-    # every loop closes to rounding, and what they miss by adds up
-    exact = STATIONARY * max(1.0, state.programme.equation_count / 3)
-    what = _decide(state, exact if polished else UNPOLISHED)
+    what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
     if symmetric:

@@ -21,7 +21,7 @@ from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import ANSWERED, CLOSES, RESOLVED, SAME, STATIONARY, rank
+from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -31,7 +31,7 @@ from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
+from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
@@ -197,17 +197,9 @@ class _Search:
 
     def _judged(self, phi: np.ndarray) -> SheetState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
-        sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        left = state.kkt_residual > STATIONARY
-        if state.verdict == "not a minimum":
-            left &= state.kkt_residual < ANSWERED
-        elif state.verdict in ("minimum", "undecided"):
-            left |= sheet.loose(phi)
-        if left and state.verdict != "crosses":
-            better = stationary_beside(self.sheet, phi)
-            if better is not None:
-                return judge(sheet, better, self.contact)
-        return state
+        state = judge(self.sheet, phi, self.contact)
+        better = beside(self.sheet, state)
+        return state if better is None else judge(self.sheet, better, self.contact)
 
     def press(self, end: Descended) -> None:
         """Judge where a descent into contact ended."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Lying, Sheet
 from origami_nlp.kkt import Classification, ContactForce, State, classify
-from origami_nlp.numerics import BESIDE, CLOSES
+from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
@@ -145,6 +145,18 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
+
+
+def beside(sheet: Sheet, state: SheetState) -> np.ndarray | None:
+    """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
+    left = state.kkt_residual > STATIONARY
+    if state.verdict == "not a minimum":
+        left &= state.kkt_residual < ANSWERED
+    elif state.verdict in ("minimum", "undecided"):
+        left |= sheet.loose(state.fold_angles)
+    else:
+        return None
+    return stationary_beside(sheet, state.fold_angles) if left else None
 
 
 def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
