@@ -127,7 +127,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if contacts.complete and (relaxed or len(choices) > 1):
+    if contacts.complete and (choices is None or len(choices) > 1):
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
             lower = follow_descent(state, whole)
