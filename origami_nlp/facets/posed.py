@@ -95,7 +95,7 @@ def _product(a: ca.SX, b: ca.SX) -> ca.SX:
     return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), v)
 
 
-def _turned(q: ca.SX, x: ca.SX) -> ca.SX:
+def _turned(q: ca.SX, x: ca.SX | ca.DM) -> ca.SX:
     """Turn a point by a unit quaternion."""
     t = 2 * ca.cross(q[1:], x)
     return x + q[0] * t + ca.cross(q[1:], t)
@@ -112,7 +112,7 @@ def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
         for crease, sign in reversed(sheet.crossings.poses.path(first, second)):
             half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
             fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
-            here = point + _turned(fold, here - point)
+            here = _turned(fold, here - point) + point
         return here
 
     a, b, c, d = (p.corners[i] for i in touch.corners)

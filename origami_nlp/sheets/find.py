@@ -171,7 +171,7 @@ class _Search:
 
     def add(self, state: SheetState) -> None:
         """Keep a state, once."""
-        if state.verdict == "no state":
+        if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
         elif not self.known(state.fold_angles):
             self.tally.judged.append(state)
@@ -426,7 +426,8 @@ class _Search:
     def _settle_well(self, well: np.ndarray) -> None:
         """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
         self.settle(well)
-        known = {"minimum": ON_CURVE, "crosses": ON_CURVE, "not a minimum": 10 * SAME}
+        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
+        known |= dict.fromkeys(("saddle", "not stationary"), 10 * SAME)
         judged = any(
             np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
             for s in self.tally.judged
@@ -439,7 +440,7 @@ class _Search:
                 # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
                 judged = any(
                     np.abs(beside - s.fold_angles).max() <= 10 * SAME
-                    and (s.verdict in ("minimum", "crosses") or s.freedoms == 1)
+                    and (s.verdict in ("minimum", "not admissible") or s.freedoms == 1)
                     for s in self.tally.judged
                     if s.verdict in known
                 )

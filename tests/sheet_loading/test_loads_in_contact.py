@@ -424,4 +424,4 @@ def test_a_path_stops_where_a_crease_shuts_on_facets_without_an_order():
     assert "layers have no order" in leg.why and not path.alarms
     state = judge(LoadedSheet(Sheet(path.pattern), path.driver, leg.points[-1].t),
                   np.array(leg.points[-1].fold_angles))  # fmt: skip
-    assert state.verdict == "crosses"
+    assert state.verdict == "not admissible"
