@@ -61,7 +61,7 @@ DEAR = {
         "landscape.exact",
         "critical.find",
         "results",
-        "sheet_loading.result",
+        "loading.result",
         "springs.finding",
         "springs.result",
         "barriers.find",

@@ -145,25 +145,8 @@ class PatternContacts(PatternEquations):
         branches: list[tuple[tuple[Contact, ...], ...]]
         branches = [tuple((self.contact_of(t),) for t in choice) for choice in edges]
         branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
-        branches = self._by_levers(x, branches)
         whole = not (meeting or known or branches or faces.reason)
         return ClosedContacts(base, tuple(branches), (), complete=whole)
-
-    def _by_levers(
-        self, x: np.ndarray, branches: list[tuple[tuple[Contact, ...], ...]]
-    ) -> list[tuple[tuple[Contact, ...], ...]]:
-        """Order choices and their options by the levers of their gaps: as numbers of corners do not change it."""
-        rows = [*dict.fromkeys(c for branch in branches for option in branch for c in option)]
-        if not rows:
-            return branches
-        slopes = self.local(x).openings(rows)[1] @ self.kernel(x)
-        lever = dict(zip(rows, np.linalg.norm(slopes, axis=1).round(9).tolist(), strict=True))
-
-        def levers(option: tuple[Contact, ...]) -> list[float]:
-            return sorted(lever[c] for c in option)
-
-        ordered = [tuple(sorted(branch, key=levers)) for branch in branches]
-        return sorted(ordered, key=lambda branch: [levers(option) for option in branch])
 
     def _needed(
         self, x: np.ndarray, sure: tuple[Contact, ...], more: Iterable[Contact]

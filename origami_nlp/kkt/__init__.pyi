@@ -3,6 +3,7 @@ from .certificates import judge_branch as judge_branch
 from .classification import (
     Classification as Classification,
     Kind as Kind,
+    Verdict as Verdict,
     classify as classify,
     of_image as of_image,
 )

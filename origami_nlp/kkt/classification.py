@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -24,7 +24,8 @@ AT_REST = CLOSES**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
 MOST_EQUATIONS = 6
 """Of closure up to which small spheres are searched: of larger programmes some tens of directions say nothing."""
-Kind = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
+Verdict: TypeAlias = Literal["minimum", "saddle", "not stationary", "not admissible", "undecided"]
+Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -57,7 +58,7 @@ class Classification(Brief):
         direction [n] in the model's variables, its largest entry positive; None where it is not one.
     """
 
-    verdict: str
+    verdict: Verdict
     kind: Kind | None
     reason: str
     local_dimension: int
@@ -99,9 +100,7 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     symmetric = polished and len(state.programme.own_symmetries) > 1
     if symmetric and (known := _of_an_image(state)) is not None:
         return known
-    # every loop closes to rounding, and what they miss by adds up
-    exact = STATIONARY * max(1.0, state.programme.equation_count / 3)
-    what = _decide(state, exact if polished else UNPOLISHED)
+    what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
     if symmetric:
@@ -112,7 +111,7 @@ def classify(state: State, *, polished: bool = True) -> Classification:
 def _decide(state: State, accuracy: float) -> Classification:
     """Decide on a state, taking at their word the numbers of one that is not polished."""
 
-    def reject(verdict: str, why: str, descent: np.ndarray | None = None) -> Classification:
+    def reject(verdict: Verdict, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
 
     model = state.programme
@@ -129,7 +128,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
     # anything else is decided by looking at neighbours.
     relaxed = choices is None
-    if contacts.complete and (relaxed or len(choices) > 1):
+    if contacts.complete and (choices is None or len(choices) > 1):
         whole = judge_branch(state.on(contacts.base), accuracy)
         if whole.verdict != "minimum":
             lower = follow_descent(state, whole)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import TypeAlias
+
 import numpy as np
 
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
@@ -10,6 +13,7 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import INDEPENDENT
 from origami_nlp.programme import Contact
 
+Branches: TypeAlias = tuple[tuple[tuple[Contact, ...], ...], ...]
 MOST_SETS, MOST_FAILED = 100, 6
 """Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
 
@@ -27,7 +31,7 @@ def judge_by_splitting(
     tried: list[np.ndarray] = []
     good: list[BranchJudgement] = []
     failed: list[BranchJudgement] = []
-    choices = _Choices(state)
+    choices: _Choices | None = None
     pending = [state.contacts.base]
     while pending:
         state.programme.check_time()
@@ -36,6 +40,7 @@ def judge_by_splitting(
         if b.verdict == "minimum":
             good.append(b)
             continue
+        choices = choices or _Choices(state)
         free = choices.open(rows)
         passed = [
             k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
@@ -43,7 +48,7 @@ def judge_by_splitting(
         known = state.contacts.complete and rows == state.contacts.base  # was followed before
         if not passed and not known and _is_new(b.direction, tried):
             # what passes a choice leads through facets
-            lower = follow_descent(state, b, lambda d, free=free: not choices.passed(free, d))  # type: ignore[misc]
+            lower = follow_descent(state, b, partial(choices.open_along, free))
             if lower is not None:
                 return lower, []
         if not free or len(good) + len(failed) + len(pending) > MOST_SETS:
@@ -51,7 +56,7 @@ def judge_by_splitting(
             if len(failed) == MOST_FAILED or not state.contacts.complete:
                 break
             continue
-        for option in state.contacts.branches[passed[0] if passed else free[0]]:
+        for option in choices.branches[passed[0] if passed else free[0]]:
             pending.append(tuple(dict.fromkeys((*rows, *option))))
     return good, failed
 
@@ -60,11 +65,14 @@ class _Choices:
     """The choices at a state, and how fast their contacts open along a direction."""
 
     def __init__(self, state: State) -> None:
-        self.branches = state.contacts.branches
-        every = dict.fromkeys(c for branch in self.branches for option in branch for c in option)
+        branches = state.contacts.branches
+        every = dict.fromkeys(c for branch in branches for option in branch for c in option)
         self._number = {c: k for k, c in enumerate(every)}
         slopes = state.on(tuple(every)).slopes
-        size = np.maximum(np.linalg.norm(slopes @ state.kernel, axis=1), INDEPENDENT)
+        lever = np.linalg.norm(slopes @ state.kernel, axis=1)
+        size = np.maximum(lever, INDEPENDENT)
+        known = dict(zip(every, lever.round(9).tolist(), strict=True))
+        self.branches = branches if state.contacts.complete else _by_levers(branches, known)
         self._slopes, self._root = slopes / size[:, None], state.programme.root
 
     def open(self, rows: tuple[Contact, ...]) -> list[int]:
@@ -75,6 +83,10 @@ class _Choices:
             for k, branch in enumerate(self.branches)
             if not any(held.issuperset(o) for o in branch)
         ]
+
+    def open_along(self, free: list[int], direction: np.ndarray) -> bool:
+        """Tell whether a direction [n] passes none of these choices."""
+        return not self.passed(free, direction)
 
     def passed(self, free: list[int], direction: np.ndarray) -> list[int]:
         """Return the choice that a direction [n] passes most, if it passes any: none of its options stays open."""
@@ -88,6 +100,16 @@ class _Choices:
         if least >= -INDEPENDENT:
             return []
         return [next(k for k, b in zip(free, best, strict=True) if b < 0.999 * least)]
+
+
+def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:
+    """Order choices and their options by the levers of their contacts: as numbers of corners do not change it."""
+
+    def levers(option: tuple[Contact, ...]) -> list[float]:
+        return sorted(lever[c] for c in option)
+
+    ordered = [tuple(sorted(branch, key=levers)) for branch in branches]
+    return tuple(sorted(ordered, key=lambda branch: [levers(option) for option in branch]))
 
 
 def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:

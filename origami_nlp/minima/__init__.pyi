@@ -34,9 +34,13 @@ from .full_space import (
     mode_symmetry as mode_symmetry,
 )
 from .ipopt import (
+    MOST_CONFIRMED as MOST_CONFIRMED,
     OPTIONS as OPTIONS,
     TOLERANCE as TOLERANCE,
+    Confirmation as Confirmation,
     build_solver as build_solver,
+    confirm_posed as confirm_posed,
+    gaps_of as gaps_of,
 )
 from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
 from .multistart import (

@@ -26,7 +26,7 @@ from origami_nlp.kkt import (
     passing_moment,
 )
 from origami_nlp.minima.full_space import judge_in_full_space, not_judged
-from origami_nlp.minima.ipopt import Confirmation, confirm
+from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
 from origami_nlp.minima.proved import check_prove
@@ -51,8 +51,6 @@ MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
 MOST_NOISE = 10.0
 """Degrees: with more, errors are no longer small beside sector angles."""
-MOST_CONFIRMED = 100
-"""Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:

@@ -15,6 +15,7 @@ from origami_nlp.numerics import BESIDE, CLOSES, DEPENDENT
 from origami_nlp.programme import (
     Nlp,
     Pairs,
+    Programme,
     Solvable,
     Structure,
     pose_apart,
@@ -35,6 +36,8 @@ OPTIONS = {
 }
 """IPOPT options (exact Hessians are CasADi's default)."""
 
+MOST_CONFIRMED = 100
+"""Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 TOLERANCE = 1e-7
 """IPOPT's tolerance for springs of equal stiffness; soft springs need it smaller, the polish does the rest."""
 
@@ -107,15 +110,39 @@ def _built(nlp: Nlp, options: dict[str, Any], tolerance: float) -> Solver:
 
 def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
     """Solve once from a state with its own multipliers: only closed contacts are rows, each on its open side."""
-    contacts = [c for c in stratum.contacts if not c.is_limit]
-    gaps = tuple(dict.fromkeys(c.index for c in contacts))
-    programme = build_warm(model.structure, gaps, tolerance_for(model))
-    m, x = model.equation_count, stratum.state.x
+    gaps = gaps_of(stratum)
+    solver = build_warm(model.structure, gaps, tolerance_for(model))
+    return confirm_by(solver, stratum, np.arange(model.equation_count))[0]
+
+
+def gaps_of(stratum: Stratum) -> tuple[int, ...]:
+    """Return the numbers of the gaps that a stratum closes, each once."""
+    return tuple(dict.fromkeys(c.index for c in stratum.contacts if not c.is_limit))
+
+
+def confirm_posed(nlp: Nlp, stratum: Stratum, rows: np.ndarray) -> tuple[Confirmation, np.ndarray]:
+    """Solve once from a state, on a programme whose rows are `rows` of closure and then `gaps_of` the stratum.
+
+    Returns
+    -------
+    solver : Confirmation
+        What IPOPT says.
+    forces : numpy.ndarray
+        Its multipliers of the contacts, over `scale`, [r].
+    """
+    return confirm_by(_built(nlp, WARM, tolerance_for(stratum.state.programme)), stratum, rows)
+
+
+def confirm_by(
+    programme: Solver, stratum: Stratum, rows: np.ndarray
+) -> tuple[Confirmation, np.ndarray]:
+    """Solve once from a state with its own multipliers, see `confirm_posed`."""
+    model, gaps, m, x = stratum.state.programme, gaps_of(stratum), len(rows), stratum.state.x
     lower, upper = programme.lower.copy(), programme.upper.copy()
     pull, row_pull = np.zeros(model.size), np.zeros(len(lower))
     forces = np.maximum(stratum.multiplier_set.smallest, 0.0)
     rest = stratum.state.gradient - stratum.slopes.T @ forces
-    row_pull[:m] = -np.linalg.lstsq(stratum.state.jacobian.T, rest, rcond=DEPENDENT)[0]
+    row_pull[:m] = -np.linalg.lstsq(stratum.state.jacobian[rows].T, rest, rcond=DEPENDENT)[0]
     for contact, force in zip(stratum.contacts, forces.tolist(), strict=True):
         if contact.is_limit:
             pull[contact.index] = contact.side * force
@@ -136,10 +163,16 @@ def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
     )
     stats = programme.solver.stats()
     moved = float(np.abs(np.asarray(out["x"]).ravel() - x).max())
-    return Confirmation(str(stats["return_status"]), int(stats["iter_count"]), moved)
+    bounds, walls = (np.asarray(out[name]).ravel() for name in ("lam_x", "lam_g"))
+    found = [
+        c.side * bounds[c.index] if c.is_limit else -c.side * walls[m + gaps.index(c.index)]
+        for c in stratum.contacts
+    ]
+    what = Confirmation(str(stats["return_status"]), int(stats["iter_count"]), moved)
+    return what, np.array(found)
 
 
-def tolerance_for(model: Solvable) -> float:
+def tolerance_for(model: Programme) -> float:
     """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
     return max(
         CLOSES, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))

@@ -300,7 +300,7 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer])
         if answer is not None:
             added += [answer] * (new and answer.is_minimum)
             inside = [answer] if _within(answer.polished.x, lower, upper) else []
-    verdicts = {a.what.verdict for a in inside if a.what is not None}
+    verdicts: set[str] = {a.what.verdict for a in inside if a.what is not None}
     exact = None if inside else _singular(model, middle)
     if exact is not None and _within(exact, lower, upper):
         verdicts = {_verdict_at(model, record, exact, added)}

@@ -1,5 +1,6 @@
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
+from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
 from .contacts import closed_choices as closed_choices, closed_contacts as closed_contacts
 from .counts import (
     Overview as Overview,

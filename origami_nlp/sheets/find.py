@@ -21,7 +21,7 @@ from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import ANSWERED, CLOSES, RESOLVED, SAME, STATIONARY, rank
+from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.crossroads import split, ways_from
@@ -31,7 +31,7 @@ from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
+from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
@@ -171,7 +171,7 @@ class _Search:
 
     def add(self, state: SheetState) -> None:
         """Keep a state, once."""
-        if state.verdict == "no state":
+        if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
         elif not self.known(state.fold_angles):
             self.tally.judged.append(state)
@@ -197,17 +197,9 @@ class _Search:
 
     def _judged(self, phi: np.ndarray) -> SheetState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
-        sheet, state = self.sheet, judge(self.sheet, phi, self.contact)
-        left = state.kkt_residual > STATIONARY
-        if state.verdict == "not a minimum":
-            left &= state.kkt_residual < ANSWERED
-        elif state.verdict in ("minimum", "undecided"):
-            left |= sheet.loose(phi)
-        if left and state.verdict != "crosses":
-            better = stationary_beside(self.sheet, phi)
-            if better is not None:
-                return judge(sheet, better, self.contact)
-        return state
+        state = judge(self.sheet, phi, self.contact)
+        better = beside(self.sheet, state)
+        return state if better is None else judge(self.sheet, better, self.contact)
 
     def press(self, end: Descended) -> None:
         """Judge where a descent into contact ended."""
@@ -434,7 +426,8 @@ class _Search:
     def _settle_well(self, well: np.ndarray) -> None:
         """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
         self.settle(well)
-        known = {"minimum": ON_CURVE, "crosses": ON_CURVE, "not a minimum": 10 * SAME}
+        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
+        known |= dict.fromkeys(("saddle", "not stationary"), 10 * SAME)
         judged = any(
             np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
             for s in self.tally.judged
@@ -447,7 +440,7 @@ class _Search:
                 # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
                 judged = any(
                     np.abs(beside - s.fold_angles).max() <= 10 * SAME
-                    and (s.verdict in ("minimum", "crosses") or s.freedoms == 1)
+                    and (s.verdict in ("minimum", "not admissible") or s.freedoms == 1)
                     for s in self.tally.judged
                     if s.verdict in known
                 )

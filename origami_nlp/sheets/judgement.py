@@ -9,21 +9,14 @@ import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Lying, Sheet
 from origami_nlp.kkt import Classification, ContactForce, State, classify
-from origami_nlp.numerics import BESIDE, CLOSES
+from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.rows import Rows, polish
-from origami_nlp.sheets.state import SheetContact, SheetState, Verdict
+from origami_nlp.sheets.state import SheetContact, SheetState
 
 NEAREST = 1e-5
 """Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
 a hundred times `CLOSES`."""
-VERDICTS: dict[str, Verdict] = {
-    "minimum": "minimum",
-    "saddle": "not a minimum",
-    "not stationary": "not a minimum",
-    "not admissible": "crosses",
-    "undecided": "undecided",
-}
 
 
 def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
@@ -57,7 +50,7 @@ def _judged(sheet: Sheet, phi: np.ndarray, contact: bool) -> SheetState:
     residual = sheet.residual(phi)
     energy = float(sheet.pattern.energy(phi))
     blank = SheetState(
-        phi, energy, "no state", None, -1, residual, math.nan, math.nan, (), (), ""
+        phi, energy, "not admissible", None, -1, residual, math.nan, math.nan, (), (), ""
     )  # fmt: skip
     if not residual <= CLOSES:
         return replace(blank, certificate=f"does not close: {residual:.1e}")
@@ -68,7 +61,7 @@ def _judged(sheet: Sheet, phi: np.ndarray, contact: bool) -> SheetState:
     what = classified(sheet, phi)
     state = _told(sheet, replace(blank, freedoms=sheet.size - sheet.rank(phi)), what)
     # lower states as well: what closes to rounding may be further off the curve than they are away
-    if state.verdict in ("minimum", "not a minimum") and singular_beside(sheet, phi) is not None:
+    if (state.verdict == "minimum" or state.refuted) and singular_beside(sheet, phi) is not None:
         why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
         return replace(state, verdict="undecided", kind=None, certificate=why)
     return state
@@ -83,7 +76,6 @@ def classified(sheet: Sheet, phi: np.ndarray) -> Classification:
 def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
     """Say what the kernel has decided."""
     phi = blank.fold_angles
-    verdict = VERDICTS[what.verdict]
     missing = what.stationarity
     if math.isnan(missing):
         missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
@@ -91,12 +83,12 @@ def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
     lowest = min(what.eigenvalues, default=math.inf) / sheet.scale
     return replace(
         blank,
-        verdict=verdict,
+        verdict=what.verdict,
         kind=what.kind,
         kkt_residual=missing / largest,
-        eigenvalue=lowest if verdict == "minimum" else math.nan,
+        eigenvalue=lowest if what.verdict == "minimum" else math.nan,
         contacts=tuple(told_contact(sheet, c) for c in what.contacts),
-        crossings=sheet.crossed(phi) if verdict == "crosses" else (),
+        crossings=sheet.crossed(phi) if what.verdict == "not admissible" else (),
         certificate=what.reason,
     )
 
@@ -145,6 +137,18 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
+
+
+def beside(sheet: Sheet, state: SheetState) -> np.ndarray | None:
+    """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
+    left = state.kkt_residual > STATIONARY
+    if state.refuted:
+        left &= state.kkt_residual < ANSWERED
+    elif state.verdict in ("minimum", "undecided"):
+        left |= sheet.loose(state.fold_angles)
+    else:
+        return None
+    return stationary_beside(sheet, state.fold_angles) if left else None
 
 
 def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:

@@ -227,7 +227,7 @@ class SheetResult(Told, Turnable):
     @property
     def crossing(self) -> tuple[SheetState, ...]:
         """States in which facets pass through each other: no states of paper."""
-        return self._with("crosses")
+        return self._with("not admissible")
 
     def _with(self, verdict: str) -> tuple[SheetState, ...]:
         return tuple(s for s in self.states if s.verdict == verdict)
@@ -319,7 +319,7 @@ class SheetResult(Told, Turnable):
             "minima": [self._stressed(s) for s in self.minima],
             "undecided": [s.to_dict() for s in self.undecided],
             "crossing": [s.to_dict() for s in self.crossing],
-            "refuted": [s.to_dict() for s in self._with("not a minimum")],
+            "refuted": [s.to_dict() for s in self.states if s.refuted],
             "search": asdict(self.search),
         }
 

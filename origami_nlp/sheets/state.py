@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.kkt import ALONE, TRACED, Escape
-
-Verdict: TypeAlias = Literal["minimum", "not a minimum", "undecided", "crosses", "no state"]
-Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
+from origami_nlp.kkt import ALONE, TRACED, Escape, Kind, Verdict
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,8 +104,9 @@ class SheetState(Brief):
     energy
         In the units of the stiffness.
     verdict
-        ``"minimum"`` (strict, certified), ``"not a minimum"`` (a lower state was found beside it), ``"crosses"``
-        (facets pass through each other), ``"no state"`` (it does not close, or is beyond a limit), ``"undecided"``.
+        As the kernel says (`kkt.Classification`): ``"minimum"`` (strict, certified), ``"saddle"`` or ``"not
+        stationary"`` (lower states are beside it), ``"not admissible"`` (facets pass through each other, or it does not
+        close or is beyond a limit: then `freedoms` is -1), ``"undecided"``.
     kind
         Of a minimum: no contact, all contacts loaded, some not, or closure loses rank there and nothing balances the
         springs; None otherwise.
@@ -148,6 +146,11 @@ class SheetState(Brief):
     certificate: str
     softest: float = math.nan
     escape: Escape | None = None
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it is known to be no minimum: a lower state lies beside it, or torque is left."""
+        return self.verdict in ("saddle", "not stationary")
 
     @property
     def shallow(self) -> bool:

@@ -14,6 +14,7 @@ import pytest
 from origami_nlp import find_states, load_path, overview
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
+from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.sheets import Rows, draw_overview, draw_states, pop_rows
 from tests.sheets.patterns import miura, strip

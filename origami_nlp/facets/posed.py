@@ -1,0 +1,124 @@
+"""The programme of a pattern as CasADi symbols, for any solver: closure as independent rows, gaps of features as rows.
+
+Written from the folds alone, by turns of quaternions along loops and of points along walks of facets: it shares neither
+values nor derivatives with `closure`, `poses` and `touches`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import qr
+
+from origami_nlp.facets.faces import Lying
+from origami_nlp.facets.touches import Touch
+from origami_nlp.numerics import RANK, dense
+from origami_nlp.pattern import Loop
+from origami_nlp.programme import Nlp
+
+if TYPE_CHECKING:
+    from origami_nlp.facets.sheet import Sheet
+
+
+def independent_rows(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
+    """Return the numbers of closure equations that span all of them at a state [n], ascending."""
+    _, r, order = qr(dense(sheet.jacobian(phi)).T, mode="economic", pivoting=True)
+    return np.sort(order[: int((np.abs(np.diag(r)) > RANK).sum())])
+
+
+def pose(sheet: Sheet, rows: np.ndarray, touches: Sequence[Touch] = ()) -> Nlp:
+    """Pose min U subject to some closure equations and gaps.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    rows
+        Numbers of the equations.
+    touches
+        Features whose gaps, over the sheet's size, are the last rows; their bounds are the caller's.
+
+    Returns
+    -------
+    Nlp
+        Parameters are `Parameters.vector`: stiffness, rest angles and loads.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.facets import Sheet, independent_rows, pose
+    >>> sheet = Sheet(o.examples.pattern("miura", 3, 3))  # six of twelve equations for a square say nothing new
+    >>> phi, _ = sheet.project(0.5 * sheet.pattern.signs)
+    >>> rows = independent_rows(sheet, phi)
+    >>> sheet.equation_count, len(rows), pose(sheet, rows).g.shape
+    (12, 11, (11, 1))
+    """
+    n = sheet.size
+    x, k, rest, load = (ca.SX.sym(name, n) for name in ("x", "k", "rest", "load"))
+    energy = 0.5 * ca.dot(k, (x - rest) ** 2) - ca.dot(load, x)
+    turns = x - ca.DM(sheet.pattern.reference)
+    away = sheet.pattern.corners - sheet.pattern.corners.mean(axis=0)
+    size = float(np.abs(away).max(initial=0.0)) or 1.0
+    loops = [_loop(sheet, turns, loop)[:3] for loop in sheet.pattern.vertices]
+    for loop in sheet.pattern.holes:
+        whole = _loop(sheet, turns, loop)
+        loops.append(ca.vertcat(whole[:3], whole[3:] / size))
+    closure = ca.vertcat(ca.SX(0, 1), *loops)
+    gaps = [_gap(sheet, turns, touch) / sheet.crossings.size for touch in touches]
+    free = np.full(len(gaps), math.inf)
+    lower, upper = (np.append(np.zeros(len(rows)), s * free) for s in (-1.0, 1.0))
+    g = ca.vertcat(closure[rows.tolist()], *gaps)
+    return Nlp(x, ca.vertcat(k, rest, load), energy, g, lower, upper)
+
+
+def _loop(sheet: Sheet, turns: ca.SX, loop: Loop) -> ca.SX:
+    """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
+    p = sheet.pattern
+    q, shift = ca.SX([1, 0, 0, 0]), ca.SX.zeros(3)
+    for crease, sign in zip(loop.creases, loop.signs, strict=True):
+        half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
+        fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
+        after = _product(q, fold)
+        shift += _turned(q, point) - _turned(after, point)
+        q = after
+    return ca.vertcat(q[1:], shift)
+
+
+def _product(a: ca.SX, b: ca.SX) -> ca.SX:
+    """Multiply quaternions."""
+    v = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
+    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), v)
+
+
+def _turned(q: ca.SX, x: ca.SX | ca.DM) -> ca.SX:
+    """Turn a point by a unit quaternion."""
+    t = 2 * ca.cross(q[1:], x)
+    return x + q[0] * t + ca.cross(q[1:], t)
+
+
+def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
+    """Return the gap of two features, seen from the first facet."""
+    p = sheet.pattern
+    first, second = touch.facets
+
+    def seen(x: np.ndarray) -> ca.SX:
+        """Move a point of the second facet as the folds between the two do."""
+        here = ca.SX(ca.DM(x))
+        for crease, sign in reversed(sheet.crossings.poses.path(first, second)):
+            half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
+            fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
+            here = _turned(fold, here - point) + point
+        return here
+
+    a, b, c, d = (p.corners[i] for i in touch.corners)
+    if touch.type == "edge-edge":
+        e, f = seen(c), seen(d)
+        normal, off = ca.cross(ca.DM(b - a), f - e), e - ca.DM(a)
+    else:
+        normal = ca.DM(np.cross(c - b, d - b))
+        off = seen(np.array(touch.place) if isinstance(touch, Lying) else a) - ca.DM(b)
+    return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)
