@@ -8,8 +8,9 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.followed import follows
+from origami_nlp.cli.loads import Creases, ForceOn, Held, PullOf, load_number, work_of
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded
+from origami_nlp.cli.timed import bounded, keep, paused
 from origami_nlp.errors import OptionError
 
 
@@ -18,18 +19,15 @@ from origami_nlp.errors import OptionError
 @follows
 def load(
     scene: Source,
-    crease: Annotated[
-        int | None,
-        typer.Option(
-            metavar="K",
-            help="Torque on crease K, and on its images under the symmetry; without it the scene's own forces grow.",
-        ),
-    ] = None,
+    crease: Creases = None,
+    pull: PullOf = None,
+    force: ForceOn = None,
+    held: Held = 1,
     to: Annotated[
         str,
         typer.Option(
             metavar="LOAD|snap",
-            help="Torque [N m] or factor at which the path ends, from 0; snap: both ways to the first snap.",
+            help="Torque [N m], force [N] or factor at which the path ends, from 0; snap: both ways to the first snap.",
         ),
     ] = "snap",
     state: Annotated[
@@ -41,18 +39,33 @@ def load(
     ] = True,
     **search: Any,
 ) -> Any:
-    """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis."""
-    from origami_nlp.loading import load_path
+    """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
+    A FOLD file of several vertices is loaded as a whole, as a rigid sheet, unless --vertex names one of them; its states
+    are searched as by `pattern`.  A vertex without --crease is loaded by the scene's own forces.
+    """
+    from origami_nlp.loading import SECONDS, load_path
+    from origami_nlp.pattern import Scene
+
+    what = scene.read_whole()
+    work: Any
+    if isinstance(what, Scene):
+        if pull or force or len(crease or ()) > 1:
+            raise OptionError(
+                "--pull, --force and several --crease are for patterns of several vertices"
+            )
+        work = crease[0] if crease else None
+    else:
+        if sum(map(bool, (crease, pull, force))) != 1:
+            raise OptionError(
+                "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
+            )
+        work = work_of(what, crease, pull, force, held)
     end = to if to == "snap" else load_number(to)
-    return load_path(
-        scene.read(), crease, to=end, state=state, back=back, confirm=confirm, **search
-    )
-
-
-def load_number(text: str) -> float:
-    """Return the load that ``--to`` says."""
-    try:
-        return float(text)
-    except ValueError:
-        raise OptionError(f"--to = {text!r} must be a load, or snap") from None
+    with paused() as left:
+        found = load_path(
+            what, work, to=end, state=state, back=back, confirm=confirm,
+            seconds=SECONDS if left is None else left, **search,
+        )  # fmt: skip
+        keep(found)
+    return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.load import load_number
+from origami_nlp.cli.loads import Creases, ForceOn, Held, PullOf, load_number, work_of
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import spring_options
 from origami_nlp.errors import Interrupted, OptionError
@@ -33,29 +32,10 @@ def pattern(
         bool,
         typer.Option("--load", help="Load a stable state: name --crease, --pull or --force."),
     ] = False,
-    crease: Annotated[
-        list[int] | None,
-        typer.Option(
-            metavar="K", help="With --load: torque on crease K, from 1; repeated: on each of them."
-        ),
-    ] = None,
-    pull: Annotated[
-        str | None,
-        typer.Option(
-            metavar="V,W",
-            help="With --load: forces that pull vertices V and W apart, numbered from 0 as in the file.",
-        ),
-    ] = None,
-    force: Annotated[
-        str | None,
-        typer.Option(
-            metavar="V,X,Y,Z",
-            help="With --load: a force along (X, Y, Z) on vertex V, as seen from the facet --held.",
-        ),
-    ] = None,
-    held: Annotated[
-        int, typer.Option(metavar="F", help="With --force: the facet that is held, from 1.")
-    ] = 1,
+    crease: Creases = None,
+    pull: PullOf = None,
+    force: ForceOn = None,
+    held: Held = 1,
     to: Annotated[
         str,
         typer.Option(
@@ -122,8 +102,9 @@ def pattern(
         check_mesh(mesh)
     check_whole("--starts", starts, 0)
     check_number("--seconds", seconds, 0.0)
-    loads = {"crease": crease, "pull": pull, "force": force}
-    given = [name for name, value in loads.items() if value]
+    given = [
+        name for name, value in (("crease", crease), ("pull", pull), ("force", force)) if value
+    ]
     if len(given) != load:
         raise OptionError(
             "--load needs one of --crease K, --pull V,W and --force V,X,Y,Z" if load else
@@ -147,7 +128,7 @@ def pattern(
     if load and not interrupted:
         loaded = load_path(
             sheet,
-            _work(sheet, crease, pull, force, held),
+            work_of(sheet, crease, pull, force, held),
             to=to if to == "snap" else load_number(to),
             state=_numbered(found, state),
             back=back,
@@ -203,36 +184,6 @@ def _numbered(found: SheetResult | None, state: int) -> Any:
     if state > len(found.minima):
         raise OptionError(f"--state = {state}: {len(found.minima)} stable states were found")
     return found.minima[state - 1]
-
-
-def _work(
-    sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
-) -> Any:
-    from origami_nlp.facets import DeadForce, Pull, Torque
-
-    if creases:
-        return Torque(sheet, tuple(creases))
-    if pull:
-        a, b = _numbers("--pull", pull, 2)
-        return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
-    v, x, y, z = _numbers("--force", force or "", 4)
-    return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
-
-
-def _numbers(option: str, text: str, count: int) -> list[float]:
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
-    return values
-
-
-def _whole(option: str, value: float) -> int:
-    if value != int(value):
-        raise OptionError(f"{option}: vertex {value:g} must be a whole number, as in the file")
-    return int(value)
 
 
 class _Files:

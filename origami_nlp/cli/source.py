@@ -18,8 +18,11 @@ from origami_nlp.files import read_limited
 from origami_nlp.pattern import (
     LARGEST,
     Frame,
+    Pattern,
     Scene,
     decode_scene,
+    fold_vertices,
+    frame_pattern,
     is_json,
     parse_fold,
     vertex_scene,
@@ -81,6 +84,19 @@ class Source:
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         return vertex_scene(self._frame(), self.vertex, tell=_tell, **self._spring_options())
+
+    def read_whole(self) -> Scene | Pattern:
+        """Return the scene, or the pattern where a FOLD file has several vertices and none is asked for."""
+        if self.is_fold and self.vertex is None:
+            frame = self._frame()
+            if len(fold_vertices(frame)[0]) > 1:
+                for name in ("symmetry", "contact"):
+                    if name in self.given:
+                        raise OptionError(
+                            f"--{name} is for one vertex: name it with --vertex, or leave it out"
+                        )
+                return frame_pattern(frame, **self._spring_options())
+        return self.read()
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""

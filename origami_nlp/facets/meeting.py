@@ -119,7 +119,7 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
 
 
 def touch_words(touch: Touch) -> str:
-    """Say what touches, 1-based."""
+    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found."""
     a, b = (f + 1 for f in touch.facets)
     if isinstance(touch, Lying):
         at = ", ".join(f"{x:.4g}" for x in touch.place)
@@ -127,5 +127,6 @@ def touch_words(touch: Touch) -> str:
         return f"facet {b} flat on the {which} of facet {a} at ({at})"
     p, q, r, s = (c + 1 for c in touch.corners)
     if touch.type == "edge-edge":
+        (a, p, q), (b, r, s) = sorted([(a, *sorted((p, q))), (b, *sorted((r, s)))])
         return f"side {p}-{q} of facet {a} on side {r}-{s} of facet {b}"
     return f"corner {p} of facet {b} on facet {a}"
