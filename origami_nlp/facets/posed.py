@@ -107,11 +107,11 @@ def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
 
     def seen(x: np.ndarray) -> ca.SX:
         """Move a point of the second facet as the folds between the two do."""
-        here = ca.SX(ca.DM(x))
+        here: ca.SX = ca.SX(ca.DM(x))
         for crease, sign in reversed(sheet.crossings.poses.path(first, second)):
             half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
             fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
-            here = _turned(fold, here - point) + point
+            here = ca.SX(_turned(fold, here - point) + point)
         return here
 
     a, b, c, d = (p.corners[i] for i in touch.corners)
