@@ -144,16 +144,20 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
     ahead = _guesses(curve, a, good, bad)
+    missed = np.inf  # where Newton fails for the length of the step, not for what it meets
     for k in range(BISECTIONS):
-        inside = [h for h in ahead if low < h < high]
-        middle = inside[0] if inside else 0.5 * (low + high)
+        inside = [h for h in ahead if low < h < min(high, missed)]
+        middle = inside[0] if inside else 0.5 * (low + min(high, missed))
         frame = curve.beside(a, middle)
-        if frame is not None and is_equilibrium(frame):
-            low, good = middle, frame
+        if frame is None and good is not a:
+            frame = curve.beside(good, middle - low)
+        if frame is None:
+            missed = middle
+        elif is_equilibrium(frame):
+            low, good, missed = middle, frame, np.inf
         else:
-            high = middle
-            bad = frame or bad
-        if high - low <= NEAR_CONTACT:
+            high, bad = middle, frame
+        if min(high, missed) - low <= NEAR_CONTACT:
             break
         if k == SOON:
             ahead = _guesses(curve, a, good, bad)

@@ -113,7 +113,7 @@ def test_a_stratum_is_what_the_minima_say() -> None:
 class TwoVertices:
     """Two vertices side by side, nothing shared: what a programme must offer, without being one vertex."""
 
-    sparse = False
+    sparse = redundant = False
 
     def __init__(self, first: Model, second: Model) -> None:
         assert first.scale == second.scale
