@@ -41,8 +41,8 @@ def load(
 ) -> Any:
     """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
-    A FOLD file of several vertices is loaded as a whole, as a rigid sheet, unless --vertex names one of them; its states
-    are searched as by `pattern`.  A vertex without --crease is loaded by the scene's own forces.
+    A FOLD file of several vertices is loaded as a whole, as a rigid sheet, unless --vertex names one of them; its
+    states are searched as by `pattern`.  A vertex without --crease is loaded by the scene's own forces.
     """
     from origami_nlp.loading import SECONDS, load_path
     from origami_nlp.pattern import Scene
