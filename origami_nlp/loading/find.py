@@ -18,7 +18,7 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.loading.driver import Driver, Search, VertexDriver
 from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
+from origami_nlp.loading.route import Way, given, let_go, position, restabilises, walk
 from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
@@ -208,10 +208,10 @@ class _Job:
         if self.driver.lazy:
             self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
 
-    def begin(self, x: np.ndarray, s: float, toward: float) -> None:
+    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
         """Follow what comes of the minimum x at s: all of it, or what leads in one direction of the load at first."""
-        if position(self.web, x, s) is None:
-            self.web.add(x, s, "minimum", toward if self.driver.lazy else 0.0)
+        if position(self.web, x, s) is None and given(self.web, x, s) is None:
+            self.web.add(x, s, "minimum", toward if self.driver.lazy else 0.0, follow)
 
     def go(
         self, x: np.ndarray, s: float, end: float, *, once: bool
@@ -241,7 +241,7 @@ class _Job:
             self.ways.append((way, toward, len(self.falls)))
             if not self.web.low <= s <= self.web.high:
                 return None
-            self.begin(x, s, toward)
+            self.begin(x, s, toward, follow=not (once and self.driver.lazy))
             if once:
                 return (x, s) if self.driver.lazy else None
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
@@ -293,14 +293,7 @@ class _Job:
         web, found = self.web, self.web.nodes[node]
         before = found.point[:-1]
         programme = web.line.at(found.s)
-        after, on_path = landed, position(web, landed, s)
-        if on_path is not None:  # the same state at the load of the snap itself
-            frame = on_path[1]
-            curve = EquilibriumCurve(web.line, frame.hold, web.tally)
-            same = web.arcs[on_path[0]].at(found.s, web.tally) or curve.at(
-                frame.x, found.s, frame.tangent
-            )
-            after = landed if same is None or not is_equilibrium(same) else same.state
+        after = self._at_the_snap(landed, s, found.s)
         phi = programme.expand(before)
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - phi).max())
@@ -320,6 +313,22 @@ class _Job:
             None if again is None else web.nodes[again].s,
             None if search is None else self._confirmed(k, landed, s, search),
         )
+
+    def _at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
+        """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
+        web, on_path = self.web, position(self.web, landed, s)
+        begun = given(web, landed, s)
+        same: Equilibrium | None = None
+        if on_path is not None:
+            frame = on_path[1]
+            same = web.arcs[on_path[0]].at(at, web.tally)
+        elif begun is not None:
+            frame = web.nodes[begun].halves[0].frame
+        else:
+            return landed
+        curve = EquilibriumCurve(web.line, frame.hold, web.tally)
+        same = same or curve.at(frame.x, at, frame.tangent)
+        return landed if same is None or not is_equilibrium(same) else same.state
 
     def _confirmed(self, k: int, landed: np.ndarray, s: float, search: Search) -> Confirmed | None:
         """Search on both sides of a snap for the states that the path has there."""

@@ -41,6 +41,15 @@ def position(web: Web, x: np.ndarray, s: float) -> tuple[int, Equilibrium] | Non
     return None
 
 
+def given(web: Web, x: np.ndarray, s: float) -> int | None:
+    """Return the node at which the state x was given at s; None where it was not."""
+    point = np.append(x, s)
+    for k, node in enumerate(web.nodes):
+        if node.halves and np.abs(node.point - point).max() <= SETTLED:
+            return k
+    return None
+
+
 def walk(
     web: Web,
     start: np.ndarray,
@@ -56,6 +65,9 @@ def walk(
     """
     ahead = _ahead(web, start, s, toward)
     if not ahead:
+        begun = given(web, start, s)
+        if begun is not None and web.resume(begun, toward):
+            return walk(web, start, s, toward, end, across)
         known = position(web, start, s)
         if known is None:
             return None

@@ -115,12 +115,14 @@ class Web:
             if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
         ]
 
-    def add(self, x: np.ndarray, s: float, verdict: str = "", toward: float = 0.0) -> bool:
+    def add(
+        self, x: np.ndarray, s: float, verdict: str = "", toward: float = 0.0, follow: bool = True
+    ) -> bool:
         """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
         none.
 
         verdict: of a state that no multipliers judge, see `half_branches`.  toward: 1 or -1: only where s grows or
-        falls at first; the other way is left.
+        falls at first; the other way is left.  follow: whether anything is followed yet.
         """
         point = np.append(x, s)
         node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
@@ -137,7 +139,7 @@ class Web:
                 "singular",
                 "no equilibrium goes on from there: a state of this value alone",
             )
-        node.left = [k for k in inside if node.halves[k].frame.ahead * toward < 0]
+        node.left = [k for k in inside if not follow or node.halves[k].frame.ahead * toward < 0]
         self._follow_all([(len(self.nodes) - 1, k) for k in inside if k not in node.left])
         return bool(inside)
 
