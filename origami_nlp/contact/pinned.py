@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -11,25 +12,33 @@ from origami_nlp.contact.margin import load_margin
 from origami_nlp.contact.report import ContactReport, PinnedState
 from origami_nlp.contact.segments import find_segments
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State
+from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult
 
 
+class Found(Protocol):
+    """Minima of a vertex or of a pattern."""
+
+    @property
+    def minima(self) -> tuple[Any, ...]: ...  # noqa: D102
+    def state_of(self, minimum: Any, /) -> State: ...  # noqa: D102
+
+
 def find_contacts(
-    result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
+    result: Found, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
     """Say what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
 
     Parameters
     ----------
     result
-        Of `find_minima`.
+        Of `find_minima` or `find_states`.
     state
         Number (1-based) of the only minimum to report on.
     segments
-        Whether to follow the contact boundaries as well (`find_segments`).
+        Whether to follow the contact boundaries as well (`find_segments`): of vertices.
     check
-        Whether to re-solve beside each critical load.
+        Whether to re-solve beside each critical load: of vertices.
 
     Returns
     -------
@@ -39,7 +48,7 @@ def find_contacts(
     Raises
     ------
     OptionError
-        If there is no minimum of that number.
+        If there is no minimum of that number, or segments of a pattern are asked for.
 
     Examples
     --------
@@ -52,17 +61,24 @@ def find_contacts(
     count = len(result.minima)
     if state is not None and not 1 <= state <= count:
         raise OptionError(f"state = {state} must be the number of a minimum, 1 to {count}")
-    total = sum(result.scene.stiffness)
+    one = isinstance(result, MinimaResult)
+    if segments and not one:
+        raise OptionError(
+            "segments = True: contact boundaries are followed for one vertex, not a pattern"
+        )
     states = []
     for number, minimum in enumerate(result.minima, start=1):
         if not minimum.contacts or state not in (None, number):
             continue
-        model = result.model_of(minimum)
-        margin = load_margin(State(model, model.reduce(np.array(minimum.fold_angles))), check=check)
-        if minimum.local_dimension == 0:
+        at = result.state_of(minimum)
+        what: Any = minimum if one else classify(at)
+        margin = load_margin(at, check=check and one)
+        if what.local_dimension == 0:
             why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
             margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
-        stiffness = minimum.hessian_eigenvalues
-        softness = min(stiffness, default=float("inf")) / total
-        states.append(PinnedState(number, minimum, stiffness, softness, margin))
-    return ContactReport(result, tuple(states), find_segments(result) if segments else None)
+        stiffness = what.hessian_eigenvalues if one else what.eigenvalues
+        total = at.programme.scale * float(np.sum(at.programme.parameters.stiffness))
+        softness = min(stiffness, default=math.inf) / total
+        states.append(PinnedState(number, minimum, what.contacts, stiffness, softness, margin))
+    found = find_segments(result) if isinstance(result, MinimaResult) and segments else None
+    return ContactReport(result, tuple(states), found)

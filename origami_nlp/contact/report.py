@@ -12,8 +12,10 @@ from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
+from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
-from origami_nlp.minima import CELLS, MinimaResult, Minimum, contact_words
+from origami_nlp.kkt import ContactForce
+from origami_nlp.minima import CELLS, MinimaResult, contact_words
 from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, pick, to_plain
 
@@ -41,7 +43,9 @@ class PinnedState(Brief):
     number
         Of the minimum (1-based).
     minimum
-        The minimum.
+        The minimum, of a vertex or a pattern.
+    contacts
+        What its closed contacts carry.
     stiffness
         Tangential stiffness [N m/rad], eigenvalues of the Hessian on the space that keeps the loaded contacts
         closed, per unit length in the space of all N fold angles; empty where that space is a point.
@@ -52,7 +56,8 @@ class PinnedState(Brief):
     """
 
     number: int
-    minimum: Minimum
+    minimum: Any
+    contacts: tuple[ContactForce, ...]
     stiffness: tuple[float, ...]
     softness: float
     margin: LoadMargin
@@ -86,7 +91,7 @@ class PinnedState(Brief):
         return {
             "state": self.number,
             **pick(self.minimum, "energy", "kind", "fold_angles"),
-            "contacts": [pick(c, *contact, "text") for c in self.minimum.contacts],
+            "contacts": [pick(c, *contact, "text") for c in self.contacts],
             **pick(self, "tangential_stiffness=stiffness", "softness", "soft"),
             "load_margin": to_plain(self.margin),
         }
@@ -99,7 +104,7 @@ class ContactReport(Told, Turnable):
     Attributes
     ----------
     result
-        All minima.
+        All minima, of `find_minima` or `find_states`.
     states
         Those with closed contacts, in order of energy.
     segments
@@ -113,19 +118,26 @@ class ContactReport(Told, Turnable):
     degree 6, alpha_1 = pi/4, r_k = 0.01: 1 of 2 minima reported, each with closed contacts; symmetry D1, contact full
     """
 
-    result: MinimaResult
+    result: Any
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
     @property
     def headline(self) -> str:
         """Which scene it is, and how many of its states are in contact."""
-        scene, count = self.result.scene, len(self.states)
-        who = scene.label or repr(scene.vertex)
-        return (
-            f"{who}: {count} of {len(self.result.minima)} minima reported, each with closed "
-            f"contacts; symmetry {scene.group.name}, contact {scene.contact}"
-        )
+        many = f"{len(self.states)} of {len(self.result.minima)} minima reported, each with closed contacts"
+        if not isinstance(self.result, MinimaResult):
+            return f"{self._label or repr(self.result.pattern)}: {many}"
+        scene = self.result.scene
+        who = self._label or repr(scene.vertex)
+        return f"{who}: {many}; symmetry {scene.group.name}, contact {scene.contact}"
+
+    @property
+    def _label(self) -> str:
+        """Name of the scene or the pattern."""
+        one = isinstance(self.result, MinimaResult)
+        label: str = self.result.scene.label if one else self.result.pattern.name
+        return label
 
     def table(self) -> Table:
         """Return one row a state, for the terminal."""
@@ -150,7 +162,7 @@ class ContactReport(Told, Turnable):
                 str(state.number),
                 f"{state.minimum.energy:.6g}",
                 state.minimum.kind,
-                "\n".join(contact_words(c) for c in state.minimum.contacts),
+                "\n".join(contact_words(c) for c in state.contacts),
                 state.stiffness_words(),
                 margin_number(state.margin),
             )
@@ -163,7 +175,7 @@ class ContactReport(Told, Turnable):
         yield self.table()
         for state in self.states:
             yield Words(f"#{state.number}", "bold")
-            yield from (f"   contact {contact_words(c)}" for c in state.minimum.contacts)
+            yield from (f"   contact {contact_words(c)}" for c in state.contacts)
             yield from (f"   {line}" for line in margin_lines(state.margin))
             for crease in state.margin.creases:
                 names, up, down = crease_cells(crease)
@@ -184,6 +196,8 @@ class ContactReport(Told, Turnable):
 
     def turned(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
+        if not isinstance(self.result, MinimaResult):
+            raise OptionError("contacts of a pattern have no page: view what find_states returned")
         from origami_nlp.chart import landscape
         from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
@@ -210,10 +224,10 @@ class ContactReport(Told, Turnable):
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for state in self.states:
-            row = {"scene": self.result.scene.label, "state": state.number}
+            row = {"scene": self._label, "state": state.number}
             row |= {"energy": state.minimum.energy, "kind": state.minimum.kind}
             last = {"margin": state.margin.norm, "margin_is": state.margin.status}
-            for c in state.minimum.contacts:
+            for c in state.contacts:
                 least, most = c.multiplier_range
                 own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
                 yield row | own | last
@@ -222,13 +236,22 @@ class ContactReport(Told, Turnable):
         """Return plain JSON data."""
         data: dict[str, Any] = {
             "schema": SCHEMA,
-            "scene": scene_to_dict(self.result.scene),
+            **self._subject(),
             "softness_threshold": SOFT,
             "states": [state.to_dict() for state in self.states],
         }
         if self.segments is not None:
             data["segments"] = self.segments.to_dict()
         return data
+
+    def _subject(self) -> dict[str, Any]:
+        """Return whose states these are, as plain data."""
+        if isinstance(self.result, MinimaResult):
+            return {"scene": scene_to_dict(self.result.scene)}
+        pattern = self.result.pattern
+        return {
+            "pattern": {"name": pattern.name, "facets": pattern.facets, "creases": pattern.creases}
+        }
 
 
 def _bullets(lines: Iterable[str]) -> str:

@@ -119,6 +119,6 @@ def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
         e, f = seen(c), seen(d)
         normal, off = ca.cross(ca.DM(b - a), f - e), e - ca.DM(a)
     else:
-        normal = ca.DM(np.cross(c - b, d - b))
+        normal = ca.SX(ca.DM(np.cross(c - b, d - b)))
         off = seen(np.array(touch.place) if isinstance(touch, Lying) else a) - ca.DM(b)
     return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)

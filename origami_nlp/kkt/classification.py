@@ -147,8 +147,12 @@ def _decide(state: State, accuracy: float) -> Classification:
             return _by_search(state, failed)
     else:
         judged = [judge_branch(state.on(rows), accuracy) for rows in choices]
+    # where closure keeps its rank and no contact is closed, closed states are a manifold that nothing bounds
     real = [
-        b for b in judged if b.tangent is not None and leads_somewhere(state, b.tangent, b.held)
+        b
+        for b in judged
+        if b.tangent is not None
+        and ((b.regular and not b.rows) or leads_somewhere(state, b.tangent, b.held))
     ]
     thickest = max(b.cone_dimension for b in judged)
     if not real and thickest == 1 and not relaxed:

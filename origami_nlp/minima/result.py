@@ -11,7 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
-from origami_nlp.kkt import ALONE, TRACED
+import numpy as np
+
+from origami_nlp.kkt import ALONE, TRACED, State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.minimum import Minimum, SearchReport
@@ -110,6 +112,11 @@ class MinimaResult(Told, Turnable):
             facets_may_cross=scene.contact != "full",
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
+
+    def state_of(self, minimum: Minimum) -> State:
+        """Return a minimum, one of `minima`, as a state of its programme."""
+        model = self.model_of(minimum)
+        return State(model, model.reduce(np.array(minimum.fold_angles)))
 
     def model_of(self, minimum: Minimum) -> Model:
         """Return the programme that a minimum is a state of: that of its winding.

@@ -44,11 +44,13 @@ def freedom_words(dimension: int, full: int) -> str:
 
 def contact_words(contact: ContactForce) -> str:
     """Describe one contact with its moment, or the range of it."""
+    touch = contact.type in ("vertex-face", "edge-edge", "face-face")  # of a pattern
+    what, unit = ("force", "N m per unit of length") if touch else ("moment", "N m")
     if contact.unique:
-        return f"{contact.text}: moment {contact.multiplier:.4g} N m"
+        return f"{contact.text}: {what} {contact.multiplier:.4g} {unit}"
     low, high = contact.multiplier_range
     top = "inf" if math.isinf(high) else f"{high:.4g}"
-    return f"{contact.text}: moment {contact.multiplier:.4g} N m (any of {low:.4g} to {top})"
+    return f"{contact.text}: {what} {contact.multiplier:.4g} {unit} (any of {low:.4g} to {top})"
 
 
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.kkt import State
 from origami_nlp.minima import shallow_words, softest_words, stability_words
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
@@ -213,6 +215,15 @@ class SheetResult(Told, Turnable):
         """Return its stable states as plain data, see `view`."""
         content: Content = self._from_room("turn_found")(self)  # slow to import
         return content
+
+    @cached_property
+    def problem(self) -> Sheet:
+        """The programme that its states are states of."""
+        return Sheet(self.pattern)
+
+    def state_of(self, state: SheetState) -> State:
+        """Return one of `states` as a state of the programme."""
+        return State(self.problem, state.fold_angles)
 
     @property
     def minima(self) -> tuple[SheetState, ...]:

@@ -1,0 +1,53 @@
+"""What holds the states of a pattern in contact: forces, and the load that their facets bear before they part."""
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.kkt import newton
+
+
+@pytest.fixture(scope="module")
+def found():
+    return o.find_states("resch:1x2", starts=2, escape=False)
+
+
+def test_forces_are_those_of_the_states(found):
+    report = o.find_contacts(found)
+    assert [s.number for s in report.states] == [
+        n for n, s in enumerate(found.minima, 1) if s.contacts
+    ]
+    for state in report.states:
+        told = sorted(c.force for c in state.minimum.contacts)
+        assert sorted(c.multiplier for c in state.contacts) == pytest.approx(told, abs=1e-12)
+    assert "Resch" in report.headline and report.to_dict()["pattern"]["facets"] == 14
+    assert "force" in "\n".join(map(str, report.told())) and len(report.to_markdown()) > 500
+
+
+@pytest.mark.slow
+def test_a_contact_opens_at_the_margin_and_not_before():
+    """Solved under the worst load with the contacts held: just below all push, just above one pulls."""
+    found = o.find_states("resch:1x2", starts=4, escape=False)
+    report, told = o.find_contacts(found), 0
+    for state in report.states:
+        margin = state.margin
+        if margin.status != "exact" or margin.ends != "opens":
+            continue
+        at = found.state_of(state.minimum)
+        rows = tuple(c.contact for c in state.contacts)
+        for factor in (0.98, 1.02):
+            load = factor * np.array(margin.moments) / at.programme.scale
+            end, forces = newton(at.programme.loaded(load), at.x, rows)
+            assert end is not None and end.converged
+            assert (forces.min() > 0) == (factor < 1)
+        told += 1
+    assert told >= 2
+
+
+def test_what_is_for_vertices_says_so(found):
+    with pytest.raises(o.OrigamiError, match="segments = True"):
+        o.find_contacts(found, segments=True)
+    with pytest.raises(o.OrigamiError, match="number of a minimum"):
+        o.find_contacts(found, state=1000)
+    with pytest.raises(o.OrigamiError, match="no page"):
+        o.find_contacts(found, state=1).turned()
