@@ -25,6 +25,7 @@ from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_tr
 
 STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Such that curves look smooth."""
+CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 SIDE = 0.01
 """Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
 
@@ -249,6 +250,8 @@ class VertexDriver:
         The path keeps the winding of its first state.
         """
         minima = self._minima(0.0, search)
+        if search.cut:
+            raise OptionError(CUT)
         if not minima:
             raise OptionError("no minimum was found at load 0")
         check_whole("state", state, 1, len(minima))

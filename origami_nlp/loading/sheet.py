@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import SIDE, STEPS, Driver, FramedState, Poser, Search
+from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
@@ -127,9 +127,7 @@ class PatternDriver:
             if not found and not search.cut:
                 raise OptionError("no stable state was found at load 0")
             if search.cut:
-                raise OptionError(
-                    "seconds: the time was over before the search for the state at load 0 was through: give more"
-                )
+                raise OptionError(CUT)
             state = found[check_whole("state", state, 1, len(found)) - 1]
         which = f"state = {number}" if number else "state"
         if state.verdict != "minimum" or len(state.fold_angles) != self.pattern.creases:

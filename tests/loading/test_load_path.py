@@ -188,6 +188,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
         ({"load": None}, "no \\[\\[loads\\]\\]"),
         ({"load": 1, "to": "far"}, "'snap'"),
         ({"load": 1, "to": 0}, "other than 0"),
+        ({"load": 1, "to": 0.01, "seconds": 0.0}, "time was over"),
         ({"load": 1, "to": 0.01, "state": 9}, "state"),
     ],
 )

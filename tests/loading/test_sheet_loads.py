@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
+from scipy.linalg import null_space
 from scipy.optimize import minimize_scalar
 
 import origami_nlp as o
@@ -116,6 +117,26 @@ def test_miura_follows_its_law_to_its_snap(size):
         for b in path.branches for r in b.kind_ranges if r.kind == "saddle" and b.id == 1
         for p in b.points[r.points[0] : r.points[1] + 1]
     )  # fmt: skip
+
+
+def test_a_sheet_of_more_than_600_creases_follows_its_law():
+    """By sparse factors: states, loads and the smallest eigenvalue, which singular values give a second time."""
+    pattern, start = folded_miura(18, 18, *SNAPPING)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.load_path(pattern, i + 1, to=20.0, state=start, confirm=False)
+    (leg,) = path.legs
+    assert pattern.creases > 600 and leg.why == "range" and not path.alarms
+    for p in leg.points:
+        phi, t = law(pattern, 18, i, abs(p.fold_angles[i]))
+        assert np.abs(phi - p.fold_angles).max() < 1e-9
+        assert t == pytest.approx(p.t, abs=1e-9 * 18**2)
+    end = leg.points[-1]
+    sheet, phi = Sheet(pattern).under(path.driver.work, end.t), np.array(end.fold_angles)
+    jacobian = sheet.closure(phi)[1]
+    lam = np.linalg.lstsq(jacobian.T, sheet.torque(phi), rcond=1e-9)[0]
+    z = null_space(jacobian, rcond=1e-8)
+    values = np.linalg.eigvalsh(z.T @ (sheet.hessian(phi, lam) @ z))
+    assert end.eigenvalue == pytest.approx(values[0] * sheet.scale, rel=1e-8)
 
 
 def test_a_path_stops_where_the_sheet_is_flat():
@@ -386,6 +407,15 @@ def test_the_command_writes_all_of_it(tmp_path):
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())
+    code, _, err = run("example", "metasheet:3x3", "--fold", tmp_path / "sheet.fold")
+    assert code == 0, err
+    sheet = tmp_path / "sheet.fold"
+    code, out, err = run("load", sheet, "--crease", "1", "--to", "0.05", "--json", "-")
+    assert code == 0, err
+    assert json.loads(out)["load"] == {"kind": "Torque", "creases": [1]}
+    for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
+        code, _, err = run("load", sheet, *more)
+        assert code == 2 and word in err
     code, _, err = run("pattern", "degree6", "--load")
     assert code == 2 and "--crease" in err
     code, _, err = run("pattern", "degree6", "--crease", "1")
