@@ -23,7 +23,7 @@ from origami_nlp.numerics import TOUCHES
 from origami_nlp.path import Equilibrium, Node, Web
 from origami_nlp.programme import Contact
 
-QUIET = ("start", "range", "corner", "paused")
+QUIET = ("start", "range", "corner", "stable again")
 """Nodes at which nothing happens."""
 Chain = list[tuple[int, bool]]
 """Arcs in order, each with whether it is run from its start to its end."""

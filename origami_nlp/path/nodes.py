@@ -19,7 +19,7 @@ class Node:
 
     type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
     ``slides``, ``touches``; ``start`` (of a state given), ``range`` (an end of what is followed), ``corner`` (the
-    contacts held change, the states do not turn) or ``paused`` (not followed further yet) where nothing happens.
+    contacts held change, the states do not turn) or ``stable again`` (stable states beyond unstable ones, not followed further yet) where nothing happens.
     point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
     system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
     values of s between which it lies, where only that is known.

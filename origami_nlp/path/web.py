@@ -43,7 +43,7 @@ STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
-START, RANGE, EVENT, PAUSED = "start", "range", "event", "paused"
+START, RANGE, EVENT, PAUSED = "start", "range", "event", "stable again"
 
 
 Functions = Callable[[Equilibrium], float]
