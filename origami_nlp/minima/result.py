@@ -114,7 +114,18 @@ class MinimaResult(Told, Turnable):
         )
 
     def state_of(self, minimum: Minimum) -> State:
-        """Return a minimum, one of `minima`, as a state of its programme."""
+        """Return a minimum as a state of its programme.
+
+        Parameters
+        ----------
+        minimum
+            One of `minima`.
+
+        Returns
+        -------
+        State
+            With its contacts, multipliers and curvature.
+        """
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 

@@ -222,7 +222,18 @@ class SheetResult(Told, Turnable):
         return Sheet(self.pattern)
 
     def state_of(self, state: SheetState) -> State:
-        """Return one of `states` as a state of the programme."""
+        """Return a state as one of the programme.
+
+        Parameters
+        ----------
+        state
+            One of `states`.
+
+        Returns
+        -------
+        State
+            With its contacts, multipliers and curvature.
+        """
         return State(self.problem, state.fold_angles)
 
     @property
