@@ -15,7 +15,6 @@ from .layers import (
     round_vertex as round_vertex,
 )
 from .linear import Factor as Factor, Normal as Normal, dense as dense
-from .orders import Orders as Orders
 from .poses import Poses as Poses
 from .sheet import MOST_DENSE as MOST_DENSE, OutOfTime as OutOfTime, Sheet as Sheet
 from .stacks import Stack as Stack
