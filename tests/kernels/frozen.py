@@ -28,8 +28,7 @@ import origami_nlp as o
 from origami_nlp import springs
 from origami_nlp.paper import cone
 from origami_nlp.sheet_loading import Pull
-from origami_nlp.sweep import parse_sweep, run_sweep
-from origami_nlp.sweep.store import read_table
+from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 from origami_nlp.symbolic import catalogue, report
 from tests.kernels.answers import RESIDUAL, SECONDS, Question, answered, generic
 
@@ -210,14 +209,7 @@ def sweeps() -> Iterator[Question]:
     def rows() -> Told:
         with tempfile.TemporaryDirectory() as folder:
             run_sweep(parse_sweep(tomllib.loads(SMALL)), folder, workers=1)
-            tables = {name: read_table(folder, name) for name in ("scenes", "states")}
-        told = {
-            name: [dict(zip(columns, row, strict=True)) for row in found]
-            for name, (columns, found) in tables.items()
-        }
-        for state in told["states"]:
-            state["fold_angles"] = json.loads(state["fold_angles"])
-        return Told(told)
+            return Told(load_states(folder).to_dict("records"))
 
     yield "twelve scenes", rows
 

@@ -61,8 +61,8 @@ def test_a_file_is_written_by_groups_and_compared(tmp_path, capsys):
     one, two = tmp_path / "one.json", tmp_path / "two.json"
     assert frozen.main([str(one), "sweeps"]) == 0
     kept = json.loads(one.read_text())
-    states = kept["sweeps"]["twelve scenes"]["data"]["states"]
-    assert len(kept["sweeps"]["twelve scenes"]["data"]["scenes"]) == 12 and len(states) > 24
+    states = kept["sweeps"]["twelve scenes"]["data"]
+    assert len({s["scene"] for s in states}) == 12 and len(states) > 24
     two.write_text(one.read_text())
     assert frozen.main(["--compare", str(one), str(two)]) == 0
     states[3]["energy"] += 1e-6
@@ -70,7 +70,7 @@ def test_a_file_is_written_by_groups_and_compared(tmp_path, capsys):
     capsys.readouterr()
     assert frozen.main(["--compare", str(one), str(two)]) == 1
     line, total, left = capsys.readouterr().out.splitlines()
-    assert line.startswith("sweeps: twelve scenes.data.states[3].energy: ")
+    assert line.startswith("sweeps: twelve scenes.data[3].energy: ")
     assert "1 answers, 1 differ" in total and left == "# only in one file: cones"
 
 
