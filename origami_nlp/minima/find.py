@@ -16,10 +16,11 @@ from origami_nlp.arguments import (
     check_flag,
     check_number,
     check_type,
+    check_until,
     check_whole,
     shown,
 )
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import (
     Classification,
     State,
@@ -159,9 +160,7 @@ def find_minima(
     wanted = effort_of(effort)
     check_flag("full", full)
     check_prove("prove", prove)
-    until = math.inf
-    if seconds is not None:
-        until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    until = check_until(seconds)
     check_flag("escape", escape)
     if noise is not None:
         check_number("noise", noise, 0.0, MOST_NOISE)
@@ -180,6 +179,7 @@ def find_minima_of_each(
     effort: str = "normal",
     max_starts: int = MOST_STARTS,
     prove: bool | float | None = None,
+    seconds: float | None = None,
 ) -> list[MinimaResult]:
     """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
 
@@ -189,8 +189,8 @@ def find_minima_of_each(
     ----------
     scenes
         The scenes.
-    seed, effort, max_starts, prove
-        As for `find_minima`.
+    seed, effort, max_starts, prove, seconds
+        As for `find_minima`; seconds are those of all searches together.
 
     Returns
     -------
@@ -215,7 +215,9 @@ def find_minima_of_each(
     check_prove("prove", prove)
     for scene in scenes:
         check_type("scenes", scene, Scene)
-    each = [jobs_of(scene, seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    until = check_until(seconds)
+    starts = FEWEST_STARTS, max_starts
+    each = [jobs_of(scene, seed, wanted, starts, None, until) for scene in scenes]
     finish_all(each)
     return [_result(jobs, effort, prove, False) for jobs in each]
 
@@ -321,7 +323,7 @@ def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Mi
             m,
             full_space=judge_in_full_space(scene, x, states)
             if time.monotonic() <= until
-            else not_judged("interrupted by the time limit before it was judged"),
+            else not_judged(f"{OUT_OF_TIME} before it was judged"),
         )
         for m, x in zip(minima, states, strict=True)
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -10,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_number
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
@@ -47,7 +49,7 @@ def check_prove(name: str, value: object) -> None:
 
 
 def prove_complete(
-    model: Model, record: Record, wanted: bool | float | None, left: float | None = None
+    model: Model, record: Record, wanted: bool | float | None, until: float = math.inf
 ) -> Completeness | None:
     """Try to prove that the minima on record are all; what is missing is added to the record.
 
@@ -58,9 +60,9 @@ def prove_complete(
     record
         Of the search; gets further answers.
     wanted
-        True, or seconds that it may take; None: where it is cheap; False: not at all.
-    left
-        Seconds that are left for all; None: no limit.
+        True, or seconds of processor time that it may take; None: where it is cheap; False: not at all.
+    until
+        When the time of the search is over (`time.monotonic`).
 
     Returns
     -------
@@ -75,11 +77,10 @@ def prove_complete(
         return Completeness("not-proved", refused)
     try:
         if wanted is None:
-            proof = prove(model, seconds=left, most=UNASKED)
+            proof = prove(model, most=UNASKED, until=until)
         else:
-            given = math.inf if wanted is True else float(wanted)
-            proof = prove(model, seconds=given if left is None else min(given, left))
-        return hold_against(model, record, proof)
+            proof = prove(model, seconds=None if wanted is True else float(wanted), until=until)
+        return hold_against(model, record, proof, until)
     except BREAKDOWNS as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
@@ -105,7 +106,9 @@ def is_cheap(model: Model) -> bool:
     return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
 
 
-def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
+def hold_against(
+    model: Model, record: Record, proof: Proof, until: float = math.inf
+) -> Completeness:
     """Hold what a search has on record against a proof; what the proof has and the record lacks is judged and filed.
 
     Parameters
@@ -116,6 +119,8 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         Of the search; gets further answers.
     proof
         Of the same model.
+    until
+        When the time is over (`time.monotonic`): what is not judged by then stays open.
 
     Returns
     -------
@@ -134,8 +139,17 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
     limits = model
     if model.scene.contact != "fold-limits":
         limits = Model(replace(model.scene, contact="fold-limits"))
+
+    def open_region(cluster: Cluster) -> Open:
+        return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
+
     singular = _merged(
-        [_stands_alone(model, limits, record, cluster, added) for cluster in proof.singular]
+        [
+            open_region(cluster)
+            if time.monotonic() > until
+            else _stands_alone(model, limits, record, cluster, added)
+            for cluster in proof.singular
+        ]
     )
     if proof.flat_radius and proof.flat_is_minimum is None:
         flat = np.zeros(model.size)
@@ -149,7 +163,10 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
                 proof.flat,
             )
         )
-    undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
+    undecided += [
+        open_region(cluster) if time.monotonic() > until else _judged(model, record, cluster, added)
+        for cluster in proof.undecided
+    ]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
             against.append(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
@@ -212,7 +213,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
         return [f"complete: {s.complete}"]
     if s.stopped_by == "time":
         return [
-            "interrupted by the time limit: not all of these starts were followed down, nor all of their ends judged"
+            f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
         ]
     lines = []
     if s.every_corner:

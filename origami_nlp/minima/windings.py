@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
@@ -79,7 +80,7 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     """Try to prove that the minima on record are all, of every winding; arguments and result as of `prove_complete`."""
     first = jobs[0].model
     if len(jobs) == 1 or (wanted is None and not is_cheap(first)):
-        return prove_complete(first, jobs[0].record, wanted, _left(jobs[0]))
+        return prove_complete(first, jobs[0].record, wanted, jobs[0].until)
     until = math.inf
     if wanted is not None and not isinstance(wanted, bool):
         until = time.process_time() + wanted
@@ -87,16 +88,11 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     for job in jobs:
         if until < math.inf:
             wanted = max(until - time.process_time(), 0.0)
-        one = prove_complete(job.model, job.record, wanted, _left(job))
+        one = prove_complete(job.model, job.record, wanted, job.until)
         if one is None:
             return None
         found.append(one)
     return _joined([job.model.structure.winding for job in jobs], found)
-
-
-def _left(job: Job) -> float | None:
-    """Seconds that a search has left for its proof; None: no limit."""
-    return None if math.isinf(job.until) else max(job.until - time.monotonic(), 0.0)
 
 
 def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completeness:
@@ -128,7 +124,7 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Mini
     for job, which in _apart(jobs, minima):
         some = [minima[k] for k in which]
         if time.monotonic() > job.until:
-            late = Escape(math.nan, OPEN, "interrupted by the time limit")
+            late = Escape(math.nan, OPEN, OUT_OF_TIME)
             some = [replace(m, escape=late) for m in some]
         else:
             some = with_escapes(job.model, some, job.traced)

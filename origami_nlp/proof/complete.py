@@ -46,6 +46,7 @@ def prove(
     seconds: float | None = None,
     most: float = math.inf,
     record: bool = False,
+    until: float = math.inf,
 ) -> Proof:
     """Find every critical point of a scene within fold limits, by branch and prune and certificates of all roots.
 
@@ -59,6 +60,8 @@ def prove(
         Stop after this many boxes (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes.
+    until
+        Stop then (`time.monotonic`), as after `seconds`.
 
     Returns
     -------
@@ -84,7 +87,9 @@ def prove(
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    left = prune(posed, start, flat=near, most=most, seconds=seconds, recorder=recorder)
+    left = prune(
+        posed, start, flat=near, most=most, seconds=seconds, until=until, recorder=recorder
+    )
     system = System(model)
     roots, held, number, rest, more = certified(system, posed, left.candidates, near, recorder)
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
