@@ -26,12 +26,12 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import judge_in_full_space, not_judged
+from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
 from origami_nlp.minima.proved import check_prove
-from origami_nlp.minima.record import Answer, Record, close_orbit
+from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.starts import effort_of
 from origami_nlp.minima.windings import (
@@ -308,22 +308,25 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     if model.size > MOST_CONFIRMED or model.freedom < 0:
         return None
     state = State(model, answer.polished.x)
-    solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
-    record.solves += 1
-    record.statuses[solver.status] += 1
-    record.iterations += solver.iterations
-    return solver
+    with record.surviving("a confirmation by IPOPT"):
+        solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
+        record.solves += 1
+        record.statuses[solver.status] += 1
+        record.iterations += solver.iterations
+        return solver
+    return None
 
 
 def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:
     """Add the verdict in the full space to each minimum; undecided, by name, where the time is over."""
     states = tuple(np.array(m.fold_angles) for m in minima)
-    return [
-        replace(
-            m,
-            full_space=judge_in_full_space(scene, x, states)
-            if time.monotonic() <= until
-            else not_judged(f"{OUT_OF_TIME} before it was judged"),
-        )
-        for m, x in zip(minima, states, strict=True)
-    ]
+
+    def verdict(x: np.ndarray) -> FullSpace:
+        if time.monotonic() > until:
+            return not_judged(f"{OUT_OF_TIME} before it was judged")
+        try:
+            return judge_in_full_space(scene, x, states)
+        except BREAKDOWNS as error:
+            return not_judged(f"linear algebra failed where it was judged: {error}")
+
+    return [replace(m, full_space=verdict(x)) for m, x in zip(minima, states, strict=True)]

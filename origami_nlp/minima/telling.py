@@ -191,7 +191,7 @@ def search_lines(s: SearchReport) -> list[str]:
         lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
     if s.failed:
         reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
-        lines.append(f"ends of descents that are no state: {reasons}")
+        lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
     if ended:
         lines.append("starts ended at: " + ", ".join(ended))

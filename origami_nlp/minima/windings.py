@@ -22,6 +22,7 @@ from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
+from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import Effort
 from origami_nlp.pattern import Scene
@@ -127,7 +128,11 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Mini
             late = Escape(math.nan, OPEN, OUT_OF_TIME)
             some = [replace(m, escape=late) for m in some]
         else:
-            some = with_escapes(job.model, some, job.traced)
+            try:
+                some = with_escapes(job.model, some, job.traced)
+            except BREAKDOWNS as error:
+                broken = Escape(math.nan, OPEN, f"linear algebra failed: {error}")
+                some = [replace(m, escape=broken) for m in some]
         for k, m in zip(which, some, strict=True):
             assert m.escape is not None
             to = which[m.escape.to - 1] + 1 if m.escape.to else 0
@@ -169,7 +174,7 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         return reports[0]
     first = reports[0]
     counted: dict[str, Counter[str]] = {}
-    for name in ("statuses", "outcomes", "by_source"):
+    for name in ("statuses", "outcomes", "by_source", "failed"):
         counted[name] = Counter()
         for r in reports:
             counted[name].update(getattr(r, name))
@@ -189,6 +194,8 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         iterations=sum(r.iterations for r in reports),
         effort=first.effort,
         by_source=dict(counted["by_source"]),
+        refused=tuple(why for r in reports for why in r.refused),
+        failed=dict(sorted(counted["failed"].items())),
         stalled=sum(r.stalled for r in reports),
         seen_once=sum(r.seen_once for r in reports),
         quiet=min((r.quiet for r in drawn), default=0),
