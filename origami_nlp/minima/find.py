@@ -118,11 +118,12 @@ def find_minima(
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     prove
-        Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
+        Prove that the list is complete: True (in at most 2 million boxes, about a minute), or seconds of processor time
+        that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
-        what is left, counted in processor time.  The report says so, and the answer
+        what is left.  The report says so, and the answer
         depends on the machine.  None: the effort alone bounds it.
     escape
         Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out

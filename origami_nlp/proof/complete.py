@@ -135,6 +135,7 @@ def prove(
         flat.radius,
         flat.minimum,
         recorder.tree(posed.size, posed.minor_creases, posed.twins) if recorder else None,
+        left=most_left(model, left.open),
     )
 
 
@@ -280,6 +281,18 @@ def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
         count, label = connected_components(graph, directed=False)
         for k in range(count):
             yield group[label[cell.ravel()] == k]
+
+
+def most_left(model: Model, boxes: Boxes) -> str:
+    """Say which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
+    if not len(boxes):
+        return ""
+    shut, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
+    creases = np.flatnonzero(shut[int(count.argmax())][model.variable_of_crease]) + 1
+    numbers = ", ".join(map(str, creases.tolist()))
+    return (
+        f"most are left with crease{'s' * (len(creases) > 1)} {numbers} at +-pi" if numbers else ""
+    )
 
 
 def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
