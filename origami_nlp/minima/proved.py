@@ -34,10 +34,10 @@ FEW_FREEDOMS = 2
 UNASKED = 100_000
 """Boxes after which a proof that nobody asked for gives up."""
 ASKED = 2_000_000
-"""Boxes after which one gives up that was asked for without a time: a minute, three times what vertices of degree 6 take.
+"""Boxes after which one that was asked for without a time gives up: three times what degree 6 takes, a minute.
 
-Those of vertices within 1e-6 of the regular hexagon would take far more: with every other crease at +-pi the three others
-lie nearly on one line, and nearly closed states fill a surface.
+Vertices within 1e-6 of the regular hexagon would take far more: with every other crease at +-pi the three others lie
+nearly on one line, and nearly closed states fill a surface.
 """
 
 

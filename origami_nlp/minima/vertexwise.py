@@ -18,7 +18,7 @@ import numpy as np
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.numerics import TYPED
+from origami_nlp.numerics import TYPED, residual_words
 from origami_nlp.pattern import Alike, Labels, Scene, group_alike
 from origami_nlp.show import Piece, Table, Told
 
@@ -172,7 +172,7 @@ def _labels(creases: list[int], over: bool) -> Labels:
 
 def _largest(values: Iterator[float]) -> str:
     known = [v for v in values if np.isfinite(v)]
-    return f"{max(known):.0e}" if known else "-"
+    return residual_words(max(known)) if known else "-"
 
 
 def find_vertexwise(
