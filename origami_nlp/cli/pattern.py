@@ -14,6 +14,7 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.load import load_number
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import spring_options
+from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
@@ -160,6 +161,8 @@ def pattern(
     _Files(seen, motion, found, loaded).write(out)
     if interrupted:
         raise KeyboardInterrupt
+    if loaded is not None:
+        end_of(loaded)
 
 
 def _left(until: float) -> float:

@@ -31,6 +31,7 @@ from origami_nlp.minima.telling import (
     search_lines,
     undecided_lines,
 )
+from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene
 from origami_nlp.show import KINDS, Cell, Table, Words, inline_image
 
@@ -124,9 +125,11 @@ def _degrees(angle: float) -> str:
 def _certificates(minima: tuple[Minimum, ...]) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in minima:
-        residuals = f"closure {m.closure_residual:.0e}, KKT {m.kkt_residual:.0e}"
+        residuals = (
+            f"closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}"
+        )
         lines.append(
-            f"<li>{escape(m.certificate)} [{residuals}]<br>{escape(stiffness_words(m))}</li>"
+            f"<li>{escape(m.certificate)} [{escape(residuals)}]<br>{escape(stiffness_words(m))}</li>"
         )
     return "\n".join([*lines, "</ol></details>"])
 

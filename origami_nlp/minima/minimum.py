@@ -213,7 +213,8 @@ class SearchReport(Brief):
     stalled
         Descents that ended nowhere.
     failed
-        Descents whose end is no state (it does not close), or at which linear algebra broke down, by reason.
+        What was left out, by reason: ends of descents that are no state (they do not close), and parts of the search,
+        named, at which linear algebra broke down.
     seen_once
         Minima that one drawn start reached.
     quiet

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
@@ -22,7 +23,7 @@ from origami_nlp.minima.stability import (
     verdict,
 )
 from origami_nlp.minima.stopping import unseen_share
-from origami_nlp.numerics import BALANCED, EPS
+from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words
 
@@ -54,7 +55,7 @@ def contact_words(contact: ContactForce) -> str:
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
     """Say which moment passes round the vertex, or that there is no such one."""
     largest = max(map(abs, moment))
-    vector = ", ".join(f"{v:.6g}" if abs(v) > EPS * largest else "0" for v in moment)
+    vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
     if residual > BALANCED * (1 + largest):
         return (
             f"no one moment passes round the vertex: ({vector}) N m leaves up to {residual:.2g} N m at a free "
@@ -62,7 +63,7 @@ def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
         )
     return (
         f"one moment passes round the vertex: ({vector}) N m, seen from the facet between creases {degree} and 1, "
-        f"residual {residual:.0e} N m"
+        f"residual {residual_words(residual)} N m"
     )
 
 
@@ -95,8 +96,8 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
             freedom_words(m.local_dimension, freedom),
             softest_words(m.softest),
             m.escape.words() if m.escape else "-",
-            f"{m.closure_residual:.0e}",
-            "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
+            residual_words(m.closure_residual),
+            residual_words(m.kkt_residual),
             str(m.hits),
         ]
         if full:
@@ -190,7 +191,7 @@ def search_lines(s: SearchReport) -> list[str]:
         lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
     if s.failed:
         reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
-        lines.append(f"ends of descents that are no state: {reasons}")
+        lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
     if ended:
         lines.append("starts ended at: " + ", ".join(ended))
@@ -212,7 +213,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
         return [f"complete: {s.complete}"]
     if s.stopped_by == "time":
         return [
-            "interrupted by the time limit: not all of these starts were followed down, nor all of their ends judged"
+            f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
         ]
     lines = []
     if s.every_corner:

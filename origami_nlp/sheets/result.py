@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.minima import shallow_words, softest_words, stability_words
 from origami_nlp.numerics import STATIONARY, rank
@@ -111,7 +112,7 @@ class SheetSearch:
     def words(self) -> Iterator[str]:
         """Say it."""
         if self.left_out:
-            why = "interrupted" if self.interrupted else "ended for time"
+            why = "interrupted" if self.interrupted else OUT_OF_TIME
             yield f"{why}, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
