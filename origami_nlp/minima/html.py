@@ -15,6 +15,7 @@ from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import (
     asked,
+    barrier_head,
     count_words,
     isolated_foldings,
     not_asked_words,
@@ -76,7 +77,14 @@ def as_html(
 
 
 def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
-    heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "softest [N m/rad]", f"barrier [{UNIT}]"]
+    heads = [
+        "#",
+        f"energy [{UNIT}]",
+        "kind",
+        "dimension",
+        "softest [N m/rad]",
+        f"{barrier_head(scene)} [{UNIT}]",
+    ]
     heads += ["fold angles [deg]", "contacts", "hits"]
     grouped = isolated_foldings(minima)
     noise = any(m.survival is not None for m in minima)

@@ -106,7 +106,11 @@ def softest_words(softest: float) -> str:
 def stiffness_words(minimum: Minimum) -> str:
     """Say in a line how stiff a minimum is and what it takes to leave it."""
     forces = [c.multiplier for c in minimum.contacts]
-    return stability_words(minimum.softest, forces, minimum.local_dimension == 0, minimum.escape)
+    isolated = minimum.local_dimension == 0
+    words = stability_words(minimum.softest, forces, isolated, minimum.escape)
+    if minimum.full_space is not None and minimum.full_space.verdict == "unstable":
+        words += "; in the full space, where it is unstable, nothing has to be put in to leave it"
+    return words
 
 
 def stability_words(
@@ -129,6 +133,11 @@ def stability_words(
     most = "at most " if e.method == BOUND else ""
     to = f", towards #{e.to}" if e.to else ", towards a state that is not listed"
     return f"{stiff}; escape barrier {most}{number} J{to}: {e.method}{', shallow' * e.shallow}"
+
+
+def barrier_head(scene: Scene) -> str:
+    """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1)"."""
+    return "barrier" if scene.group.is_trivial else f"barrier ({scene.group.name})"
 
 
 def asked(minima: Sequence[Minimum]) -> bool:

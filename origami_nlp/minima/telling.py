@@ -14,6 +14,7 @@ from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
 from origami_nlp.minima.stability import (
     asked,
+    barrier_head,
     count_words,
     isolated_foldings,
     not_asked_words,
@@ -77,7 +78,17 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     full = asked(minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "softest", "barrier", "closure", "KKT", "hits"]
+    heads = [
+        "#",
+        "energy [J]",
+        "kind",
+        "dimension",
+        "softest",
+        barrier_head(scene),
+        "closure",
+        "KKT",
+        "hits",
+    ]
     grouped = isolated_foldings(minima)
     noise = any(m.survival is not None for m in minima)
     if full:
