@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
-from origami_nlp.minima import find_minima
+from origami_nlp.minima import check_noise, find_minima
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, STATIONARY, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
@@ -32,9 +32,18 @@ from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
+from origami_nlp.sheets.noise import with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
-from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
+from origami_nlp.sheets.result import (
+    BARRIERS,
+    MEETINGS,
+    NOISE,
+    OF_VERTEX,
+    POPS,
+    WAYS_OUT,
+    SheetResult,
+)
 from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
@@ -62,6 +71,7 @@ def find_states(
     contact: bool = True,
     seconds: float = SECONDS,
     escape: bool = True,
+    noise: float | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
@@ -79,6 +89,10 @@ def find_states(
         Wall time for the search, give or take a second or two: what was left out is named.
     escape
         Say what it takes to leave each minimum (`SheetState.escape`).
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles, vertices moved in the flat sheet: how many of 20 draws each minimum survives, followed as the errors
+        grow (`SheetState.survival`).
 
     Returns
     -------
@@ -103,6 +117,7 @@ def find_states(
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
     check_flag("escape", escape)
+    check_noise(noise)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
@@ -120,6 +135,8 @@ def find_states(
     search.part("images of minima under symmetries", search.add_images)
     if escape:
         search.part(BARRIERS, search.add_escapes)
+    if noise is not None:
+        search.part(NOISE, search.add_survival, noise)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
         raise Interrupted(found)
@@ -226,6 +243,12 @@ class _Search:
         states, most = self._by_energy(), self.tally.starts
         self.tally.judged = with_escapes(self.curves, states, self.contact, most)
         self.sheet.check_time()
+
+    def add_survival(self, degrees: float) -> None:
+        """Add how many random errors each minimum survives."""
+        self.tally.judged = with_survival(
+            self.sheet, self.labels, self._by_energy(), self.contact, degrees
+        )
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
