@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.facets import MOST_DENSE, OutOfTime, Sheet
-from origami_nlp.minima import check_noise, find_minima
+from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, STATIONARY, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
@@ -32,19 +32,19 @@ from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
-from origami_nlp.sheets.noise import with_survival
+from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
-from origami_nlp.sheets.result import (
-    BARRIERS,
-    MEETINGS,
-    NOISE,
-    OF_VERTEX,
-    POPS,
-    WAYS_OUT,
-    SheetResult,
+from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
+from origami_nlp.sheets.starts import (
+    close,
+    drawn,
+    given,
+    into_family,
+    lowest_on,
+    of_vertex,
+    popped_starts,
 )
-from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -90,9 +90,7 @@ def find_states(
     escape
         Say what it takes to leave each minimum (`SheetState.escape`).
     noise
-        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
-        angles, vertices moved in the flat sheet: how many of 20 draws each minimum survives, followed as the errors
-        grow (`SheetState.survival`).
+        Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
 
     Returns
     -------
@@ -246,9 +244,8 @@ class _Search:
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        self.tally.judged = with_survival(
-            self.sheet, self.labels, self._by_energy(), self.contact, degrees
-        )
+        states, given = self._by_energy(), (self.contact, degrees)
+        self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
@@ -372,26 +369,17 @@ class _Search:
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
             return
-        inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
-        for k in range(4):
-            d = basis @ (basis.T @ ((-1.0) ** k * np.roll(self._side, k // 2)))
-            d = inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
+        for d in into_family(phi, basis, self._side):
             self.explore(phi + OUT * d / np.abs(d).max())
 
     def round_the_vertex(self, seed: int) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
-        pattern = self.sheet.pattern
-        scene, creases = scene_of(pattern, self.contact)
-        if scene is None:
-            return
         # half of the time that is left: what is found is to be judged, and there are other starts
         seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
-        result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
-        if result.search.stopped_by == "time":
+        states, whole = of_vertex(self.sheet.pattern, self.contact, seed, seconds)
+        if not whole:
             self.tally.left_out[OF_VERTEX] = None
-        for found in result.minima:
-            phi = np.zeros(pattern.creases)
-            phi[creases] = found.fold_angles
+        for phi in states:
             self.tally.of_vertex += 1
             if not self.known(phi):
                 self.add(self._judged(phi))

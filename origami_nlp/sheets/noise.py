@@ -40,6 +40,8 @@ from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.starts import close
 from origami_nlp.sheets.state import SheetState
 
+NOISE = "random errors that states survive"
+"""Part of a search that its time may end."""
 OPENED = 1.0, 0.99, 0.97, 0.94
 """Of a state's fold angles, from where it is gone down."""
 
@@ -67,7 +69,7 @@ def with_survival(
     contact
         Whether facets must not cross.
     degrees
-        Size of the errors.
+        Standard deviation of the errors: of rest and sector angles in degrees, of stiffnesses as a share, in radians.
 
     Returns
     -------

@@ -25,7 +25,6 @@ MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
 POPS = "minima with a vertex popped"
 BARRIERS = "escape barriers"
-NOISE = "random errors that states survive"
 """Parts of a search that its time may end."""
 
 

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.facets import Sheet, round_vertex
+from origami_nlp.minima import find_minima
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene
 from origami_nlp.sheets.curve import SHUT
@@ -52,6 +53,28 @@ def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
     stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
     kind: Contact = "full" if contact else "fold-limits"
     return Scene(vertex, stiffness, rest, "none", kind), creases
+
+
+def of_vertex(
+    pattern: Pattern, contact: bool, seed: int, seconds: float
+) -> tuple[list[np.ndarray], bool]:
+    """Return the minima that the search for single vertices finds, [n] each, and whether it came to its end."""
+    scene, creases = scene_of(pattern, contact)
+    if scene is None:
+        return [], True
+    result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
+    states = np.zeros((len(result.minima), pattern.creases))
+    for phi, found in zip(states, result.minima, strict=True):
+        phi[creases] = found.fold_angles
+    return list(states), result.search.stopped_by != "time"
+
+
+def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield directions [n] from a state into a family of closed states with a basis [n, t], away from limits."""
+    inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
+    for k in range(4):
+        d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
+        yield inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
 
 
 def drawn(sheet: Sheet, labels: Labels, rng: np.random.Generator, k: int) -> np.ndarray:
