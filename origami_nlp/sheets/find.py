@@ -23,7 +23,7 @@ from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, STATIONARY, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import Branches, list_branches
-from origami_nlp.sheets.crossroads import split, ways_from
+from origami_nlp.sheets.crossroads import into_family, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import Descended, descend
@@ -36,15 +36,7 @@ from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.starts import (
-    close,
-    drawn,
-    given,
-    into_family,
-    lowest_on,
-    of_vertex,
-    popped_starts,
-)
+from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -153,8 +145,7 @@ class _Search:
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
-        rng = np.random.default_rng(0)
-        self._side = self.labels.drawn(rng.normal(size=pattern.creases))
+        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
         """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
@@ -203,8 +194,7 @@ class _Search:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
                 self.add(self._judged(end.phi))
-            held = press_off(self.sheet, end.path) if self.contact else None
-            if held is not None:
+            if self.contact and (held := press_off(self.sheet, end.path)) is not None:
                 self.press(held)
             if not end.saddles:
                 return
@@ -338,9 +328,8 @@ class _Search:
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:
         """Go all ways out of flat-folded states [S, n]."""
-        sheet = self.sheet
-        for phi, ways in ways_out(sheet.pattern, states, sheet.check_time):
-            self._leave(phi, split(sheet, phi, ways))
+        for phi, ways in ways_out(self.sheet.pattern, states, self.sheet.check_time):
+            self._leave(phi, split(self.sheet, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: Branches) -> None:
         """Go all ways out of a state."""

@@ -69,14 +69,6 @@ def of_vertex(
     return list(states), result.search.stopped_by != "time"
 
 
-def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:
-    """Yield directions [n] from a state into a family of closed states with a basis [n, t], away from limits."""
-    inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
-    for k in range(4):
-        d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
-        yield inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
-
-
 def drawn(sheet: Sheet, labels: Labels, rng: np.random.Generator, k: int) -> np.ndarray:
     """Draw the k-th random start, [n]: grown out of the flat state, any, or with some creases shut, in turn."""
     n = sheet.size
