@@ -66,6 +66,7 @@ from .result import (
     MinimaResult as MinimaResult,
 )
 from .stability import (
+    barrier_words as barrier_words,
     shallow_words as shallow_words,
     softest_words as softest_words,
     stability_words as stability_words,
