@@ -86,6 +86,7 @@ def pattern(
     no_contact: Annotated[
         bool, typer.Option("--no-contact", help="With --minima: facets may cross.")
     ] = False,
+    noise: o.Noise = None,
     seconds: Annotated[
         float,
         typer.Option(
@@ -130,6 +131,8 @@ def pattern(
             "--load needs one of --crease K, --pull V,W and --force V,X,Y,Z" if load else
             f"--{given[0]} says what --load is: give --load too"
         )  # fmt: skip
+    if noise is not None and not minima:
+        raise OptionError("--noise counts which stable states survive errors: give --minima too")
     sheet = _read(file, frame, stiffness, rest_angle, rest_angles, per_length)
     seen = overview(sheet, seed)
     seen.tell(out.console)
@@ -139,7 +142,7 @@ def pattern(
     found: Any = None
     if minima:
         try:
-            found = find_states(sheet, starts, seed, not no_contact, _left(until))
+            found = find_states(sheet, starts, seed, not no_contact, _left(until), noise=noise)
         except Interrupted as stopped:  # what was found is told and written all the same
             found = stopped.result
         found.tell(out.console)

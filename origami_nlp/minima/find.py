@@ -30,6 +30,7 @@ from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_ju
 from origami_nlp.minima.ipopt import Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
+from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
@@ -50,8 +51,6 @@ FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
-MOST_NOISE = 10.0
-"""Degrees: with more, errors are no longer small beside sector angles."""
 MOST_CONFIRMED = 100
 """Variables up to which IPOPT confirms minima: it needs a compiled Hessian, whose number of entries is their square."""
 
@@ -163,8 +162,7 @@ def find_minima(
     check_prove("prove", prove)
     until = check_until(seconds)
     check_flag("escape", escape)
-    if noise is not None:
-        check_number("noise", noise, 0.0, MOST_NOISE)
+    check_noise(noise)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)

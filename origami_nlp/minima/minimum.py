@@ -29,6 +29,9 @@ class Survival(Brief):
         Trials in which the state could be followed, and was a certified minimum with full errors.
     trials
         All.
+    springs
+        Of patterns whose closure has as many equations as creases: trials kept with errors of the springs alone; with
+        errors of positions rigid facets of such a sheet do not fold.
 
     Examples
     --------
@@ -41,9 +44,11 @@ class Survival(Brief):
     degrees: float
     kept: int
     trials: int
+    springs: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.kept} of {self.trials}"
+        alone = "" if self.springs is None else f" (springs {self.springs})"
+        return f"{self.kept} of {self.trials}{alone}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from origami_nlp.kkt import BOUND, Escape, rounded_up
+from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
@@ -138,6 +138,27 @@ def stability_words(
 def barrier_head(scene: Scene) -> str:
     """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1)"."""
     return "barrier" if scene.group.is_trivial else f"barrier ({scene.group.name})"
+
+
+def barrier_words(e: Escape | None, unit: str) -> str:
+    """Say an escape barrier in a line of a picture's title; empty where there is nothing to say.
+
+    Parameters
+    ----------
+    e
+        The barrier, if it was asked for.
+    unit
+        Of energy.
+
+    Returns
+    -------
+    str
+        "barrier = 0.0123 J", with a sign for bounds, or that it is not determined.
+    """
+    if e is None or not e.known:
+        return "" if e is None or e.method != OPEN else "barrier not determined"
+    words = e.words()
+    return f"barrier {words if words[0] == '<' else '= ' + words} {unit}".replace("<=", "\u2264")
 
 
 def asked(minima: Sequence[Minimum]) -> bool:

@@ -11,7 +11,8 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
+from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import (
     asked,
     barrier_head,
@@ -159,10 +160,7 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
     if any(m.survival is not None for m in minima):
         degrees = max(m.survival.degrees for m in minima if m.survival)
-        lines.append(
-            f"survives: those of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest "
-            f"and sector angles and {math.radians(degrees):.2g} of stiffnesses, into which the state could be followed"
-        )
+        lines.append(survival_words(degrees, "rest and sector angles"))
     if grouped:
         lines.append(
             f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "

@@ -10,6 +10,8 @@ import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt import ALONE, TRACED, Escape
+from origami_nlp.minima import Survival
+from origami_nlp.show import from_plain
 
 Verdict: TypeAlias = Literal["minimum", "not a minimum", "undecided", "crosses", "no state"]
 Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
@@ -133,6 +135,8 @@ class SheetState(Brief):
         motion resists with; inf where contacts leave nothing free.
     escape
         Of a minimum, how much energy it takes to leave it; None where it was not asked for.
+    survival
+        Of a minimum, how many random errors of the sheet it survives, where that was asked for (``noise``).
     """
 
     fold_angles: np.ndarray = field(repr=False)
@@ -148,6 +152,7 @@ class SheetState(Brief):
     certificate: str
     softest: float = math.nan
     escape: Escape | None = None
+    survival: Survival | None = None
 
     @property
     def shallow(self) -> bool:
@@ -188,6 +193,7 @@ class SheetState(Brief):
             "certificate": self.certificate,
             "softest": self.softest if math.isfinite(self.softest) else None,
             "escape": _plain(self.escape),
+            **({"survival": asdict(self.survival)} if self.survival else {}),
         }
 
     @classmethod
@@ -225,6 +231,7 @@ class SheetState(Brief):
             str(data["certificate"]),
             unknown if data.get("softest") is None else float(data["softest"]),
             _escape(data.get("escape")),
+            from_plain(Survival, data["survival"]) if "survival" in data else None,
         )
 
 
