@@ -54,6 +54,12 @@ class Answer:
         """Whether it was judged to be a minimum."""
         return self.what is not None and self.what.verdict == "minimum"
 
+    @property
+    def gives_way(self) -> bool:
+        """Whether it was listed, never polished, and judged not to be stationary."""
+        unpolished = self.listed and math.isnan(self.polished.kkt_residual)
+        return unpolished and self.what is not None and self.what.verdict == "not stationary"
+
 
 @dataclass
 class Record:
@@ -150,7 +156,9 @@ class Record:
     def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
 
-        What Newton could not polish is taken for the exact state next to it, where there is one.
+        What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state that is
+        not stationary gives way to the stationary one that Newton finds next to it: with data that are symmetric but
+        for 1e-10 the lowest state of a hinge set is so far from the minimum.
         """
         if not polished.converged:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
@@ -158,7 +166,7 @@ class Record:
         may = self._apart(polished.x) <= max(BESIDE, polished.uncertainty + widest)
         for known in (self.answers[k] for k in np.flatnonzero(may)):
             if _is_same(known.polished, polished):
-                better = polished.converged and not known.polished.converged
+                better = polished.converged and (not known.polished.converged or known.gives_way)
                 if better:
                     known.polished = polished
                 return known, better

@@ -151,3 +151,22 @@ def test_strata_that_are_left_out_are_those_of_equal_sectors():
     assert starts == [7] * 5  # two of the five creases, both ways, say it already
     starts = [len(s.start) for s in touch_strata(Model(near(5, 1e-3, 0))) if len(s.touches) == 1]
     assert starts == [11] * 5
+
+
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+def test_data_within_rounding_of_a_regular_hexagon_have_its_minima(contact):
+    """Descents ended 1e-10 from a listed state that is not stationary, and were taken for it."""
+    exact, close = (
+        find_minima(near(6, apart, 1, "equal", contact), prove=False, escape=False).minima
+        for apart in (0.0, 1e-10)
+    )
+    assert len(exact) == len(close) == (17 if contact == "fold-limits" else 3)
+    for m in close:
+        apart = [np.abs(np.subtract(m.fold_angles, n.fold_angles)).max() for n in exact]
+        assert min(apart) < 1e-8
+
+
+@pytest.mark.slow
+def test_the_proof_for_a_hexagon_within_rounding_of_the_regular_one_contradicts_nothing():
+    known = proved(6, 1e-10, 1, "equal", "fold-limits").completeness
+    assert "does not confirm" not in known.reason
