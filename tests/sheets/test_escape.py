@@ -63,7 +63,7 @@ def test_a_way_goes_to_an_image_and_back() -> None:
     """Along a symmetry and back again it is the same; the end goes where the symmetry takes it."""
     pattern = o.examples.pattern("squaretwist")
     labels = find_labels(pattern)
-    x = np.random.default_rng(0).normal(size=pattern.creases)
+    x, seen = np.random.default_rng(0).normal(size=pattern.creases), 0
     for symmetry in labels.symmetries(pattern):
         at = np.array([x, image(symmetry, x)])
         first, second = _images(at, labels.symmetries(pattern))
@@ -74,6 +74,8 @@ def test_a_way_goes_to_an_image_and_back() -> None:
             assert second.way(way).to == 0
             assert np.allclose(second.back(second.way(way)).top, way.top)
             assert second.back(second.way(way)).to == 1
+            seen += 1
+    assert seen
 
 
 def test_directions_open_contacts_and_close_none(yoshimura: SheetResult) -> None:
