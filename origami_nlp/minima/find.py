@@ -14,7 +14,6 @@ from origami_nlp.arguments import (
     check_angles,
     check_callback,
     check_flag,
-    check_number,
     check_type,
     check_until,
     check_whole,

@@ -156,9 +156,9 @@ class Record:
     def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
 
-        What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state that is
-        not stationary gives way to the stationary one that Newton finds next to it: with data that are symmetric but
-        for 1e-10 the lowest state of a hinge set is so far from the minimum.
+        What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state
+        that is not stationary gives way to the stationary one that Newton finds next to it: with data that are
+        symmetric but for 1e-10 the lowest state of a hinge set is so far from the minimum.
         """
         if not polished.converged:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
