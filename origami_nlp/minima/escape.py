@@ -31,7 +31,7 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, RESOLVED, SETTLED, SHALLOW, coarse
+from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, RESOLVED, SETTLED, SHALLOW
 from origami_nlp.programme import Contact, Model
 
 MOST_STATES = 8
@@ -158,12 +158,11 @@ class VertexTerrain:
             way = (goal[live] - at[live] * aimed[live, None]) * model.root
             left = np.linalg.norm(way, axis=1)
             length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
-            move = length * coarse(way / np.maximum(left, 1e-300)[:, None]) / model.root
+            move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
             want = np.clip(at[live] + move, -model.bound, model.bound)
             arrives = aimed[live] & (left <= step)
-            want[arrives] = goal[live][
-                arrives
-            ]  # nothing beside it: at the flat state no way is back
+            # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
+            want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
             y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
             y = np.clip(y, -model.bound, model.bound)
