@@ -9,11 +9,9 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.followed import follows
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 
 
-@bounded
 @takes_scene(o.SceneFile)
 @follows
 def load(

@@ -21,7 +21,6 @@ from .layers import (
 )
 from .linear import Factor as Factor, Normal as Normal, dense as dense
 from .meeting import touches_at as touches_at
-from .orders import Orders as Orders
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet

@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+import time
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, shown
+from origami_nlp.arguments import (
+    check_flag,
+    check_number,
+    check_type,
+    check_until,
+    check_whole,
+    shown,
+)
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, let_go, position, restabilises, walk
-from origami_nlp.minima import find_minima, full_scene
+from origami_nlp.minima import MinimaResult, find_minima, full_scene
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, Steps, Web
+from origami_nlp.path import LATE, Equilibrium, Steps, Web
 from origami_nlp.pattern import Scene
 
 MOST_SNAPS = 20
@@ -43,6 +51,7 @@ def load_path(
     seed: int = 0,
     max_starts: int = 100_000,
     steps: Steps | None = None,
+    seconds: float | None = None,
 ) -> LoadPath:
     """Load a minimum by a torque on a crease, or by the forces that the scene states, and follow it.
 
@@ -70,6 +79,8 @@ def load_path(
         Of the searches.
     steps
         Of the tracer.
+    seconds
+        Wall time; what was followed by then is returned, with an alarm that says so.  None: no limit.
 
     Returns
     -------
@@ -96,29 +107,57 @@ def load_path(
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search: dict[str, Any] = {"effort": effort, "seed": seed, "max_starts": max_starts}
-    result = find_minima(driver.scene_at(0.0), prove=False, escape=False, **search)
+    until = check_until(seconds)
+    searches = _Searches({"effort": effort, "seed": seed, "max_starts": max_starts}, until)
+    result = searches.find(driver.scene_at(0.0))
+    if result.search.stopped_by == "time":
+        raise OptionError(
+            f"seconds = {seconds:g}: the time was over before the search for the state at load 0 was through: give more"
+        )
     if not result.minima:
         raise OptionError("no minimum was found at load 0")
     check_whole("state", state, 1, len(result.minima))
     start = result.minima[state - 1]
     if len(scene.windings) > 1:  # a path keeps the winding of its first state
         driver = Driver(replace(scene, winding=start.winding), crease)
-    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps)
+    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps, until)
     x = job.web.line.programme.reduce(np.array(start.fold_angles))  # type: ignore[attr-defined]
     job.begin(x, 0.0)
     for end in ends:
         arrived = job.go(x, 0.0, end, once=to == "snap")
         if back and arrived is not None:
             job.go(*arrived, 0.0, once=False)
-    return job.path(state, search if confirm else None)
+    if not job.ways:
+        raise OptionError(
+            f"seconds = {seconds:g}: the time was over before a leg of the path was followed: give more"
+        )
+    return job.path(state, searches if confirm else None)
+
+
+@dataclass(frozen=True)
+class _Searches:
+    """Searches for minima with what is left of the time; options: of `find_minima`."""
+
+    options: dict[str, Any]
+    until: float
+
+    def find(self, scene: Scene) -> MinimaResult:
+        """Search for the minima of a scene."""
+        left = None if math.isinf(self.until) else max(self.until - time.monotonic(), 0.0)
+        return find_minima(scene, prove=False, escape=False, seconds=left, **self.options)
 
 
 class _Job:
     """One load path while it is followed."""
 
     def __init__(
-        self, driver: Driver, low: float, high: float, full_space: bool, steps: Steps | None
+        self,
+        driver: Driver,
+        low: float,
+        high: float,
+        full_space: bool,
+        steps: Steps | None,
+        until: float,
     ) -> None:
         self.driver, scene = driver, driver.scene
         self.over = Over(driver.name, low, high, driver.unit, False)
@@ -128,7 +167,7 @@ class _Job:
             self._full = driver.line(full_scene(scene))
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
-        self.web = Web(line, low, high, steps=steps or STEPS, functions=functions)
+        self.web = Web(line, low, high, steps=steps or STEPS, functions=functions, until=until)
         self.ways: list[tuple[Way, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
@@ -180,6 +219,11 @@ class _Job:
         toward = 1.0 if end > s else -1.0
         for _ in range(MOST_SNAPS):
             way = walk(self.web, x, s, toward, end, self.across)
+            if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
+                if way is not None and len(way.frames) > 1:
+                    self.ways.append((replace(way, why=LATE), toward, None))
+                self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                return None
             if way is None:
                 self.alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
@@ -204,7 +248,7 @@ class _Job:
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
-    def path(self, state: int, search: dict[str, Any] | None) -> LoadPath:
+    def path(self, state: int, searches: _Searches | None) -> LoadPath:
         """Judge what was followed, and pack it."""
         web = self.web
         parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
@@ -214,7 +258,7 @@ class _Job:
                 if not r.stable and r.kind != "saddle":
                     words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
                     self.alarms.append(f"{words}: {r.certificate}")
-        snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
+        snaps = tuple(self._snap(k, events, searches) for k in range(len(self.falls)))
         legs = tuple(self._leg(way, toward, snap) for way, toward, snap in self.ways)
         return LoadPath(
             self.driver, state, web.low, web.high, legs, snaps, branches, events,
@@ -241,7 +285,7 @@ class _Job:
             )
         return Leg(int(toward), tuple(points), way.why, snap, *self._judged(way))
 
-    def _snap(self, k: int, events: tuple[PathEvent, ...], search: dict[str, Any] | None) -> Snap:
+    def _snap(self, k: int, events: tuple[PathEvent, ...], searches: _Searches | None) -> Snap:
         node, s, landed, kind, certificate = self.falls[k]
         web, found = self.web, self.web.nodes[node]
         before = found.point[:-1]
@@ -267,11 +311,13 @@ class _Job:
             kind,
             certificate,
             None if again is None else web.nodes[again].s,
-            None if search is None else self._confirmed(k, landed, s, search),
+            None if searches is None else self._confirmed(k, landed, s, searches),
         )
 
-    def _confirmed(self, k: int, landed: np.ndarray, s: float, search: dict[str, Any]) -> Confirmed:
-        """Search on both sides of a snap for the states that the path has there."""
+    def _confirmed(
+        self, k: int, landed: np.ndarray, s: float, searches: _Searches
+    ) -> Confirmed | None:
+        """Search on both sides of a snap for the states that the path has there; None where the time is over."""
         way, toward = next((w, d) for w, d, snap in self.ways if snap == k + 1)
         at = self.web.nodes[way.node].s
         scale = self.web.line.programme.scale if self.driver.crease else abs(at)
@@ -281,7 +327,10 @@ class _Job:
         known = self._nearest(way, loads[0]), after
         minima, found = [], []
         for t, state in zip(loads, known, strict=True):
-            result = find_minima(self.driver.scene_at(t), prove=False, escape=False, **search)
+            result = searches.find(self.driver.scene_at(t))
+            if result.search.stopped_by == "time":
+                self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+                return None
             minima.append(len(result.minima))
             angles = np.array([m.fold_angles for m in result.minima])
             apart = np.abs(angles - state).max(axis=1, initial=0.0) if state is not None else []

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import Leg, Snap
@@ -79,6 +80,11 @@ class LoadedPath(Told, Turnable):
     alarms: tuple[str, ...]
     steps: int
     evaluations: int
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the time was over before the path came to its end, or its snaps were confirmed; an alarm says so."""
+        return any(line.startswith(OUT_OF_TIME) for line in self.alarms)
 
     WAY: ClassVar[str] = ""
     TURNED: ClassVar[str] = ""
@@ -186,6 +192,7 @@ class LoadedPath(Told, Turnable):
             "branches": to_plain(self.branches),
             "events": to_plain(self.events),
             "alarms": list(self.alarms),
+            "interrupted": self.interrupted,
             "cost": {"steps": self.steps, "evaluations": self.evaluations},
         }
 

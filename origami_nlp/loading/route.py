@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.kkt import Classification, follow
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, Web
+from origami_nlp.path import LATE, Equilibrium, Web
 
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
@@ -98,6 +98,8 @@ def _why(web: Web, node: int, end: float) -> str:
     found = web.nodes[node]
     if abs(found.s - end) <= SETTLED * (1 + abs(end)):
         return "range"
+    if found.type == LATE:
+        return LATE
     if found.type in WALL:
         return f"stopped: {found.why or 'closure or contacts lose rank'}"
     return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"

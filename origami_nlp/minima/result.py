@@ -293,4 +293,6 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     for name in ("full_space", "solver", "escape", "survival"):
         if data[name] is None:
             del data[name]
+    if m.survival is not None:
+        del data["survival"]["springs"]  # of patterns
     return data

@@ -1,3 +1,4 @@
+from .arcs import LATE as LATE, RANGE as RANGE, Arc as Arc, Node as Node
 from .curve import (
     BoundaryCurve as BoundaryCurve,
     HeldCurve as HeldCurve,
@@ -31,4 +32,4 @@ from .tracer import (
     trace as trace,
     trace_ahead as trace_ahead,
 )
-from .web import RANGE as RANGE, Arc as Arc, Node as Node, Web as Web
+from .web import Web as Web

@@ -8,13 +8,16 @@ the number of unstable directions stay the same.
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
+from origami_nlp.path.arcs import EVENT, LATE, RANGE, START, Arc, Node
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve, System, Tally
 from origami_nlp.path.events import (
     Found,
@@ -35,84 +38,11 @@ from origami_nlp.path.halves import (
 )
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
-from origami_nlp.programme import Contact
 
 STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
-START, RANGE, EVENT = "start", "range", "event"
-
-
-@dataclass(eq=False)
-class Node:
-    """A state at which arcs end.
-
-    type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
-    ``start`` (of a state given), ``range`` (an end of what is followed) or ``corner`` (the contacts held change, the
-    states do not turn) where nothing happens.
-    point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
-    system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
-    values of s between which it lies, where only that is known.
-    halves: in which directions equilibria go on.  used: those that were followed, or come from there.
-    """
-
-    type: str
-    point: np.ndarray
-    contact: Contact | None = None
-    value: float = 0.0
-    residual: float = 0.0
-    located: bool = True
-    why: str = ""
-    between: tuple[float, float] | None = None
-    halves: list[Half] = field(default_factory=list)
-    used: list[int] = field(default_factory=list)
-
-    @property
-    def s(self) -> float:
-        """Where on the line."""
-        return float(self.point[-1])
-
-
-@dataclass(frozen=True, eq=False)
-class Arc:
-    """Equilibria between two nodes, in the order in which they were followed.
-
-    frames: at least two, ends included.  start, end: positions of the nodes.  signed: see `halves.Half`.
-    """
-
-    frames: tuple[Equilibrium, ...]
-    start: int
-    end: int
-    signed: bool
-
-    @property
-    def low(self) -> float:
-        """Smallest s."""
-        return min(self.frames[0].s, self.frames[-1].s)
-
-    @property
-    def high(self) -> float:
-        """Largest s."""
-        return max(self.frames[0].s, self.frames[-1].s)
-
-    @property
-    def index(self) -> int:
-        """Number of directions in which the energy falls."""
-        return self.frames[(len(self.frames) - 1) // 2].index
-
-    def at(self, s: float, tally: Tally) -> Equilibrium | None:
-        """Return its state at s, by Newton; None outside."""
-        if not self.low - SETTLED <= s <= self.high + SETTLED:
-            return None
-        values = np.array([frame.s for frame in self.frames])
-        forward = values[-1] >= values[0]
-        k = int(np.searchsorted(values if forward else -values, s if forward else -s))
-        a, b = self.frames[max(k - 1, 0)], self.frames[min(k, len(values) - 1)]
-        share = 0.0 if a.s == b.s else (s - a.s) / (b.s - a.s)
-        middle = self.frames[len(self.frames) // 2]
-        curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
-        return curve.at(a.x + share * (b.x - a.x), s, middle.tangent)
 
 
 Functions = Callable[[Equilibrium], float]
@@ -133,6 +63,8 @@ class Web:
         Whether unstable states beyond a fold are followed.
     functions
         Further functions of a state whose zeros are events, by type.
+    until
+        When following ends (`time.monotonic`), wherever it is.
 
     Attributes
     ----------
@@ -140,6 +72,8 @@ class Web:
         In the order in which they were found.
     tally
         What it cost.
+    interrupted
+        Whether the time was over before all that comes of the states given was followed.
     """
 
     def __init__(
@@ -151,14 +85,22 @@ class Web:
         steps: Steps = STEPS,
         through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
+        until: float = math.inf,
     ) -> None:
         self.line, self.low, self.high = line, low, high
-        self.steps = replace(steps, most=MOST_STEPS)
+        self.steps = replace(steps, most=MOST_STEPS, until=until)
+        self.interrupted = False
         self.through_folds, self.functions = through_folds, tuple(functions)
         self.nodes: list[Node] = []
         self.arcs: list[Arc] = []
         self.tally = Tally()
         self.root = np.append(line.programme.root, line.weight)
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is over; then what was to be followed is not."""
+        self.interrupted |= time.monotonic() > self.steps.until
+        return self.interrupted
 
     @cached_property
     def flat(self) -> list[tuple[float, np.ndarray]]:
@@ -202,18 +144,18 @@ class Web:
                 "no equilibrium goes on from there: a state of this value alone",
             )
         todo = [(len(self.nodes) - 1, k) for k in inside]
-        while todo and len(self.arcs) - before < MOST_ARCS:
+        while todo and len(self.arcs) - before < MOST_ARCS and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
                 self.nodes[number].used.append(k)
                 todo += self._follow(number, self.nodes[number].halves[k])
-        if todo:
+        if todo and not self.interrupted:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
         return bool(inside)
 
     def add_flat(self) -> None:
         """Follow the minima that are born where curves pass the flat state."""
-        for s, direction in self.flat:
+        for s, direction in [] if self.late else self.flat:
             for frame in beside_flat(self.line, s, direction, self.tally):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
@@ -320,6 +262,9 @@ class Web:
         last = frames[-1] if frames else half.frame
         if why == CLOSED_CURVE:
             return frames, Found(START, last, None, 0.0, True)
+        if why == LATE:
+            self.interrupted = True
+            return frames, Found(LATE, last, None, 0.0, True)
         return frames, Found("singular", last, None, np.nan, False, why)
 
     def _first(
@@ -351,7 +296,7 @@ class Web:
         """Return the node of an event, and whether it was there before."""
         point = event.frame.x if event.point is None else event.point
         for k, node in enumerate(self.nodes):
-            if (node.type == START) != (event.type == START) or event.type == RANGE:
+            if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
                 continue
             # a branching is known to the root of rounding only along its branches
             crude = node.type == event.type == "branching"

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_whole, shown
-from origami_nlp.errors import OptionError
+from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.facets import OutOfTime, Sheet
 from origami_nlp.kkt import State, classify
 from origami_nlp.loading import Confirmed, Leg, LoadPoint, Snap
@@ -126,7 +126,7 @@ def find_load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     far = 2 * math.pi * float(pattern.stiffness.sum()) / work.arm
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    until = check_until(seconds)
     searches = _Searches(check_whole("starts", starts, 0), check_whole("seed", seed, 0), until)
     number, begun = _state(pattern, state, searches)
     if isinstance(work, Pull) and work.conjugate(begun.fold_angles) <= SAME * work.arm:
@@ -150,7 +150,7 @@ def find_load_path(
                 f"seconds = {seconds:g}: the time was over before a leg of the path was followed: give more"
             ) from None
         job.alarms.append(
-            f"ended for time, {seconds:g} s: the path goes on from where it ends here"
+            f"{OUT_OF_TIME} ({seconds:g} s): the path goes on from where it ends here"
         )
     job.sheet.until = math.inf
     return job.path(number, searches, confirm)
@@ -408,7 +408,7 @@ class _Job:
         for load, state in zip(loads, (before, after), strict=True):
             states = searches.find(self.work.loaded(load * scale))
             if searches.cut:
-                self.alarms.append(f"ended for time: snap {k + 1} was not confirmed by searches")
+                self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
                 return None
             minima.append(len(states))
             far = [
